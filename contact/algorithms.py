@@ -1,0 +1,14 @@
+"""The catalogue of contact algorithms; a new one is one file and one line here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from contact.problem import ContactAlgorithm
+from contact.semismooth import Semismooth
+from contact.trial_and_error import TrialAndError
+
+ALGORITHMS: dict[str, Callable[..., ContactAlgorithm]] = {
+    "trial-and-error": TrialAndError,
+    "semismooth": Semismooth,
+}

@@ -1,0 +1,45 @@
+"""The judge: recomputes what an answer is worth from (problem, u, pressure) alone and trusts no algorithm."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from contact.problem import ContactProblem
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Residuals of the contact conditions.
+
+    equilibrium: |r - G^T W p| over the largest force in balance [-].  penetration: largest -g [mm].
+    tension: largest -p [MPa].  complementarity: largest |p g| [MPa mm].  All are >= 0, best 0.
+    """
+
+    equilibrium: float
+    penetration: float
+    tension: float
+    complementarity: float
+
+    def failures(self, *, equilibrium: float = 1e-8, penetration: float = 1e-9, tension: float = 0.0) -> list[str]:
+        """The names of the residuals above their bounds (NaN counts as above)."""
+        bounds = {"equilibrium": equilibrium, "penetration": penetration, "tension": tension}
+        return [name for name, bound in bounds.items() if not asdict(self)[name] <= bound]
+
+
+def judge(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> Verdict:
+    """Recompute all residuals; raises ValueError when the pressures do not fit the candidates."""
+    if pressure.shape != problem.weights.shape:
+        raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
+    lin = problem.linearise(u, None)
+    gap = problem.gap(u)
+    contact = problem.contact_force(u, pressure)
+    scale = max(lin.scale, float(np.linalg.norm(contact)))
+    imbalance = float(np.linalg.norm(lin.residual - contact))
+    return Verdict(
+        equilibrium=imbalance / scale if scale > 0 else imbalance,
+        penetration=float(np.max(-gap, initial=0.0)),
+        tension=float(np.max(-pressure, initial=0.0)),
+        complementarity=float(np.max(np.abs(pressure * gap), initial=0.0)),
+    )

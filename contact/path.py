@@ -1,0 +1,87 @@
+"""Load stepping that adapts: a failed step is cut in half, an easy one lets the next grow back; the history says so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+
+EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
+SMALLEST = 2.0**-10  # of the step asked for
+
+
+@dataclass(frozen=True, eq=False)
+class PathPoint:
+    """The state at a requested parameter, or the last converged one when the path ended before it.
+
+    requested, reached: the path parameter asked for and got.  outcome: CONVERGED, or why the path ends here.
+    solution: the converged state at ``reached`` with the counters and history of ALL sub-steps since the last point.
+    """
+
+    requested: float
+    reached: float
+    outcome: Outcome
+    solution: ContactSolution
+    substeps: int
+
+
+def follow(
+    problem_at: Callable[[float], ContactProblem],
+    start: float,
+    targets: Sequence[float],
+    algorithm: ContactAlgorithm,
+    solution: ContactSolution,
+    steps: int = 1,
+    on_substep: Callable[[float], None] | None = None,
+) -> Iterator[PathPoint]:
+    """Follow the path of problems from the converged ``solution`` at ``start`` through the targets, in order.
+
+    ``steps``: equal steps between two targets. The iteration ends with the first point that is not converged.
+    """
+    at = start
+    for target in targets:
+        point = _reach(problem_at, at, target, algorithm, solution, steps, on_substep)
+        yield point
+        if not point.outcome.converged:
+            return
+        at, solution = target, point.solution
+
+
+def _reach(
+    problem_at: Callable[[float], ContactProblem],
+    at: float,
+    target: float,
+    algorithm: ContactAlgorithm,
+    solution: ContactSolution,
+    steps: int,
+    on_substep: Callable[[float], None] | None,
+) -> PathPoint:
+    asked = (target - at) / steps
+    step, substeps = asked, 0
+    counters: dict[str, float] = {}
+    history: list[dict[str, object]] = []
+    reached, outcome = at, Outcome.CONVERGED
+    while reached != target:
+        last = abs(target - reached) <= abs(step) * (1 + 1e-9)
+        trial = target if last else reached + step
+        attempt = algorithm.solve(problem_at(trial), solution)
+        counters = {key: counters.get(key, 0) + value for key, value in attempt.counters.items()}
+        rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history)]
+        history += rows
+        if attempt.outcome.converged:
+            solution, reached, substeps = attempt, trial, substeps + 1
+            if on_substep is not None:
+                on_substep(trial)
+            if abs(step) < abs(asked) and attempt.counters["newton_iterations"] <= EASY_ITERATIONS:
+                step = 2 * step
+                rows[-1]["event"] = f"easy step: the next one grows to {step:.6g}"
+            continue
+        if abs(step) / 2 < SMALLEST * abs(asked):
+            outcome = Outcome.STEP_LIMIT
+            rows[-1]["event"] = f"{attempt.outcome.value}; {outcome.value}"
+            break
+        step = (trial - reached) / 2
+        rows[-1]["event"] = f"{attempt.outcome.value}: step cut to {step:.6g}"
+    spent = replace(solution, counters=counters, history=tuple(history))
+    return PathPoint(target, reached, outcome, spent, substeps)

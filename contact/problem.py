@@ -1,0 +1,129 @@
+"""The contact problem and its answer; no algorithm and no mechanics may enter here.
+
+Find u (n,) and pressures p (m,) with::
+
+    r(u) = G(u)^T W p,    g(u) >= 0,    p >= 0,    p g = 0,        G = dg/du
+
+r is internal minus external force [N], g the gap [mm] at the candidate nodes, W = diag(weights) (``lumped``) or a
+consistent matrix [mm^2]. With a finite epsilon [MPa/mm] the law p = epsilon <-g> replaces the last three.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+from scipy import sparse
+
+
+class Linearisation(Protocol):
+    """What a mechanical model returns at u: r (n,), dr/du (n, n) CSC, a force scale [N], and a memory maker."""
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Internal minus external force (n,)."""
+        ...
+
+    @property
+    def tangent(self) -> sparse.csc_matrix:
+        """dr/du."""
+        ...
+
+    @property
+    def scale(self) -> float:
+        """Size of the forces in balance [N]; relative residuals are measured by it."""
+        ...
+
+    @property
+    def remember(self) -> Callable[[np.ndarray], object]:
+        """Memory to pass on after a step du; opaque to every algorithm."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class ContactProblem:
+    """One contact problem at fixed loads; all callables are pure.
+
+    linearise(u, memory) -> Linearisation;  gap(u) -> (m,);  gap_jacobian(u) -> (m, n) CSR;  weights (m,) [mm^2];
+    coupling: consistent W (m, m), or None for diag(weights);  gap_curvature(u, f) -> (n, n) CSC, the sum over the
+    nodes of f_i d2g_i/du2 for nodal contact forces f, or None when the gap is linear in u.
+    """
+
+    linearise: Callable[[np.ndarray, object], Linearisation]
+    gap: Callable[[np.ndarray], np.ndarray]
+    gap_jacobian: Callable[[np.ndarray], sparse.csr_matrix]
+    weights: np.ndarray
+    coupling: sparse.csr_matrix | None = None
+    gap_curvature: Callable[[np.ndarray, np.ndarray], sparse.csc_matrix] | None = None
+
+    def nodal_forces(self, pressure: np.ndarray) -> np.ndarray:
+        """Normal forces f = W p (m,) [N] of the foundation on the candidate nodes."""
+        return self.weights * pressure if self.coupling is None else self.coupling @ pressure
+
+    def contact_force(self, u: np.ndarray, pressure: np.ndarray) -> np.ndarray:
+        """G^T W p (n,): the force of the foundation on the unknowns."""
+        return np.asarray(self.gap_jacobian(u).T @ self.nodal_forces(pressure))
+
+
+def without_contact(linearise: Callable[[np.ndarray, object], Linearisation], n: int) -> ContactProblem:
+    """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
+    empty = sparse.csr_matrix((0, n))
+    return ContactProblem(linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0))
+
+
+class Outcome(enum.Enum):
+    """How a solve ended; the value is the sentence a user reads."""
+
+    CONVERGED = "converged"
+    ITERATION_LIMIT = "the iteration limit was reached before equilibrium"
+    DIVERGED = "the residual is no longer finite or has grown without bound"
+    SINGULAR = "the linear system is singular to working precision"
+    CYCLING = "the contact set repeats itself and the fallback did not settle it"
+    STEP_LIMIT = "the load step was cut to its smallest size and still failed"
+
+    @property
+    def converged(self) -> bool:
+        """True for CONVERGED only."""
+        return self is Outcome.CONVERGED
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSolution:
+    """u (n,), pressure (m,) >= 0 [MPa], the contact set (m,) bool, outcome, counters and one history row an iteration."""
+
+    u: np.ndarray
+    pressure: np.ndarray
+    active: np.ndarray
+    outcome: Outcome
+    counters: Mapping[str, float] = field(default_factory=dict)
+    history: tuple[Mapping[str, Any], ...] = ()
+
+    @classmethod
+    def at_rest(cls, n: int, m: int) -> ContactSolution:
+        """The unloaded state: the start of every path."""
+        return cls(np.zeros(n), np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
+
+
+class ContactAlgorithm(Protocol):
+    """One algorithm: a frozen record of parameters."""
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        ...
+
+    @property
+    def epsilon(self) -> float:
+        """Regularisation [MPa/mm]; infinity enforces the constraint exactly."""
+        ...
+
+    def supports(self, problem: ContactProblem) -> str | None:
+        """None, or the reason why the algorithm does not apply to the problem."""
+        ...
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        """Solve from the displacement, pressure and set of ``start``; failure is a value, not an exception."""
+        ...

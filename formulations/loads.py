@@ -1,0 +1,77 @@
+"""Loads: dead and follower pressure on the inner face, dead nodal forces.
+
+A load is a frozen record; it never sees a measure. Pressure is positive when it pushes outwards (along +e3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.element import GAUSS, N_DOF, N_GAUSS, N_Q, ElementGeometry, shape_functions
+from formulations.quantities import QUANTITIES, displacement_index
+
+PRESSURE_AREAS = ("mid", "face")
+_L1, _W1, _T1, _L2, _W2, _T2 = (QUANTITIES.index(name + "-") for name in ("l1", "w1", "t1", "l2", "w2", "t2"))
+_INNER = np.array([[6 * r + displacement_index(i, 0) for i in range(3)] for r in range(4)])  # (node, component)
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure [MPa] on the inner face.
+
+    area "mid" weights it with mubar (the paper's), "face" with the true area of the inner face.
+    follower=False: the force keeps its reference components (dead); True: p n dA of the deformed inner face.
+    """
+
+    value: float
+    follower: bool = False
+    area: str = "mid"
+
+    def __post_init__(self) -> None:
+        if self.area not in PRESSURE_AREAS:
+            raise ValueError(f"pressure area {self.area!r} is not one of {', '.join(PRESSURE_AREAS)}")
+
+    def weights(self, geometry: ElementGeometry) -> np.ndarray:
+        """Area carried by each Gauss point, (E,)."""
+        area = geometry.weight if self.area == "mid" else geometry.face_weight[:, 0]
+        return area / N_GAUSS
+
+    def dead_force(self, geometry: ElementGeometry) -> np.ndarray:
+        """Element forces (E, 24) in the reference frame: F_r = p int N_r dA along e3."""
+        force = np.zeros((len(geometry.Q), N_DOF))
+        shape, _ = shape_functions(GAUSS)
+        force[:, _INNER[:, 2]] = self.value * self.weights(geometry)[:, None] * shape.sum(axis=0)
+        return force
+
+    def follower_force(self, geometry: ElementGeometry, v: np.ndarray, force: np.ndarray, tangent: np.ndarray) -> None:
+        """Add p n dA of the deformed inner face to ``force`` (E, 24), take its derivative off ``tangent`` (E, 24, 24).
+
+        With g1 = (1 + l1, w1, -t1), g2 = (w2, 1 + l2, -t2) the area vector is their component cross product times the
+        reference area, whatever the handedness of (e1, e2, e3).
+        """
+        shape, _ = shape_functions(GAUSS)
+        weights = self.value * self.weights(geometry)
+        spread = np.zeros((N_GAUSS, 3, N_DOF))  # N_r at the Gauss points, on the inner-face displacements
+        for i in range(3):
+            spread[:, i, _INNER[:, i]] = shape
+        spread = spread.reshape(3 * N_GAUSS, N_DOF)
+        for part in geometry.chunks():
+            Q, weight = geometry.Q[part], weights[part]
+            q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
+            normal, slope = _area_vector(q)
+            force[part] += weight[:, None] * (normal.reshape(-1, 3 * N_GAUSS) @ spread)
+            turning = np.matmul(slope, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, 3 * N_GAUSS, N_DOF)
+            tangent[part] -= np.matmul(spread.T, turning) * weight[:, None, None]
+
+
+def _area_vector(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Area vector (..., 3) of the deformed inner face per reference area, and its derivative by q (..., 3, 15)."""
+    l1, w1, t1, l2, w2, t2 = (q[..., i] for i in (_L1, _W1, _T1, _L2, _W2, _T2))
+    normal = np.stack([t1 * (1 + l2) - w1 * t2, t2 * (1 + l1) - t1 * w2, (1 + l1) * (1 + l2) - w1 * w2], axis=-1)
+    slope = np.zeros((*q.shape[:-1], 3, N_Q))
+    slope[..., 0, _T1], slope[..., 0, _L2], slope[..., 0, _W1], slope[..., 0, _T2] = 1 + l2, t1, -t2, -w1
+    slope[..., 1, _T2], slope[..., 1, _L1], slope[..., 1, _T1], slope[..., 1, _W2] = 1 + l1, t2, -w2, -t1
+    slope[..., 2, _L1], slope[..., 2, _L2], slope[..., 2, _W1], slope[..., 2, _W2] = 1 + l2, 1 + l1, -w2, -w1
+    return normal, slope
