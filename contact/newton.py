@@ -13,9 +13,10 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.linear import checked_solve, factorise
-from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, rounding_floor
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance
+WORST_ROUNDING = 1e-6  # rounding may excuse a relative residual up to here, never above
 GAP_TOLERANCE = 1e-12  # relative to the largest gap
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
 
@@ -41,6 +42,7 @@ class NewtonRun:
     )
     history: list[dict[str, object]] = field(default_factory=list)
     _first_scale: float = 0.0
+    _scale: float = 0.0
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearisation:
         """Linearise the mechanics, counted and timed."""
@@ -53,12 +55,18 @@ class NewtonRun:
     def imbalance(self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray) -> float:
         """|r - G^T W p| over the largest of the forces in balance; infinite once the iteration has blown up."""
         contact = self.problem.contact_force(u, pressure)
-        scale = max(lin.scale, float(norm(contact, check_finite=False)))
+        self._scale = max(lin.scale, float(norm(contact, check_finite=False)))
+        self._first_scale = self._first_scale or self._scale
         imbalance = float(norm(lin.residual - contact, check_finite=False))
-        self._first_scale = self._first_scale or scale
         if not imbalance <= BLOW_UP * max(self._first_scale, np.finfo(float).tiny):
             return float("inf")
-        return imbalance / scale if scale > 0 else imbalance
+        return imbalance / self._scale if self._scale > 0 else imbalance
+
+    def balanced(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
+        """True when the relative residual is within tolerance, or as small as rounding lets it become."""
+        if residual <= RESIDUAL_TOLERANCE:
+            return True
+        return residual <= WORST_ROUNDING and residual * self._scale <= rounding_floor(lin, u)
 
     def closed(self, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""

@@ -68,6 +68,14 @@ class ContactProblem:
         return np.asarray(self.gap_jacobian(u).T @ self.nodal_forces(pressure))
 
 
+def rounding_floor(lin: Linearisation, u: np.ndarray) -> float:
+    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| |.
+
+    Thin shells reach it long before 1e-9 of the load (measured: residuals stagnate at 0.1 to 0.2 of this estimate).
+    """
+    return float(np.finfo(float).eps * np.linalg.norm(abs(lin.tangent) @ np.abs(u)))
+
+
 def without_contact(linearise: Callable[[np.ndarray, object], Linearisation], n: int) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))
@@ -92,7 +100,7 @@ class Outcome(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """u (n,), pressure (m,) >= 0 [MPa], the contact set (m,) bool, outcome, counters and one history row an iteration."""
+    """u (n,), pressure (m,) [MPa], contact set (m,) bool, outcome, counters, and one history row an iteration."""
 
     u: np.ndarray
     pressure: np.ndarray

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.linear import SingularMatrixError
-from contact.newton import RESIDUAL_TOLERANCE, NewtonRun
+from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 
@@ -43,7 +43,7 @@ class Semismooth:
             if np.isinf(residual):
                 return run.finish(u, pressure, active, Outcome.DIVERGED)
             settled = np.array_equal(wanted, active) and run.closed(gap, pressure, active)
-            if settled and residual <= RESIDUAL_TOLERANCE:
+            if settled and run.balanced(lin, u, residual):
                 return run.finish(u, pressure, active, Outcome.CONVERGED)
             if iteration == self.max_iterations:
                 break

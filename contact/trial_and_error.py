@@ -1,4 +1,4 @@
-"""Trial and error, the method of the 2004 paper: Newton to convergence on a fixed set, then swap every violating node."""
+"""Trial and error, the paper's method: Newton to convergence on a fixed set, then swap every violating node."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.linear import SingularMatrixError
-from contact.newton import RESIDUAL_TOLERANCE, NewtonRun
+from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 
@@ -64,7 +64,7 @@ class TrialAndError:
             run.note(residual, active, before if iteration == 0 else active)
             if np.isinf(residual):
                 return u, pressure, Outcome.DIVERGED
-            if residual <= RESIDUAL_TOLERANCE and run.closed(run.problem.gap(u), pressure, active):
+            if run.balanced(lin, u, residual) and run.closed(run.problem.gap(u), pressure, active):
                 return u, pressure, Outcome.CONVERGED
             if iteration == self.max_iterations:
                 break

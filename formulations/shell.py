@@ -186,7 +186,7 @@ class ShellModel:
 
         ``memory`` is what ``remember`` of the last step returned, or None. Only the mixed Newton uses it.
         """
-        force, external, tangent = self._integrate(u, memory)
+        force, external, tangent = self.element_contributions(u, memory)
         internal = self.discretisation.gather(force)
         outside = self._dead if external is None else self._dead + self.discretisation.gather(external)
         return Linearisation(
@@ -206,7 +206,7 @@ class ShellModel:
         strains = self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
         return self._element.resultants(strains)
 
-    def _integrate(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
+    def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Element forces, external element forces that follow (or None), element tangents."""
         geometry, (force, tangent) = self.discretisation.geometry, self.discretisation.scratch
         v = self._element_vectors(u)

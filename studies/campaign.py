@@ -1,0 +1,132 @@
+"""Campaigns: named lists of requests, solved into a store cell by cell, each cell identified by what decides its result.
+
+A cell that is already in the store is not solved again; a campaign stopped at any moment goes on where it was.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+from studies.scenes import SCENES
+from studies.scenes.data import DATA
+from studies.solve import resolve, solve
+from studies.store import SCHEMA, plain, write_json, write_text
+
+SOURCES = ("formulations", "contact", "studies")
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A labelled request: ``label`` is what the report asks for, ``options`` are those of ``footprint solve``."""
+
+    label: str
+    scene: str
+    options: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def command(self) -> str:
+        """The command that reproduces the cell."""
+        words = [f"--{key} {value}" for key, value in self.options.items()]
+        words += [f"--set {key}={value}" for key, value in self.settings.items()]
+        return " ".join(["footprint solve", self.scene, *words, "--out DIR"])
+
+
+def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
+    return Cell(label, "tyre", options, settings or {})
+
+
+_TO_20 = {"delta_mm": "20"}
+_ISOTROPIC = {
+    **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
+    **{"load": "follower", "pressure_area": "face"},
+}
+_ANSWERS = {
+    "exact": {"epsilon": "inf"},
+    "epsilon": {"epsilon": "1e4"},
+}
+
+TYRE = (
+    _tyre("paper", {"delta_mm": ",".join(str(d) for d in (5, 10, 15, *range(20, 28)))}),
+    _tyre("linear", measure="linear"),
+    *(
+        _tyre(f"{measure} {contact} {newton} {kind}", {**_TO_20, **epsilon}, **options)
+        for measure in ("exact", "linear")
+        for contact in ("semismooth", "trial-and-error")
+        for newton in (("mixed", "plain") if measure == "exact" else ("mixed",))
+        for kind, epsilon in _ANSWERS.items()
+        for options in [
+            {"measure": measure, "contact": contact, "newton": newton, "steps": 4 if newton == "plain" else 1}
+        ]
+    ),
+    _tyre("consistent", {**_TO_20, "coupling": "consistent"}),
+    _tyre("fine", _TO_20, mesh="84x80"),
+    _tyre("follower", {**_TO_20, "load": "follower", "pressure_area": "face"}),
+    _tyre("follower fine", {**_TO_20, "load": "follower", "pressure_area": "face"}, mesh="84x80"),
+    _tyre("isotropic", _ISOTROPIC),
+    _tyre("isotropic fine", _ISOTROPIC, mesh="84x80"),
+)
+BENCHMARKS = (
+    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}) for n in (16, 32, 64)),
+    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}) for n in (16, 32, 64)),
+    *(
+        Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1"})
+        for newton in ("mixed", "plain")
+    ),
+    Cell("hemisphere twenty steps plain", "hemisphere", {"newton": "plain", "steps": 20}, {"load_fraction": "1"}),
+)
+CAMPAIGNS: dict[str, Sequence[Cell]] = {"tyre": TYRE, "benchmarks": BENCHMARKS, "report": (*TYRE, *BENCHMARKS)}
+
+
+def identity(cell: Cell) -> str:
+    """Hash of everything that decides the result: the resolved request, the schema and the sources; no date, no machine."""
+    _, request = resolve(cell.scene, cell.settings, **cell.options)
+    content = json.dumps(plain([SCHEMA, _source_hash(), asdict(request)]), sort_keys=True)
+    return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def _source_hash() -> str:
+    root = Path(__file__).parent.parent
+    digest = hashlib.sha256()
+    for package in SOURCES:
+        for path in sorted((root / package).rglob("*.py")):
+            digest.update(path.read_bytes())
+    return digest.hexdigest()
+
+
+def run(
+    name: str,
+    store: Path,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+) -> int:
+    """Solve what is missing, then write the index and the references of the scenes; returns the cells solved now."""
+    cells = CAMPAIGNS[name]
+    ids = [identity(cell) for cell in cells]
+    solved = 0
+    for done, (cell, cell_id) in enumerate(zip(cells, ids, strict=True)):
+        progress(done, len(cells), cell.label)
+        directory = store / "cells" / cell_id
+        if not (directory / "result.json").exists():
+            scene, request = resolve(cell.scene, cell.settings, **cell.options)
+            solve(scene, request).write(directory)
+            solved += 1
+    rows = [
+        {"label": cell.label, "id": cell_id, "scene": cell.scene, "command": cell.command}
+        for cell, cell_id in zip(cells, ids, strict=True)
+    ]
+    references = [
+        {"scene": scene, **asdict(reference)}
+        for scene in sorted({cell.scene for cell in cells})
+        for reference in SCENES[scene].references
+    ]
+    for table in sorted(DATA.glob("*.csv")):
+        write_text(store / "references" / table.name, table.read_text(encoding="utf-8"))
+    write_json(store / "references.json", {"references": references})
+    write_json(store / "campaign.json", {"schema": SCHEMA, "campaign": name, "cells": rows})
+    progress(len(cells), len(cells), "done")
+    return solved

@@ -1,0 +1,196 @@
+"""The command line: ``footprint list | solve | run | report | bench``.
+
+Exit codes: 0 fine, 1 a check failed, 2 wrong use (one line), 3 did not converge (result.json is still written).
+Heavy imports wait until a command needs them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+OK, FAILED, WRONG_USE, NOT_CONVERGED = 0, 1, 2, 3
+PAGES = Path("reports/pages")
+
+
+class _Parser(argparse.ArgumentParser):
+    """argparse, but an error is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        print(f"{self.prog}: {message}", file=sys.stderr)
+        raise SystemExit(WRONG_USE)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    from studies.scene import UsageError
+
+    options = _parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except (UsageError, OSError) as error:
+        print(f"footprint: {error}", file=sys.stderr)
+        return WRONG_USE
+    except KeyboardInterrupt:
+        print("footprint: interrupted; what was finished is kept", file=sys.stderr)
+        return 130
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(prog="footprint", description="Compare shell strain measures and contact algorithms.")
+    commands = parser.add_subparsers(required=True, parser_class=_Parser, metavar="COMMAND")
+
+    command = commands.add_parser("list", help="what there is")
+    command.add_argument("what", nargs="?", choices=("scenes", "measures", "algorithms"))
+    command.set_defaults(command=_list)
+
+    command = commands.add_parser("solve", help="solve one scene into a directory")
+    command.add_argument("scene")
+    command.add_argument("--measure", default="exact")
+    command.add_argument("--contact", default="semismooth")
+    command.add_argument("--newton", default="mixed", help="plain or mixed")
+    command.add_argument("--mesh", help="N1xN2")
+    command.add_argument("--model", default="auto", help="auto or full")
+    command.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    command.add_argument("--out", type=Path, required=True, metavar="DIR")
+    command.add_argument("--plot", action="store_true", help="draw pictures, too")
+    command.set_defaults(command=_solve)
+
+    command = commands.add_parser("run", help="solve the missing cells of a campaign")
+    command.add_argument("campaign")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.set_defaults(command=_run)
+
+    command = commands.add_parser("report", help="write the pages of a store")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.add_argument("--out", type=Path, default=PAGES, metavar="DIR", help=f"default {PAGES}")
+    command.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
+    command.set_defaults(command=_report)
+
+    command = commands.add_parser("bench", help="cost of one Newton iteration, as ratios")
+    command.add_argument("--mesh", default="42x40")
+    command.add_argument("--repeats", type=int, default=9)
+    command.set_defaults(command=_bench)
+    return parser
+
+
+def _list(options: argparse.Namespace) -> int:
+    from contact.algorithms import ALGORITHMS
+    from formulations.measures import MEASURES
+    from studies.scenes import SCENES
+
+    lists = {
+        "scenes": [f"{name:18s}{scene.title}" for name, scene in SCENES.items()],
+        "measures": list(MEASURES),
+        "algorithms": list(ALGORITHMS),
+    }
+    for what in [options.what] if options.what else lists:
+        if not options.what:
+            print(f"{what}:")
+        print("\n".join(("" if options.what else "  ") + line for line in lists[what]))
+    return OK
+
+
+def _solve(options: argparse.Namespace) -> int:
+    from rich.console import Console
+
+    from studies.scene import UsageError
+    from studies.solve import resolve, solve
+
+    given: dict[str, str] = {}
+    for pair in options.settings:
+        key, separator, value = pair.partition("=")
+        if not separator:
+            raise UsageError(f"--set {pair!r} must be KEY=VALUE")
+        given[key] = value
+    scene, request = resolve(
+        options.scene,
+        given,
+        options.mesh,
+        **{name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")},
+    )
+    if options.out.exists() and not options.out.is_dir():
+        raise UsageError(f"--out {options.out} is a file, not a directory")
+    with Console(stderr=True).status("building") as status:
+        result = solve(scene, request, lambda text: status.update(f"reached {text}"))
+    result.write(options.out)
+    _print_table(result.as_json())
+    if options.plot:
+        from reports.figures import draw_result
+
+        draw_result(options.out)
+    if result.outcome.converged:
+        return OK
+    print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
+    return NOT_CONVERGED
+
+
+def _print_table(result: dict[str, object]) -> None:
+    """The entries of ``steps``, one line each, scalars only."""
+    import pandas as pd
+
+    steps = result["steps"]
+    assert isinstance(steps, list)
+    if steps:
+        scalars = [{key: value for key, value in step.items() if not isinstance(value, dict)} for step in steps]
+        print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    print(f"{result['outcome']}: {result['counters']}")
+
+
+def _run(options: argparse.Namespace) -> int:
+    from rich.progress import Progress
+
+    from studies.campaign import CAMPAIGNS, run
+    from studies.scene import UsageError
+
+    if options.campaign not in CAMPAIGNS:
+        raise UsageError(f"campaign {options.campaign!r} must be one of {', '.join(CAMPAIGNS)}")
+    with Progress() as bar:
+        task = bar.add_task(options.campaign)
+        solved = run(
+            options.campaign,
+            options.store,
+            lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label),
+        )
+    print(f"{options.campaign}: {solved} of {len(CAMPAIGNS[options.campaign])} cells solved now")
+    return OK
+
+
+def _report(options: argparse.Namespace) -> int:
+    from reports.pages import check_pages, write_pages
+    from reports.schema import StoreError
+    from studies.scene import UsageError
+
+    try:
+        if not options.check:
+            for path in write_pages(options.store, options.out):
+                print(path)
+            return OK
+        differences = check_pages(options.store, options.out)
+    except StoreError as error:
+        raise UsageError(str(error)) from None
+    print("\n".join(differences) or f"{options.out} agrees with {options.store}")
+    return FAILED if differences else OK
+
+
+def _bench(options: argparse.Namespace) -> int:
+    from studies.bench import bench
+    from studies.scene import UsageError
+
+    if not 1 <= options.repeats <= 1000:
+        raise UsageError(f"repeats = {options.repeats} must be a whole number in [1, 1000]")
+    cost = bench(options.mesh, repeats=options.repeats)
+    print(f"one Newton iteration, tyre {options.mesh}, {cost.dofs} dofs, medians of {options.repeats}")
+    print(f"{'part':16s}{'ms':>10s}{'/ factorisation':>18s}")
+    for part in ("elements", "scatter", "prediction", "contact", "factorisation", "solution", "total"):
+        seconds = getattr(cost, part)
+        print(f"{part:16s}{1e3 * seconds:10.2f}{seconds / cost.factorisation:18.3f}")
+    return OK
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,187 @@
+"""What a scene is: its settings with their ranges, its references, and the stages that a solve walks through.
+
+A scene is one file in :mod:`studies.scenes` and one line in its catalogue. How stages are solved does not enter here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+import pandas as pd
+
+from contact.problem import ContactProblem, ContactSolution
+from formulations.shell import ShellModel
+
+Value = float | int | str | tuple[float, ...]
+
+
+class UsageError(ValueError):
+    """A wrong request; its message is the one line the user reads."""
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A key of ``--set KEY=VALUE`` with its default and range.
+
+    kind: "float", "int", "floats" (comma-separated, increasing) or "choice". low, high: range of each number, the
+    bounds included unless ``open_low``/``open_high``; infinity only where ``infinite``. default None: the scene works
+    it out.
+    """
+
+    key: str
+    default: Value | None
+    help: str
+    kind: str = "float"
+    low: float = -math.inf
+    high: float = math.inf
+    open_low: bool = False
+    open_high: bool = False
+    infinite: bool = False
+    choices: tuple[str, ...] = ()
+
+    @property
+    def range_text(self) -> str:
+        """The allowed values in words."""
+        if self.kind == "choice":
+            return "one of " + ", ".join(self.choices)
+        left = "(" if self.open_low or math.isinf(self.low) else "["
+        right = ")" if self.open_high or (math.isinf(self.high) and not self.infinite) else "]"
+        words = {"int": "a whole number in", "float": "a number in", "floats": "increasing numbers in"}[self.kind]
+        return f"{words} {left}{self.low:g}, {self.high:g}{right}"
+
+    def parse(self, text: str) -> Value:
+        """Value of the text; raises UsageError naming the text and the range."""
+        wrong = UsageError(f"{self.key} = {text!r} must be {self.range_text}")
+        if self.kind == "choice":
+            if text not in self.choices:
+                raise wrong
+            return text
+        try:
+            numbers = tuple(float(part) for part in text.split(","))
+        except ValueError:
+            raise wrong from None
+        if not all(self._inside(number) for number in numbers):
+            raise wrong
+        if self.kind == "floats":
+            if any(b <= a for a, b in zip(numbers[:-1], numbers[1:], strict=True)):
+                raise wrong
+            return numbers
+        if len(numbers) != 1 or (self.kind == "int" and numbers[0] != int(numbers[0])):
+            raise wrong
+        return int(numbers[0]) if self.kind == "int" else numbers[0]
+
+    def _inside(self, number: float) -> bool:
+        above = number > self.low if self.open_low else number >= self.low
+        below = number < self.high if self.open_high else number <= self.high
+        return above and below and (self.infinite or math.isfinite(number))  # NaN is neither above nor below
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A value to compare with: quantity name as in the result, where it holds, its kind and source.
+
+    kind: "printed" (in the source itself), "read" (in a public transcription), "computed" (independent program),
+    "exact" (closed form). uncertainty: relative.
+    """
+
+    quantity: str
+    value: float
+    at: Mapping[str, float | str]
+    kind: str
+    source: str
+    uncertainty: float
+
+
+@dataclass(frozen=True, eq=False)
+class Observation:
+    """What a scene reads off a converged state: an entry of ``steps`` (or None), headline values, rows of tables."""
+
+    step: dict[str, Any] | None
+    quantities: dict[str, float] = field(default_factory=dict)
+    tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """One path of problems.
+
+    begin(previous) -> (problem_at(t), starting solution); targets: the values of t to report, the path starts at 0;
+    observe(problem, state, t) -> Observation.
+    """
+
+    name: str
+    begin: Callable[[ContactSolution | None], tuple[Callable[[float], ContactProblem], ContactSolution]]
+    targets: Sequence[float]
+    observe: Callable[[ContactProblem, ContactSolution, float], Observation]
+
+
+class SceneModel(Protocol):
+    """A scene built for one request."""
+
+    @property
+    def shell(self) -> ShellModel:
+        """The loaded shell."""
+        ...
+
+    def stages(self) -> Iterator[Stage]:
+        """The paths to follow, in order."""
+        ...
+
+    def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
+        """Contact pressure (N,) at the grid's nodes."""
+        ...
+
+
+@dataclass(frozen=True)
+class Request:
+    """Everything that decides a result, resolved: no default is left open."""
+
+    scene: str
+    measure: str = "exact"
+    contact: str = "semismooth"
+    newton: str = "mixed"
+    mesh: tuple[int, int] = (0, 0)
+    model: str = "auto"
+    steps: int = 1
+    settings: Mapping[str, Value] = field(default_factory=dict)
+
+
+class Scene(Protocol):
+    """A catalogue entry."""
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """One line for people."""
+        ...
+
+    @property
+    def default_mesh(self) -> tuple[int, int]:
+        """Elements along a1 and a2."""
+        ...
+
+    @property
+    def settings(self) -> tuple[Setting, ...]:
+        """The keys of --set."""
+        ...
+
+    @property
+    def references(self) -> tuple[Reference, ...]:
+        """Values to compare with."""
+        ...
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Fill in what depends on other settings; raises UsageError on combinations that exclude each other."""
+        ...
+
+    def build(self, request: Request) -> SceneModel:
+        """Check what ranges alone cannot and build; raises UsageError."""
+        ...

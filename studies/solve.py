@@ -1,0 +1,198 @@
+"""From a request to a result: resolve, build, follow the stages, judge, write.
+
+Nothing here knows a particular scene; no picture is drawn here.
+"""
+
+from __future__ import annotations
+
+import importlib.metadata
+import os
+import platform
+import subprocess
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from contact.algorithms import ALGORITHMS
+from contact.path import PathPoint, follow
+from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from formulations.measures import MEASURES
+from formulations.shell import NEWTONS
+from studies.fields import write_fields
+from studies.scene import Request, Scene, SceneModel, UsageError, Value
+from studies.scenes import SCENES
+from studies.store import write_by, write_json, write_table
+
+MODELS = ("auto", "full")
+LARGEST_MESH = 250_000
+REPORTED_PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "meshio")
+
+
+def resolve(
+    scene_name: str, given: Mapping[str, str], mesh: str | None = None, **options: Any
+) -> tuple[Scene, Request]:
+    """Every default filled in, every value checked against its range; raises UsageError with one line."""
+    scene = SCENES.get(scene_name)
+    if scene is None:
+        raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
+    known = {setting.key: setting for setting in scene.settings}
+    for key in given:
+        if key not in known:
+            raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
+    defaults = {key: setting.default for key, setting in known.items() if setting.default is not None}
+    settings = scene.complete({**defaults, **{key: known[key].parse(text) for key, text in given.items()}})
+    request = Request(scene_name, mesh=_mesh(mesh, scene), settings=settings, **options)
+    for name, value, choices in (
+        ("measure", request.measure, MEASURES),
+        ("contact", request.contact, ALGORITHMS),
+        ("newton", request.newton, NEWTONS),
+        ("model", request.model, MODELS),
+    ):
+        if value not in choices:
+            raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
+    if not 1 <= request.steps <= 10_000:
+        raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
+    if "epsilon" in known and "epsilon" not in settings:
+        settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
+    return scene, replace(request, model="full")
+
+
+def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:
+    if text is None:
+        return scene.default_mesh
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise UsageError(f"mesh {text!r} must be N1xN2 with two whole numbers, e.g. 42x40")
+    n1, n2 = (int(part) for part in parts)
+    if min(n1, n2) < 1 or n1 * n2 > LARGEST_MESH:
+        raise UsageError(f"mesh {text!r} must have at least 1 and in all at most {LARGEST_MESH} elements")
+    return n1, n2
+
+
+@dataclass
+class Result:
+    """What a solve has found; ``last`` is the last converged state, from which the fields are written."""
+
+    request: Request
+    model: SceneModel
+    outcome: Outcome = Outcome.CONVERGED
+    reason: str = ""
+    quantities: dict[str, float] = field(default_factory=dict)
+    steps: list[dict[str, Any]] = field(default_factory=list)
+    counters: dict[str, float] = field(default_factory=dict)
+    timing: dict[str, float] = field(default_factory=dict)
+    history: list[dict[str, Any]] = field(default_factory=list)
+    tables: dict[str, list[pd.DataFrame]] = field(default_factory=dict)
+    last: ContactSolution | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """The content of result.json."""
+        request = self.request
+        return {
+            "scene": request.scene,
+            "measure": request.measure,
+            "contact": request.contact,
+            "newton": request.newton,
+            "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
+            "model": request.model,
+            "settings": {**request.settings, "steps": request.steps},
+            "outcome": self.outcome.name.lower().replace("_", "-"),
+            "reason": self.reason or self.outcome.value,
+            "quantities": self.quantities,
+            "steps": self.steps,
+            "counters": self.counters,
+            "timing_s": self.timing,
+            "provenance": provenance(),
+        }
+
+    def write(self, directory: Path) -> None:
+        """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
+        tables = {name: pd.concat(parts, ignore_index=True) for name, parts in self.tables.items()}
+        for name, table in {**tables, "history": pd.DataFrame(self.history)}.items():
+            write_table(directory / f"{name}.csv", table)
+        state = self.last or ContactSolution.at_rest(self.model.shell.discretisation.n_free, 0)
+        write_by(
+            directory / "fields.vtu",
+            lambda path: write_fields(path, self.model.shell, state.u, self.model.outer_pressure(state)),
+        )
+        write_json(directory / "result.json", self.as_json())
+
+
+def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
+    """Run the stages of the scene until done or until one fails; failure is recorded, not raised."""
+    start = time.perf_counter()
+    model = scene.build(request)
+    result = Result(request, model)
+    built = time.perf_counter()
+    algorithm = _algorithm(request)
+    result.counters["dofs"] = model.shell.discretisation.n_free
+    _run_stages(model, algorithm, request.steps, result, progress)
+    times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
+    result.timing = {"total": time.perf_counter() - start, "build": built - start, **times}
+    result.counters = {key: int(value) for key, value in result.counters.items()}
+    return result
+
+
+def _algorithm(request: Request) -> ContactAlgorithm:
+    epsilon = request.settings.get("epsilon")
+    make = ALGORITHMS[request.contact]
+    return make() if epsilon is None else make(epsilon=epsilon)
+
+
+def _run_stages(
+    model: SceneModel, algorithm: ContactAlgorithm, steps: int, result: Result, progress: Callable[[str], None]
+) -> None:
+    for stage in model.stages():
+        problem_at, state = stage.begin(result.last)
+        first = problem_at(stage.targets[0])
+        refused = algorithm.supports(first)
+        if refused is not None:
+            raise UsageError(f"{algorithm.name} does not apply: {refused}")
+        path = follow(
+            problem_at,
+            0.0,
+            stage.targets,
+            algorithm,
+            state,
+            steps,
+            lambda t, name=stage.name: progress(f"{name} {t:g}"),
+        )
+        for point in path:
+            _account(result, stage.name, point)
+            if point.outcome.converged or point.reached != 0.0:
+                result.last = point.solution
+            if not point.outcome.converged:
+                result.outcome = point.outcome
+                why = result.history[-1].get("event", "")
+                result.reason = f"{stage.name} at {point.requested:g}: {why}; last converged at {point.reached:g}"
+                return
+            seen = stage.observe(problem_at(point.requested), point.solution, point.requested)
+            for name, table in seen.tables.items():
+                result.tables.setdefault(name, []).append(table)
+            result.quantities |= seen.quantities
+            if seen.step is not None:
+                counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
+                result.steps.append({**seen.step, **counts, "substeps": point.substeps})
+
+
+def _account(result: Result, stage: str, point: PathPoint) -> None:
+    for key, value in point.solution.counters.items():
+        result.counters[key] = result.counters.get(key, 0) + value
+    result.history += [{"stage": stage, **row} for row in point.solution.history]
+
+
+def provenance() -> dict[str, Any]:
+    """Version, commit (or "unknown"), packages and machine."""
+    here = Path(__file__).parent
+    asked = subprocess.run(["git", "rev-parse", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
+    machine = {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count()}
+    return {
+        "version": importlib.metadata.version("footprint"),
+        "commit": asked.stdout.strip() or "unknown",
+        "packages": {name: importlib.metadata.version(name) for name in REPORTED_PACKAGES},
+        "machine": {**machine, "python": platform.python_version()},
+    }
