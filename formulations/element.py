@@ -42,19 +42,18 @@ N_M = len(MODE_WEIGHTS)
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
 
 
-def _mode_at_gauss(r1: int, r2: int) -> np.ndarray:
-    """xi1^r1 xi2^r2 at the Gauss points (4,)."""
-    return GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2
-
-
 # L2 projection: mode strains (22,) = strains of all Gauss points (44,) @ _PROJECTION (44, 22).
-_PROJECTION = np.zeros((N_GAUSS, N_E, N_M))
-_start = 0
-for _mode, _rows in MODES.items():
-    for _m, _row in enumerate(_rows, _start):
-        _PROJECTION[:, _row, _m] = _mode_at_gauss(*_mode) * 3.0 ** sum(_mode) / N_GAUSS
-    _start += len(_rows)
-_PROJECTION = _PROJECTION.reshape(N_GAUSS * N_E, N_M)
+def _projection() -> np.ndarray:
+    projection, start = np.zeros((N_GAUSS, N_E, N_M)), 0
+    for (r1, r2), rows in MODES.items():
+        on_mode = GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 * 3.0 ** (r1 + r2) / N_GAUSS
+        for m, row in enumerate(rows, start):
+            projection[:, row, m] = on_mode
+        start += len(rows)
+    return projection.reshape(N_GAUSS * N_E, N_M)
+
+
+_PROJECTION = _projection()
 
 
 def shape_functions(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

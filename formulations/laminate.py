@@ -7,6 +7,7 @@ No geometry of the surface and no element may enter here. Stresses are second Pi
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,7 +145,7 @@ class Laminate:
                 D[:6, 10] = coupling
         return D
 
-    def _thickness_moments(self):  # type: ignore[no-untyped-def]
+    def _thickness_moments(self) -> Iterator[tuple[Ply, np.ndarray, np.ndarray]]:
         """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""
         h, bottom = self.thickness, 0.0
         for ply in self.plies:

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.element import GAUSS, N_DOF, N_GAUSS, N_Q, ElementGeometry, shape_functions
-from formulations.quantities import QUANTITIES, displacement_index
+from formulations.element import GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
+from formulations.quantities import N_Q, QUANTITIES, displacement_index
 
 PRESSURE_AREAS = ("mid", "face")
 _L1, _W1, _T1, _L2, _W2, _T2 = (QUANTITIES.index(name + "-") for name in ("l1", "w1", "t1", "l2", "w2", "t2"))
@@ -53,10 +53,10 @@ class Pressure:
         """
         shape, _ = shape_functions(GAUSS)
         weights = self.value * self.weights(geometry)
-        spread = np.zeros((N_GAUSS, 3, N_DOF))  # N_r at the Gauss points, on the inner-face displacements
+        at_gauss = np.zeros((N_GAUSS, 3, N_DOF))  # N_r at the Gauss points, on the inner-face displacements
         for i in range(3):
-            spread[:, i, _INNER[:, i]] = shape
-        spread = spread.reshape(3 * N_GAUSS, N_DOF)
+            at_gauss[:, i, _INNER[:, i]] = shape
+        spread = at_gauss.reshape(3 * N_GAUSS, N_DOF)
         for part in geometry.chunks():
             Q, weight = geometry.Q[part], weights[part]
             q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)

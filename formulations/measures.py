@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import math
 
-from formulations.measure import QuadraticMeasure, StrainMeasure, quadratic_measure
+from formulations.measure import QuadraticMeasure, StrainMeasure, Terms, quadratic_measure
 
 # Exact (Green-Lagrange at the faces): vanishes under any rigid motion, to rounding.
 #   E_aa  = l_a + (l_a^2 + w_a^2 + t_a^2)/2
 #   2E_12 = w1 + w2 + l1 w2 + l2 w1 + t1 t2
 #   2E_a3 = beta_a - t_a + beta_a l_a + beta_g w_a - beta3 t_a          (times zeta_a/zbar_a, the geometry's)
 #   E_33  = beta3 + (beta1^2 + beta2^2 + beta3^2)/2
-EXACT_TERMS = {
+EXACT_TERMS: Terms = {
     "E11": {"l1": 1, "l1 l1": 1 / 2, "w1 w1": 1 / 2, "t1 t1": 1 / 2},
     "E22": {"l2": 1, "l2 l2": 1 / 2, "w2 w2": 1 / 2, "t2 t2": 1 / 2},
     "2E12": {"w1": 1, "w2": 1, "l1 w2": 1, "l2 w1": 1, "t1 t2": 1},
@@ -24,7 +24,7 @@ EXACT_TERMS = {
 }
 
 # Linear: the same without its quadratic terms.
-LINEAR_TERMS = {
+LINEAR_TERMS: Terms = {
     strain: {monomial: c for monomial, c in polynomial.items() if " " not in monomial}
     for strain, polynomial in EXACT_TERMS.items()
 }

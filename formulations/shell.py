@@ -13,12 +13,12 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from formulations.element import N_DOF, N_E, ElementGeometry, MixedElement
+from formulations.element import N_DOF, ElementGeometry, MixedElement
 from formulations.grid import Grid
 from formulations.laminate import Laminate
 from formulations.loads import Pressure
 from formulations.measure import StrainMeasure
-from formulations.quantities import N_V
+from formulations.quantities import N_E, N_V
 from formulations.surface import Surface
 
 NEWTONS = ("plain", "mixed")

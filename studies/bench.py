@@ -6,6 +6,7 @@ import statistics
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -54,12 +55,11 @@ def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution,
     _, _, tangents = shell.element_contributions(u, memory)
     totals, runs, elements, scatter = [], [], [], []
     for _ in range(repeats):  # interleaved, so that a slow moment of the machine meets every part
-        run = NewtonRun(problem)
-        totals.append(_timed(lambda run=run: _iterate(run, state, memory)))
-        runs.append(run.counters)
+        runs.append(NewtonRun(problem))
+        totals.append(_timed(partial(_iterate, runs[-1], state, memory)))
         elements.append(_timed(lambda: shell.element_contributions(u, memory)))
         scatter.append(_timed(lambda: grid.assemble(tangents)))
-    part = {key: statistics.median(counters[key] for counters in runs) for key in runs[0]}
+    part = {key: statistics.median(run.counters[key] for run in runs) for key in runs[0].counters}
     assembly = statistics.median(elements) + statistics.median(scatter)
     return IterationCost(
         dofs=grid.n_free,

@@ -1,6 +1,7 @@
-"""Campaigns: named lists of requests, solved into a store cell by cell, each cell identified by what decides its result.
+"""Campaigns: named lists of requests, solved into a store cell by cell.
 
-A cell that is already in the store is not solved again; a campaign stopped at any moment goes on where it was.
+A cell is identified by what decides its result. One that is already in the store is not solved again; a campaign
+stopped at any moment goes on where it was.
 """
 
 from __future__ import annotations
@@ -84,7 +85,7 @@ CAMPAIGNS: dict[str, Sequence[Cell]] = {"tyre": TYRE, "benchmarks": BENCHMARKS, 
 
 
 def identity(cell: Cell) -> str:
-    """Hash of everything that decides the result: the resolved request, the schema and the sources; no date, no machine."""
+    """Hash of all that decides the result: resolved request, schema and sources; no date, no machine."""
     _, request = resolve(cell.scene, cell.settings, **cell.options)
     content = json.dumps(plain([SCHEMA, _source_hash(), asdict(request)]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]

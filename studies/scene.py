@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
@@ -67,7 +68,7 @@ class Setting:
         if not all(self._inside(number) for number in numbers):
             raise wrong
         if self.kind == "floats":
-            if any(b <= a for a, b in zip(numbers[:-1], numbers[1:], strict=True)):
+            if any(b <= a for a, b in pairwise(numbers)):
                 raise wrong
             return numbers
         if len(numbers) != 1 or (self.kind == "int" and numbers[0] != int(numbers[0])):

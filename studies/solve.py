@@ -12,6 +12,7 @@ import subprocess
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
 from studies.fields import write_fields
-from studies.scene import Request, Scene, SceneModel, UsageError, Value
+from studies.scene import Request, Scene, SceneModel, UsageError
 from studies.scenes import SCENES
 from studies.store import write_by, write_json, write_table
 
@@ -152,15 +153,8 @@ def _run_stages(
         refused = algorithm.supports(first)
         if refused is not None:
             raise UsageError(f"{algorithm.name} does not apply: {refused}")
-        path = follow(
-            problem_at,
-            0.0,
-            stage.targets,
-            algorithm,
-            state,
-            steps,
-            lambda t, name=stage.name: progress(f"{name} {t:g}"),
-        )
+        tell = partial(_tell, progress, stage.name)
+        path = follow(problem_at, 0.0, stage.targets, algorithm, state, steps, tell)
         for point in path:
             _account(result, stage.name, point)
             if point.outcome.converged or point.reached != 0.0:
@@ -177,6 +171,10 @@ def _run_stages(
             if seen.step is not None:
                 counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
                 result.steps.append({**seen.step, **counts, "substeps": point.substeps})
+
+
+def _tell(progress: Callable[[str], None], stage: str, reached: float) -> None:
+    progress(f"{stage} {reached:g}")
 
 
 def _account(result: Result, stage: str, point: PathPoint) -> None:

@@ -138,8 +138,8 @@ class Tyre:
 def tyre_lines(mesh: tuple[int, int], clamp_deg: float) -> tuple[np.ndarray, np.ndarray]:
     """Grid lines psi, phi [rad] of an N x M mesh in the proportions of 42x40.
 
-    psi: 12, 18, 12 elements between -clamp, -0.375 clamp, 0.375 clamp, clamp; phi: 11, 18, 11 between -180, -22.5, 22.5,
-    180 degrees. Raises UsageError unless both numbers are even, so that a node lies at (0, 0), and at least 6.
+    psi: 12, 18, 12 elements between -clamp, -0.375 clamp, 0.375 clamp, clamp; phi: 11, 18, 11 between -180, -22.5,
+    22.5, 180 degrees. Raises UsageError unless both numbers are even, so that a node lies at (0, 0), and at least 6.
     """
     n1, n2 = mesh
     if n1 % 2 or n2 % 2 or min(mesh) < 6:
@@ -162,9 +162,10 @@ def _laminate(settings: Mapping[str, Value]) -> Laminate:
     if "E_MPa" in settings:
         ply = Ply.isotropic(_number(settings, "E_MPa"), _number(settings, "nu"), thickness)
         return Laminate((ply,) * plies, d_minus=0.0)
-    constants = [_number(settings, key) for key in _ORTHOTROPIC]
+    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (_number(settings, key) for key in _ORTHOTROPIC)
     gamma = np.deg2rad(_number(settings, "gamma_deg"))
-    return Laminate(tuple(Ply(*constants, (-1) ** k * gamma, thickness) for k in range(plies)), d_minus=0.0)
+    angles = [(-1) ** k * gamma for k in range(plies)]
+    return Laminate(tuple(Ply(E_L, E_T, G_LT, G_TT, nu_LT, nu_TT, a, thickness) for a in angles), d_minus=0.0)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,43 @@
+# make report   set everything up, solve what is missing, write reports/pages
+# make test     set everything up, run the tests
+PYTHON ?= python3
+VENV   ?= .venv
+STORE  ?= .footprint/store
+BIN    := $(VENV)/bin
+READY  := $(VENV)/.ready
+# one BLAS thread per process: the matrices are small, and two test processes share two cores
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: report test lint check bench clean
+
+report: $(READY)
+	$(BIN)/footprint run report --store $(STORE)
+	$(BIN)/footprint report --store $(STORE)
+
+test: $(READY)
+	$(BIN)/pytest -n 2 -m "not slow"
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+# everything: lint, types, all tests, and the committed pages against a fresh report
+check: lint
+	$(BIN)/pytest -n 2
+	$(BIN)/footprint run report --store $(STORE)
+	$(BIN)/footprint report --store $(STORE) --check
+
+bench: $(READY)
+	$(BIN)/footprint bench
+
+$(READY): pyproject.toml constraints.txt
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "footprint needs Python 3.11 or newer: make PYTHON=/path/to/python3.11"; exit 2; }
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	touch $@
+
+clean:
+	rm -rf $(VENV) .footprint .mypy_cache .pytest_cache .ruff_cache

@@ -1,0 +1,187 @@
+"""The tyre of the paper, end to end: forces, patch, symmetry, algorithms, and the isotropic tyre against 3D solids."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.scenes.data import read_reference
+from studies.solve import Result, resolve, solve
+
+# force [N] at delta [mm] of the independent trial implementation, dead pressure on the mid area
+TRIAL_FORCE = {5.0: 312.0, 10.0: 767.0, 15.0: 1327.0, 20.0: 1959.0}
+ONE_PERCENT = 0.01
+ISOTROPIC = {
+    **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
+    **{"load": "follower", "pressure_area": "face"},
+}
+TO_20 = {"delta_mm": "20"}
+
+
+def run(settings: dict[str, str], mesh: str = "42x40", **options: object) -> Result:
+    return solve(*resolve("tyre", settings, mesh, **options))
+
+
+@pytest.fixture(scope="module")
+def paper() -> Result:
+    return run({})
+
+
+def test_paper_tyre_forces_within_one_percent(paper: Result) -> None:
+    assert paper.outcome.converged
+    found = {step["delta_mm"]: step["force_N"] for step in paper.steps}
+    assert found == pytest.approx(TRIAL_FORCE, rel=ONE_PERCENT)
+
+
+def test_paper_tyre_centre_pressure_and_equator(paper: Result) -> None:
+    assert paper.steps[-1]["centre_pressure_MPa"] == pytest.approx(0.158, rel=ONE_PERCENT)
+    assert paper.steps[-1]["centre_pressure_MPa"] == pytest.approx(0.156, rel=0.015)  # printed
+    assert paper.quantities["inflated_equator_outer_mm"] == pytest.approx(-1.79, rel=ONE_PERCENT)
+
+
+def test_every_step_passes_the_judge_and_is_centrally_symmetric(paper: Result) -> None:
+    for step in paper.steps:
+        assert step["kkt"]["equilibrium"] <= 1e-8
+        assert step["kkt"]["penetration"] <= 1e-9
+        assert step["kkt"]["tension"] == 0.0
+        assert step["central_asymmetry"] <= 1e-9
+        assert step["mirror_asymmetry"] > 0.01  # the angle-ply tyre does break mirror symmetry
+
+
+def force_imbalance(result: Result) -> float:
+    """Inflation, plane and clamps summed along the normal of the plane, relative to the contact force."""
+    shell = result.model.shell
+    grid = shell.discretisation
+    element_forces, _, _ = shell.element_contributions(result.last.u, None)
+    loads = shell.pressure.dead_force(grid.geometry)
+    direction = grid.surface.frame(*grid.grid.nodes.T)[..., 0]  # e_i . e_x at the nodes
+
+    def along_x(element_vectors: np.ndarray) -> np.ndarray:
+        nodal = np.bincount(grid.dofs.ravel(), weights=element_vectors.ravel(), minlength=6 * grid.grid.n_nodes)
+        return np.einsum("...if,...i->...", nodal.reshape(-1, 3, 2), direction)
+
+    clamped = np.setdiff1d(np.arange(grid.grid.n_nodes), result.model.nodes)
+    reaction = along_x(element_forces - loads)[clamped].sum()
+    force = result.steps[-1]["force_N"]
+    return abs(float(reaction + along_x(loads).sum() - force)) / force
+
+
+def test_global_balance_is_lost_only_as_fast_as_a_translation_is() -> None:
+    # bilinear components in a turning frame hold a rigid translation to O(h^2) only, so the element forces sum to zero
+    # to O(h^2) only; the error must be small and fall with the mesh
+    coarse, fine = (force_imbalance(run(TO_20, mesh=mesh)) for mesh in ("20x20", "40x40"))
+    assert fine < 0.01
+    assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.4)
+
+
+def test_mixed_semismooth_needs_at_most_twenty_iterations_from_rest() -> None:
+    found = run(TO_20)
+    assert found.outcome.converged
+    assert found.counters["newton_iterations"] <= 20
+    assert found.steps[-1]["substeps"] == 1
+
+
+@pytest.mark.parametrize("epsilon", ["inf", "1e4"])
+@pytest.mark.parametrize("measure", ["exact", "linear"])
+def test_algorithms_agree_in_set_and_force(measure: str, epsilon: str) -> None:
+    settings = {**TO_20, "epsilon": epsilon}
+    a, b = (run(settings, measure=measure, contact=name) for name in ("semismooth", "trial-and-error"))
+    assert a.outcome.converged
+    assert b.outcome.converged
+    assert np.array_equal(a.last.active, b.last.active)
+    assert a.steps[-1]["force_N"] == pytest.approx(b.steps[-1]["force_N"], rel=1e-8)
+
+
+def test_epsilon_differs_from_the_exact_multiplier_by_parts_in_a_million() -> None:
+    exact, regular = (run({**TO_20, "epsilon": epsilon}) for epsilon in ("inf", "1e4"))
+    difference = abs(regular.steps[-1]["force_N"] / exact.steps[-1]["force_N"] - 1)
+    assert 1e-8 < difference < 5e-6
+    assert regular.steps[-1]["kkt"]["penetration"] == pytest.approx(
+        regular.last.pressure.max() / 1e4, rel=1e-6
+    )  # p = -epsilon g
+
+
+@pytest.mark.slow
+def test_plain_newton_and_trial_and_error_reach_the_same_state(paper: Result) -> None:
+    plain = run({**TO_20, "epsilon": "inf"}, contact="trial-and-error", newton="plain", steps=4)
+    assert plain.outcome.converged
+    assert plain.steps[-1]["force_N"] == pytest.approx(paper.steps[-1]["force_N"], rel=1e-8)
+    assert np.array_equal(plain.last.active, paper.last.active)
+    assert plain.counters["newton_iterations"] > 3 * 20
+
+
+def test_linear_theory_overestimates_the_force_about_as_the_paper_says(paper: Result) -> None:
+    ratio = run(TO_20, measure="linear").steps[-1]["force_N"] / paper.steps[-1]["force_N"]
+    assert 1.3 < ratio < 2.2  # "about two" in the paper; the report prints ours
+
+
+def test_follower_pressure_on_the_face() -> None:
+    found = run({**TO_20, "load": "follower", "pressure_area": "face"})
+    assert found.steps[-1]["force_N"] == pytest.approx(2247.0, rel=ONE_PERCENT)
+
+
+@pytest.mark.slow
+def test_follower_pressure_on_a_fine_mesh() -> None:
+    found = run({**TO_20, "load": "follower", "pressure_area": "face"}, mesh="84x80")
+    assert found.steps[-1]["force_N"] == pytest.approx(2200.0, rel=ONE_PERCENT)
+
+
+@pytest.fixture(scope="module", params=["42x40", pytest.param("84x80", marks=pytest.mark.slow)])
+def isotropic(request: pytest.FixtureRequest) -> Result:
+    return run(ISOTROPIC, mesh=request.param)
+
+
+def test_isotropic_tyre_force_against_3d_solids(isotropic: Result) -> None:
+    reference = read_reference("isotropic_tyre_3d_solid.csv").set_index("delta_mm")["force_N_ngsolve"]
+    for step in isotropic.steps:
+        bound = ONE_PERCENT if step["delta_mm"] >= 10 else 0.015
+        assert step["force_N"] == pytest.approx(reference[step["delta_mm"]], rel=bound), step["delta_mm"]
+
+
+def test_isotropic_tyre_is_mirror_symmetric(isotropic: Result) -> None:
+    assert max(step["mirror_asymmetry"] for step in isotropic.steps) <= 1e-9
+
+
+def test_isotropic_inflated_profile_against_3d_solids(isotropic: Result) -> None:
+    three_percent = 0.03
+    assert isotropic.quantities["inflated_equator_inner_mm"] == pytest.approx(4.6256, rel=three_percent)
+    assert isotropic.quantities["inflated_equator_outer_mm"] == pytest.approx(4.3463, rel=three_percent)
+    profile = pd.concat(isotropic.tables["profile"])
+    middle = 0.5 * (
+        profile[["inner_radial_mm", "inner_axial_mm"]].to_numpy()
+        + profile[["outer_radial_mm", "outer_axial_mm"]].to_numpy()
+    )
+    unloaded, inflated = (middle[profile["state"] == state] for state in ("unloaded", "inflated"))
+    psi = profile.loc[profile["state"] == "inflated", "psi_deg"]
+    reference = read_reference("isotropic_tyre_3d_inflation.csv")
+    for axis, name in enumerate(("radial_mm", "axial_mm")):
+        ours = np.interp(reference["psi_deg"], psi, (inflated - unloaded)[:, axis])
+        # relative to the largest displacement of the profile
+        assert np.max(np.abs(ours - reference[name])) <= three_percent * reference["radial_mm"].max()
+
+
+def test_consistent_coupling_is_solved_and_keeps_central_symmetry() -> None:
+    found = run({**TO_20, "coupling": "consistent"})
+    assert found.outcome.converged
+    assert found.steps[-1]["central_asymmetry"] <= 1e-9
+    assert found.steps[-1]["kkt"]["penetration"] <= 1e-9
+
+
+def test_nonsymmetric_section_is_close_to_the_symmetric_one(paper: Result) -> None:
+    found = run({**TO_20, "section": "nonsymmetric"})
+    assert found.outcome.converged
+    assert found.steps[-1]["force_N"] == pytest.approx(paper.steps[-1]["force_N"], rel=0.05)
+
+
+def test_cross_ply_tyre_is_mirror_symmetric() -> None:
+    assert run({**TO_20, "gamma_deg": "0"}).steps[-1]["mirror_asymmetry"] <= 1e-9
+
+
+def test_a_step_that_cannot_converge_keeps_the_last_converged_state() -> None:
+    found = run({"delta_mm": "5,90"}, mesh="12x12")
+    assert not found.outcome.converged
+    assert [step["delta_mm"] for step in found.steps] == [5.0]
+    assert "press at 90" in found.reason
+    assert found.last is not None
+    assert np.max(np.abs(found.last.u)) > 0
