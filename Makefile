@@ -24,8 +24,8 @@ lint: $(READY)
 	$(BIN)/mypy
 
 # everything: lint, types, all tests, and the committed pages against a fresh report
-check: lint
-	$(BIN)/pytest -n 2
+check: lint test
+	$(BIN)/pytest -n 2 -m slow
 	$(BIN)/footprint run report --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --check
 

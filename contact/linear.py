@@ -61,7 +61,10 @@ SOLVERS: dict[str, Callable[[sparse.csc_matrix], Factor]] = {"splu": _superlu, "
 
 
 def factorise(A: sparse.csc_matrix, solver: str = "splu") -> Factor:
-    """Factorise with the named solver; raises SingularMatrixError, or KeyError for an unknown name."""
+    """Factorise with the named solver.
+
+    Raises SingularMatrixError, KeyError for an unknown name, ModuleNotFoundError for a solver that is not installed.
+    """
     return SOLVERS[solver](A)
 
 

@@ -130,15 +130,18 @@ def _solve(options: argparse.Namespace) -> int:
 
 
 def _print_table(result: dict[str, object]) -> None:
-    """The entries of ``steps``, one line each, scalars only."""
+    """The entries of ``steps``, one line each, what fits a terminal."""
     import pandas as pd
 
     steps = result["steps"]
     assert isinstance(steps, list)
     if steps:
-        scalars = [{key: value for key, value in step.items() if not isinstance(value, dict)} for step in steps]
+        left_out = {"kkt", "rounding", "factorisations", "assemblies", "set_changes", "substeps"}
+        scalars = [{key: value for key, value in step.items() if key not in left_out} for step in steps]
         print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
-    print(f"{result['outcome']}: {result['counters']}")
+    counters = result["counters"]
+    assert isinstance(counters, dict)
+    print(f"{result['outcome']}: " + ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in counters.items()))
 
 
 def _run(options: argparse.Namespace) -> int:

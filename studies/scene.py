@@ -81,6 +81,11 @@ class Setting:
         return above and below and (self.infinite or math.isfinite(number))  # NaN is neither above nor below
 
 
+SOLVER = Setting(
+    "solver", "splu", "sparse direct solver; pardiso needs the extra mkl", "choice", choices=("splu", "pardiso")
+)
+
+
 @dataclass(frozen=True)
 class Reference:
     """A value to compare with: quantity name as in the result, where it holds, its kind and source.

@@ -6,6 +6,7 @@ Nothing here knows a particular scene; no picture is drawn here.
 from __future__ import annotations
 
 import importlib.metadata
+import importlib.util
 import os
 import platform
 import subprocess
@@ -57,6 +58,8 @@ def resolve(
             raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
     if not 1 <= request.steps <= 10_000:
         raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
+    if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
+        raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
     if "epsilon" in known and "epsilon" not in settings:
         settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
     return scene, replace(request, model="full")
@@ -139,9 +142,8 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 
 
 def _algorithm(request: Request) -> ContactAlgorithm:
-    epsilon = request.settings.get("epsilon")
-    make = ALGORITHMS[request.contact]
-    return make() if epsilon is None else make(epsilon=epsilon)
+    chosen = {key: request.settings[key] for key in ("epsilon", "solver") if key in request.settings}
+    return ALGORITHMS[request.contact](**chosen)
 
 
 def _run_stages(

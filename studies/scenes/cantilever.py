@@ -12,7 +12,7 @@ from formulations.laminate import Laminate, Ply
 from formulations.measures import MEASURES
 from formulations.shell import Discretisation, ShellModel
 from formulations.surface import Plate
-from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
 
 E, L, B, H = 1.2e6, 10.0, 1.0, 0.1  # MPa, mm; nu = 0
@@ -43,7 +43,7 @@ class Cantilever:
     name: str = "cantilever"
     title: str = "Cantilever under end shear (Sze 3.1)"
     default_mesh: tuple[int, int] = (16, 1)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS,)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:

@@ -12,7 +12,7 @@ from formulations.laminate import Laminate, Ply
 from formulations.measures import MEASURES
 from formulations.shell import Discretisation, ShellModel
 from formulations.surface import sphere
-from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
 
@@ -38,7 +38,7 @@ class Hemisphere:
     name: str = "hemisphere"
     title: str = "Hemisphere with an 18 degree hole (Sze 3.4)"
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS,)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:

@@ -21,7 +21,7 @@ from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.measures import MEASURES
 from formulations.shell import Discretisation, ShellModel
 from formulations.surface import torus
-from studies.scene import Observation, Reference, Request, SceneModel, Setting, Stage, UsageError, Value
+from studies.scene import SOLVER, Observation, Reference, Request, SceneModel, Setting, Stage, UsageError, Value
 from studies.scenes.data import read_reference
 
 NORMAL = np.array([1.0, 0.0, 0.0])
@@ -51,6 +51,7 @@ SETTINGS = (
     Setting("R1_mm", 50.0, "radius of the inner meridian", low=0, high=1e4, open_low=True),
     Setting("R0_mm", 250.0, "radius of the inner equator", low=0, high=1e5, open_low=True),
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
+    SOLVER,
 )
 
 
