@@ -23,7 +23,7 @@ import numpy as np
 from formulations.grid import CORNERS, Grid
 from formulations.laminate import Laminate
 from formulations.measure import StrainMeasure
-from formulations.quantities import N_E, N_Q, N_V, gradient_coefficients, shear_row_factors
+from formulations.quantities import FULL, N_E, N_Q, N_V, Kinematics, gradient_coefficients, shear_row_factors
 from formulations.surface import Geometry, Surface
 
 N_GAUSS, N_DOF = 4, 4 * N_V
@@ -39,21 +39,28 @@ MODES = {
 }
 MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), rows in MODES.items() for _ in rows])
 N_M = len(MODE_WEIGHTS)
+E33, BETA = 10, slice(12, 15)
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
 
 
-# L2 projection: mode strains (22,) = strains of all Gauss points (44,) @ _PROJECTION (44, 22).
-def _projection() -> np.ndarray:
+THICKNESS_STRAINS = ("projected", "nodal")
+
+
+def _projection(thickness_strain: str) -> np.ndarray:
+    """Mode strains (22,) = strains of all sampling points (44,) @ projection (44, 22).
+
+    Samples at the Gauss points give the L2 projection on xi1^r1 xi2^r2; with "nodal" the E33 samples are at the nodes
+    and their bilinear interpolation is projected, which is exact.
+    """
     projection, start = np.zeros((N_GAUSS, N_E, N_M)), 0
     for (r1, r2), rows in MODES.items():
-        on_mode = GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 * 3.0 ** (r1 + r2) / N_GAUSS
         for m, row in enumerate(rows, start):
-            projection[:, row, m] = on_mode
+            nodal = row == E33 and thickness_strain == "nodal"
+            at = CORNERS if nodal else GAUSS
+            norm = 1.0 if nodal else 3.0 ** (r1 + r2)
+            projection[:, row, m] = at[:, 0] ** r1 * at[:, 1] ** r2 * norm / N_GAUSS
         start += len(rows)
     return projection.reshape(N_GAUSS * N_E, N_M)
-
-
-_PROJECTION = _projection()
 
 
 def shape_functions(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -70,21 +77,24 @@ class ElementGeometry:
 
     Q (E, 60, 24): q at the four Gauss points from the nodal displacements.  rows (E, 4, 11): shear row factors.
     weight (E,): parameter area times mubar at the centre (the paper's area).  face_weight (E, 2): the same with the
-    true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.
+    true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  node_beta (4, 15, 24): q at the
+    four nodes, its beta only.  kinematics: what the gradients leave out.
     """
 
     Q: np.ndarray
     rows: np.ndarray
     weight: np.ndarray
     face_weight: np.ndarray
+    node_beta: np.ndarray
+    kinematics: Kinematics
 
     @classmethod
-    def build(cls, surface: Surface, grid: Grid, laminate: Laminate) -> ElementGeometry:
+    def build(cls, surface: Surface, grid: Grid, laminate: Laminate, kinematics: Kinematics = FULL) -> ElementGeometry:
         """Evaluate surface and thickness on the grid."""
         d_minus, d_plus = laminate.d_minus, laminate.d_plus
         points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
         geometry = surface.geometry(points[..., 0], points[..., 1])
-        c0, c1, c2 = gradient_coefficients(geometry, d_minus, d_plus)
+        c0, c1, c2 = gradient_coefficients(geometry, d_minus, d_plus, kinematics)
         value, slope = shape_functions(GAUSS)
         slope = slope / grid.half[:, None, :, None]
         Q = np.empty((len(grid.elements), N_GAUSS, N_Q, 4, N_V))
@@ -97,15 +107,26 @@ class ElementGeometry:
         face = np.stack([_area_factor(at_centre, d) for d in (d_minus, d_plus)], axis=-1)
         return cls(
             Q=Q.reshape(-1, N_GAUSS * N_Q, N_DOF),
-            rows=shear_row_factors(geometry, d_minus, d_plus),
+            rows=shear_row_factors(geometry, d_minus, d_plus, kinematics),
             weight=parameter_area * _area_factor(at_centre, 0.5 * (d_minus + d_plus)),
             face_weight=parameter_area[:, None] * face,
+            node_beta=_node_beta(d_plus - d_minus),
+            kinematics=kinematics,
         )
 
     def chunks(self) -> Iterator[slice]:
         """Slices over the elements, one pass each."""
         n = len(self.Q)
         return (slice(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK))
+
+
+def _node_beta(h: float) -> np.ndarray:
+    """beta_i = (v_i+ - v_i-)/h of each node, in the rows of q (4, 15, 24)."""
+    beta = np.zeros((4, N_Q, 4, N_V))
+    for i in range(3):
+        beta[range(4), BETA.start + i, range(4), 2 * i] = -1.0 / h
+        beta[range(4), BETA.start + i, range(4), 2 * i + 1] = 1.0 / h
+    return beta.reshape(4, N_Q, N_DOF)
 
 
 def _area_factor(geometry: Geometry, d: float) -> np.ndarray:
@@ -115,15 +136,28 @@ def _area_factor(geometry: Geometry, d: float) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class MixedElement:
-    """Measure and section on the modes; ``initial`` are the resultants H0 (11,) of the reference state."""
+    """Measure and section on the modes; ``initial`` are the resultants H0 of the reference state on the modes.
+
+    thickness_strain: "projected" (the paper: E33 at the Gauss points) or "nodal" (E33 at the nodes: an interpolated
+    director is shorter than its nodal values, and a thin shell at finite rotation pays for that with stiffness).
+    """
 
     measure: StrainMeasure
     mode_stiffness: np.ndarray
     initial: np.ndarray
+    projection: np.ndarray
+    nodal: bool
 
     @classmethod
-    def build(cls, measure: StrainMeasure, D: np.ndarray, initial: np.ndarray) -> MixedElement:
-        """Restrict D (11, 11) to the modes: one block per mode, as H^{r} = Q^{rT} D Q^{r} E^{r}."""
+    def build(
+        cls, measure: StrainMeasure, D: np.ndarray, initial: np.ndarray, thickness_strain: str = "projected"
+    ) -> MixedElement:
+        """Restrict D (11, 11) to the modes: one block per mode, as H^{r} = Q^{rT} D Q^{r} E^{r}.
+
+        Raises ValueError for another thickness strain.
+        """
+        if thickness_strain not in THICKNESS_STRAINS:
+            raise ValueError(f"thickness strain {thickness_strain!r} is not one of {', '.join(THICKNESS_STRAINS)}")
         blocks = np.zeros((N_M, N_M))
         start = 0
         for rows in MODES.values():
@@ -132,19 +166,21 @@ class MixedElement:
             start = stop
         on_modes = np.zeros(N_M)
         on_modes[:N_E] = initial  # uniform over the element: only the mode 00
-        return cls(measure, blocks, on_modes)
+        return cls(measure, blocks, on_modes, _projection(thickness_strain), thickness_strain == "nodal")
 
     def mode_strains(self, geometry: ElementGeometry, v: np.ndarray, dv: np.ndarray | None = None) -> np.ndarray:
         """Mode strains E (E, 22) of nodal displacements v (E, 24); with ``dv`` their linear prediction E + B dv."""
         strains = np.empty((len(v), N_M))
         for part in geometry.chunks():
-            Q, rows = geometry.Q[part], geometry.rows[part]
-            q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
-            strain = self.measure.strain(q)
+            q, at_nodes = self._gradients(geometry, part, v)
+            strain = self._strain(q, at_nodes)
             if dv is not None:
-                dq = np.matmul(Q, dv[part, :, None]).reshape(-1, N_GAUSS, N_Q, 1)
-                strain += np.matmul(self.measure.gradient(q), dq)[..., 0]
-            strains[part] = (strain * rows).reshape(-1, N_GAUSS * N_E) @ _PROJECTION
+                dq, change = self._gradients(geometry, part, dv)
+                strain += np.matmul(self.measure.gradient(q), dq[..., None])[..., 0]
+                if self.nodal:
+                    at_dv = np.matmul(self.measure.gradient(at_nodes), change[..., None])[..., 0]
+                    strain[..., E33] = self.measure.strain(at_nodes)[..., E33] + at_dv[..., E33]
+            strains[part] = (strain * geometry.rows[part]).reshape(-1, N_GAUSS * N_E) @ self.projection
         return strains
 
     def resultants(self, strains: np.ndarray) -> np.ndarray:
@@ -154,18 +190,16 @@ class MixedElement:
     def energy(self, geometry: ElementGeometry, v: np.ndarray) -> float:
         """Strain energy 1/2 E D E of the whole grid (H0 excluded); a potential only where D is symmetric."""
         strains = self.mode_strains(geometry, v)
-        return float(
-            0.5 * np.einsum("...m,...m,m,...->", strains, self.resultants(strains), MODE_WEIGHTS, geometry.weight)
-        )
+        work = np.sum(MODE_WEIGHTS * strains * self.resultants(strains), axis=-1)
+        return float(0.5 * geometry.weight @ work)
 
     def linear_initial_force(self, geometry: ElementGeometry) -> np.ndarray:
         """The work of H0 on the linear strains, (E, 24): balanced in the reference state, so it is taken off."""
-        gradient = self.measure.gradient(np.zeros((1, N_GAUSS, N_Q)))
         force = np.zeros((len(geometry.Q), N_DOF))
         if np.any(self.initial):
             for part in geometry.chunks():
-                rows, Q = geometry.rows[part], geometry.Q[part]
-                B = self._mode_gradient(np.tile(gradient, (len(Q), 1, 1, 1)), rows, Q)
+                q, at_nodes = self._gradients(geometry, part, force)  # of the reference state
+                B = self._mode_gradient(geometry, part, q, at_nodes)
                 force[part] = geometry.weight[part, None] * ((MODE_WEIGHTS * self.initial) @ B)
         return force
 
@@ -183,25 +217,50 @@ class MixedElement:
         """
         stiffness = MODE_WEIGHTS[:, None] * self.mode_stiffness
         for part in geometry.chunks():
-            Q, rows, weight = geometry.Q[part], geometry.rows[part], geometry.weight[part]
-            q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
-            strain = (self.measure.strain(q) * rows).reshape(-1, N_GAUSS * N_E) @ _PROJECTION
+            rows, weight = geometry.rows[part], geometry.weight[part, None]
+            q, at_nodes = self._gradients(geometry, part, v)
+            strain = (self._strain(q, at_nodes) * rows).reshape(-1, N_GAUSS * N_E) @ self.projection
             H = self.resultants(strain)
-            B = self._mode_gradient(self.measure.gradient(q), rows, Q)
-            work = MODE_WEIGHTS * (H + self.initial) * weight[:, None]
-            force[part] = np.matmul(work[:, None, :], B)[:, 0]
+            B = self._mode_gradient(geometry, part, q, at_nodes)
+            force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None, :], B)[:, 0]
+            np.matmul(B.transpose(0, 2, 1), np.matmul(stiffness, B) * weight[..., None], out=tangent[part])
             H_geometric = H if predicted is None else predicted[part]
-            work = MODE_WEIGHTS * (H_geometric + self.initial) * weight[:, None]
-            at_gauss = (work @ _PROJECTION.T).reshape(-1, N_GAUSS, N_E) * rows
-            M = self.measure.contract(q, at_gauss)
-            MQ = np.matmul(M, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(Q.shape)
-            B_transposed = B.transpose(0, 2, 1)
-            np.matmul(B_transposed, np.matmul(stiffness, B) * weight[:, None, None], out=tangent[part])
-            tangent[part] += np.matmul(Q.transpose(0, 2, 1), MQ)
+            work = MODE_WEIGHTS * (H_geometric + self.initial) * weight
+            at_gauss = (work @ self.projection.T).reshape(-1, N_GAUSS, N_E) * rows
+            if self.nodal:
+                through = np.zeros_like(at_gauss)
+                through[..., E33] = at_gauss[..., E33]
+                at_gauss[..., E33] = 0.0
+                tangent[part] += _quadratic_form(self.measure.contract(at_nodes, through), geometry.node_beta)
+            Q = geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF)
+            tangent[part] += _quadratic_form(self.measure.contract(q, at_gauss), Q)
 
-    @staticmethod
-    def _mode_gradient(gradient: np.ndarray, factors: np.ndarray, Q: np.ndarray) -> np.ndarray:
-        """B (..., 22, 24) on the modes from dE/dq (..., 4, 11, 15) at the Gauss points, which is used up."""
-        gradient[..., SHEAR_ROWS, :] *= factors[..., SHEAR_ROWS, None]
-        at_gauss = np.matmul(gradient, Q.reshape(-1, N_GAUSS, N_Q, N_DOF))
-        return np.matmul(_PROJECTION.T, at_gauss.reshape(-1, N_GAUSS * N_E, N_DOF))
+    def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Values of q at the Gauss points and, for a nodal E33, at the nodes (there beta only), (e, 4, 15) each."""
+        q = np.matmul(geometry.Q[part], v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
+        if not self.nodal:
+            return q, q
+        return q, (v[part] @ geometry.node_beta.reshape(-1, N_DOF).T).reshape(-1, 4, N_Q)
+
+    def _strain(self, q: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
+        """Strains at the sampling points (e, 4, 11), without the geometric row factors."""
+        strain = self.measure.strain(q)
+        if self.nodal:
+            strain[..., E33] = self.measure.strain(at_nodes)[..., E33]
+        return strain
+
+    def _mode_gradient(self, geometry: ElementGeometry, part: slice, q: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
+        """B (e, 22, 24): derivative of the mode strains by the nodal displacements."""
+        gradient = self.measure.gradient(q)
+        gradient[..., SHEAR_ROWS, :] *= geometry.rows[part][..., SHEAR_ROWS, None]
+        sampled = np.matmul(gradient, geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF))
+        if self.nodal:
+            along = self.measure.gradient(at_nodes)[..., E33, None, :]
+            sampled[..., E33, :] = np.matmul(along, geometry.node_beta)[..., 0, :]
+        return np.matmul(self.projection.T, sampled.reshape(-1, N_GAUSS * N_E, N_DOF))
+
+
+def _quadratic_form(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
+    """Sum over the four points of Q^T M Q, (e, 24, 24), for M (e, 4, 15, 15) and Q (..., 4, 15, 24)."""
+    MQ = np.matmul(M, Q).reshape(len(M), -1, N_DOF)
+    return np.matmul(Q.reshape(*Q.shape[:-3], -1, N_DOF).swapaxes(-1, -2), MQ)

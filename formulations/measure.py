@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from formulations.quantities import FACES, N_E, N_Q, QUANTITIES, STRAINS
+from formulations.quantities import FACES, FULL, N_E, N_Q, QUANTITIES, STRAINS, Kinematics
 
 Terms = Mapping[str, Mapping[str, float]]
 
@@ -23,6 +23,11 @@ class StrainMeasure(Protocol):
     @property
     def name(self) -> str:
         """Name in the catalogue."""
+        ...
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """What the gradients q leave out for this measure."""
         ...
 
     def strain(self, q: np.ndarray) -> np.ndarray:
@@ -51,6 +56,7 @@ class QuadraticMeasure:
     quadratic: np.ndarray
     reference: str
     rotation_law: Callable[[float], float]
+    kinematics: Kinematics = FULL
 
     def strain(self, q: np.ndarray) -> np.ndarray:
         """E = L q + 1/2 q Q q, (..., 11)."""

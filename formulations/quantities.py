@@ -16,6 +16,8 @@ Source: Grigolyuk, Kulikov, Plotnikova (2004), eq. 3.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from formulations.surface import Geometry
@@ -32,13 +34,28 @@ DISPLACEMENTS = ("v1-", "v1+", "v2-", "v2+", "v3-", "v3+")
 N_Q, N_E, N_V = len(QUANTITIES), len(STRAINS), len(DISPLACEMENTS)
 
 
+@dataclass(frozen=True)
+class Kinematics:
+    """What a measure may leave out of the gradients themselves, because no table of constants over q can.
+
+    shallow: th_a = -v_3,a/A_a, the turning k_a v_a of the frame dropped (Donnell).
+    thin: zeta_a = zbar_a = 1, the stretch of the faces by the curvature dropped.
+    """
+
+    shallow: bool = False
+    thin: bool = False
+
+
+FULL = Kinematics()
+
+
 def displacement_index(component: int, face: int) -> int:
     """Position of v_component (0, 1, 2) on the face (0 inner, 1 outer) among the six displacements of a node."""
     return 2 * component + face
 
 
 def gradient_coefficients(
-    geometry: Geometry, d_minus: float, d_plus: float
+    geometry: Geometry, d_minus: float, d_plus: float, kinematics: Kinematics = FULL
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Coefficients C0, C1, C2, each (..., 15, 6), with q = C0 v + C1 v,1 + C2 v,2.
 
@@ -50,7 +67,7 @@ def gradient_coefficients(
     for a, derivative in ((0, c1), (1, c2)):
         g = 1 - a
         for face, d in enumerate((d_minus, d_plus)):
-            zeta = 1.0 + geometry.k[..., a] * d
+            zeta = 1.0 + geometry.k[..., a] * (0.0 if kinematics.thin else d)
             slope = 1.0 / (geometry.A[..., a] * zeta)
             curvature = geometry.k[..., a] / zeta
             bend = geometry.B[..., g] / zeta
@@ -62,19 +79,21 @@ def gradient_coefficients(
             derivative[..., om, v_g] = slope
             c0[..., om, v_a] = -bend
             derivative[..., th, v_3] = -slope
-            c0[..., th, v_a] = curvature
+            c0[..., th, v_a] = 0.0 if kinematics.shallow else curvature
     for i in range(3):
         for face, sign in enumerate((-1.0, 1.0)):
             c0[..., 12 + i, displacement_index(i, face)] = sign / (d_plus - d_minus)
     return c0, c1, c2
 
 
-def shear_row_factors(geometry: Geometry, d_minus: float, d_plus: float) -> np.ndarray:
+def shear_row_factors(geometry: Geometry, d_minus: float, d_plus: float, kinematics: Kinematics = FULL) -> np.ndarray:
     """Factors (..., 11) of the strain rows: zeta_a/zbar_a for 2E_a3 on each face, 1 elsewhere.
 
     They belong to the geometry (the shear is measured on the mid-surface base vectors), not to any measure.
     """
     factors = np.ones((*geometry.A.shape[:-1], N_E))
+    if kinematics.thin:
+        return factors
     d_bar = 0.5 * (d_minus + d_plus)
     for a, first in ((0, 6), (1, 8)):
         for face, d in enumerate((d_minus, d_plus)):

@@ -13,12 +13,14 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
+from formulations.dofs import DofMap
 from formulations.element import N_DOF, ElementGeometry, MixedElement
 from formulations.grid import Grid
 from formulations.laminate import Laminate
 from formulations.loads import Pressure
 from formulations.measure import StrainMeasure
-from formulations.quantities import N_E, N_V
+from formulations.pattern import Pattern
+from formulations.quantities import FULL, N_E, N_V, Kinematics
 from formulations.surface import Surface
 
 NEWTONS = ("plain", "mixed")
@@ -40,65 +42,73 @@ class Linearisation:
 
 @dataclass(frozen=True, eq=False)
 class Discretisation:
-    """Geometry on the grid, supports, and the sparse pattern with the slots of every element entry."""
+    """Geometry on the grid, supports, and the sparse pattern."""
 
     surface: Surface
     grid: Grid
     laminate: Laminate
-    free: np.ndarray
+    map: DofMap
     geometry: ElementGeometry = field(repr=False)
     dofs: np.ndarray = field(repr=False)
-    indptr: np.ndarray = field(repr=False)
-    indices: np.ndarray = field(repr=False)
-    slots: np.ndarray = field(repr=False)
+    pattern: Pattern = field(repr=False)
     scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
 
     @classmethod
-    def build(cls, surface: Surface, grid: Grid, laminate: Laminate, fixed: np.ndarray) -> Discretisation:
-        """``fixed`` (N, 6) bool: the face displacements held at zero. Raises ValueError when nothing is free."""
-        free = np.flatnonzero(~fixed.ravel())
-        if len(free) == 0:
-            raise ValueError("every displacement is held: nothing to solve")
-        number = np.full(fixed.size, -1, dtype=np.intp)
-        number[free] = np.arange(len(free))
+    def build(
+        cls,
+        surface: Surface,
+        grid: Grid,
+        laminate: Laminate,
+        fixed: np.ndarray,
+        hinged: np.ndarray | None = None,
+        kinematics: Kinematics = FULL,
+    ) -> Discretisation:
+        """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) bool: see :class:`DofMap`."""
+        dof_map = DofMap.build(fixed, hinged)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
-        indptr, indices, slots = _pattern(number[dofs], len(free))
-        n = len(dofs)
-        scratch = (np.empty((n, N_DOF)), np.empty((n, N_DOF, N_DOF)))
-        geometry = ElementGeometry.build(surface, grid, laminate)
-        return cls(surface, grid, laminate, free, geometry, dofs, indptr, indices, slots, scratch)
+        pattern = Pattern.build(dof_map.number[dofs], dof_map.n)
+        scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
+        geometry = ElementGeometry.build(surface, grid, laminate, kinematics)
+        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
+
+    def leaving_out(self, kinematics: Kinematics) -> Discretisation:
+        """The same grid with other gradients."""
+        return replace(self, geometry=ElementGeometry.build(self.surface, self.grid, self.laminate, kinematics))
 
     @property
     def n_free(self) -> int:
         """Number of unknowns."""
-        return len(self.free)
+        return self.map.n
 
     def expand(self, u: np.ndarray) -> np.ndarray:
-        """All face displacements (N, 6) from the free ones; held ones are zero."""
-        full = np.zeros(self.grid.n_nodes * N_V)
-        full[self.free] = u
-        return full.reshape(-1, N_V)
+        """All face displacements (N, 6) from the unknowns; held ones are zero."""
+        return self.map.expand(u)
+
+    def reduce(self, forces: np.ndarray) -> np.ndarray:
+        """Forces (n,) on the unknowns from nodal forces (N, 6) in the local frames."""
+        return self.map.gather(forces)
 
     def gather(self, element_vectors: np.ndarray) -> np.ndarray:
-        """Sum element vectors (E, 24) into the free ones (n,)."""
+        """Sum element vectors (E, 24) into forces (n,) on the unknowns."""
         full = np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=self.grid.n_nodes * N_V)
-        return full[self.free]
+        return self.map.gather(full)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
-        """Sum element matrices (E, 24, 24) into the free CSC matrix through the slots found once."""
-        nnz = len(self.indices)
-        data = np.bincount(self.slots, weights=element_matrices.ravel(), minlength=nnz + 1)[:nnz]
-        return sparse.csc_matrix((data, self.indices, self.indptr), shape=(self.n_free, self.n_free))
+        """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
+        if self.map.signed:
+            sign = self.map.sign[self.dofs]
+            element_matrices = element_matrices * sign[:, :, None] * sign[:, None, :]
+        return self.pattern.assemble(element_matrices)
 
     def displacement_operator(self, nodes: np.ndarray, face: int) -> sparse.csr_matrix:
-        """Sparse (3m, n): Cartesian displacements of the nodes on a face (0 inner, 1 outer) from the free u."""
+        """Sparse (3m, n): Cartesian displacements of the nodes on a face (0 inner, 1 outer) from the unknowns."""
         frame = self.surface.frame(self.grid.nodes[nodes, 0], self.grid.nodes[nodes, 1])
         rows = np.broadcast_to(np.arange(3 * len(nodes)).reshape(-1, 1, 3), frame.shape)  # (m, i, x)
         dofs = N_V * nodes[:, None] + 2 * np.arange(3) + face
         columns = np.broadcast_to(dofs[:, :, None], frame.shape)
         shape = (3 * len(nodes), self.grid.n_nodes * N_V)
         full = sparse.coo_matrix((frame.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
-        return full.tocsc()[:, self.free].tocsr()
+        return sparse.csr_matrix(full.tocsr() @ self.map.matrix())
 
     def cartesian(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cartesian displacements (N, 3) of the inner and of the outer face."""
@@ -131,25 +141,14 @@ class Discretisation:
         return sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
 
 
-def _pattern(number: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """CSC pattern of the free matrix and the slot of every element entry; held entries go to one slot past the end."""
-    row, column = np.broadcast_arrays(number[:, :, None], number[:, None, :])
-    held = ((row < 0) | (column < 0)).ravel()
-    keys = column.ravel().astype(np.int64) * n + row.ravel()
-    keys[held] = n * n
-    unique, slots = np.unique(keys, return_inverse=True)
-    entries = unique[unique < n * n]
-    indptr = np.searchsorted(entries, np.arange(n + 1, dtype=np.int64) * n)
-    return indptr.astype(np.int32), (entries % n).astype(np.int32), slots.ravel().astype(np.intp)
-
-
 @dataclass(frozen=True, eq=False)
 class ShellModel:
     """A loaded shell.
 
     forces (n,): dead nodal forces on the free displacements, in the local frames [N].  initial (11,): resultants H0 of
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
-    geometric stiffness; THEORY: mixed-integration-point strategy of Magisano, Leonetti, Garcea 2017).
+    geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
+    thickness_strain: "projected" (the paper) or "nodal", see :class:`formulations.element.MixedElement`.
     """
 
     discretisation: Discretisation
@@ -159,15 +158,20 @@ class ShellModel:
     pressure: Pressure | None = None
     forces: np.ndarray | None = None
     initial: np.ndarray | None = None
+    thickness_strain: str = "projected"
     _element: MixedElement = field(init=False, repr=False)
     _dead: np.ndarray = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if self.newton not in NEWTONS:
             raise ValueError(f"newton {self.newton!r} is not one of {', '.join(NEWTONS)}")
+        if self.discretisation.geometry.kinematics != self.measure.kinematics:
+            object.__setattr__(self, "discretisation", self.discretisation.leaving_out(self.measure.kinematics))
         shell = self.discretisation
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
-        element = MixedElement.build(self.measure, shell.laminate.stiffness(self.section), initial)
+        element = MixedElement.build(
+            self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain
+        )
         constant = element.linear_initial_force(shell.geometry)
         if self.pressure is not None and not self.pressure.follower:
             constant = constant + self.pressure.dead_force(shell.geometry)

@@ -67,7 +67,7 @@ class Cantilever:
             discretisation,
             MEASURES[request.measure],
             newton=request.newton,
-            forces=forces.ravel()[discretisation.free],
+            forces=discretisation.reduce(forces),
         )
 
         def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:

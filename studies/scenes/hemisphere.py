@@ -64,7 +64,7 @@ class Hemisphere:
             discretisation,
             MEASURES[request.measure],
             newton=request.newton,
-            forces=forces.ravel()[discretisation.free],
+            forces=discretisation.reduce(forces),
         )
 
         def under_loads(shell: ShellModel, u: np.ndarray) -> dict[str, float]:

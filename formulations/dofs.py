@@ -1,0 +1,69 @@
+"""Supports as a signed map: every face displacement is an unknown, the negative of one, or held at zero.
+
+Symmetry planes and clamps hold; a hinge at the mid-surface ties the two faces, v+ = -v-. No stiffness enters here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+from formulations.quantities import N_V, displacement_index
+
+
+@dataclass(frozen=True, eq=False)
+class DofMap:
+    """number (6N,): unknown of each face displacement, -1 where held; sign (6N,): +1 or -1, 0 where held."""
+
+    number: np.ndarray
+    sign: np.ndarray
+
+    @classmethod
+    def build(cls, fixed: np.ndarray, hinged: np.ndarray | None = None) -> DofMap:
+        """``fixed`` (N, 6) bool: held at zero.  ``hinged`` (N, 3) bool: mid-surface components held, rotation free.
+
+        Raises ValueError when nothing is free, or when a hinged component is also held on one face.
+        """
+        master = np.arange(fixed.size).reshape(fixed.shape)
+        sign = np.where(fixed, 0.0, 1.0)
+        if hinged is not None:
+            for i in range(3):
+                inner, outer = displacement_index(i, 0), displacement_index(i, 1)
+                nodes = np.flatnonzero(hinged[:, i])
+                if np.any(fixed[nodes][:, [inner, outer]]):
+                    raise ValueError(f"component {i + 1} is hinged and held at the same node")
+                master[nodes, outer] = master[nodes, inner]
+                sign[nodes, outer] = -1.0
+        own = (master.ravel() == np.arange(fixed.size)) & ~fixed.ravel()
+        if not own.any():
+            raise ValueError("every displacement is held: nothing to solve")
+        unknown = np.where(own, np.cumsum(own) - 1, -1)
+        number = np.where(sign.ravel() != 0, unknown[master.ravel()], -1)
+        return cls(number, sign.ravel())
+
+    @property
+    def n(self) -> int:
+        """Number of unknowns."""
+        return int(self.number.max()) + 1
+
+    @property
+    def signed(self) -> bool:
+        """True when some displacement is the negative of an unknown."""
+        return bool(np.any(self.sign < 0))
+
+    def expand(self, u: np.ndarray) -> np.ndarray:
+        """All face displacements (N, 6) from the unknowns (n,)."""
+        return (self.sign * np.append(u, 0.0)[self.number]).reshape(-1, N_V)
+
+    def gather(self, full: np.ndarray) -> np.ndarray:
+        """Generalised forces (n,) from forces on all face displacements, the transpose of :meth:`expand`."""
+        weights = self.sign * full.ravel()
+        return np.bincount(self.number + 1, weights=weights, minlength=self.n + 1)[1:]
+
+    def matrix(self) -> sparse.csr_matrix:
+        """The map as a sparse matrix (6N, n)."""
+        rows = np.flatnonzero(self.number >= 0)
+        entries = (self.sign[rows], (rows, self.number[rows]))
+        return sparse.coo_matrix(entries, shape=(len(self.number), self.n)).tocsr()
