@@ -44,6 +44,8 @@ SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
 
 
 THICKNESS_STRAINS = ("projected", "nodal")
+MEMBRANES = ("compatible", "relaxed")
+MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
 
 
 def _projection(thickness_strain: str) -> np.ndarray:
@@ -78,7 +80,8 @@ class ElementGeometry:
     Q (E, 60, 24): q at the four Gauss points from the nodal displacements.  rows (E, 4, 11): shear row factors.
     weight (E,): parameter area times mubar at the centre (the paper's area).  face_weight (E, 2): the same with the
     true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  node_beta (4, 15, 24): q at the
-    four nodes, its beta only.  kinematics: what the gradients leave out.
+    four nodes, its beta only.  relaxation (E, 2): share of the parasitic membrane energy that a "relaxed" element
+    keeps.  kinematics: what the gradients leave out.
     """
 
     Q: np.ndarray
@@ -86,6 +89,7 @@ class ElementGeometry:
     weight: np.ndarray
     face_weight: np.ndarray
     node_beta: np.ndarray
+    relaxation: np.ndarray
     kinematics: Kinematics
 
     @classmethod
@@ -111,6 +115,7 @@ class ElementGeometry:
             weight=parameter_area * _area_factor(at_centre, 0.5 * (d_minus + d_plus)),
             face_weight=parameter_area[:, None] * face,
             node_beta=_node_beta(d_plus - d_minus),
+            relaxation=_relaxation(at_centre, grid, d_plus - d_minus),
             kinematics=kinematics,
         )
 
@@ -118,6 +123,18 @@ class ElementGeometry:
         """Slices over the elements, one pass each."""
         n = len(self.Q)
         return (slice(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK))
+
+
+def _relaxation(geometry: Geometry, grid: Grid, h: float) -> np.ndarray:
+    """Share s_a = 1/(1 + (k_a l_a^2/h)^2), (E, 2), of the membrane energy kept on the modes 01 (a = 1) and 10 (a = 2).
+
+    A slope w' across an element of length l and curvature k leaves there the parasitic membrane strain k w' l/2 xi.
+    Its energy E h (k w' l/2)^2/3 over that of the bending w'/l, E h^3/12 (w'/l)^2, is (k l^2/h)^2: s_a is the share of
+    bending in the sum. Flat elements keep all (s = 1), and so does every element in the end, 1 - s = O(l^4).
+    The idea of keeping a part of the membrane energy exact: Arnold, Brezzi, Math. Comp. 66 (1997) 1-14.
+    """
+    length = 2.0 * grid.half * geometry.A
+    return 1.0 / (1.0 + (geometry.k * length**2 / h) ** 2)
 
 
 def _node_beta(h: float) -> np.ndarray:
@@ -140,6 +157,9 @@ class MixedElement:
 
     thickness_strain: "projected" (the paper: E33 at the Gauss points) or "nodal" (E33 at the nodes: an interpolated
     director is shorter than its nodal values, and a thin shell at finite rotation pays for that with stiffness).
+    membrane: "compatible" (the paper), or "relaxed": the linear modes of E11 and E22 keep only the share of their
+    face-mean part that curvature and thickness justify, see :func:`_relaxation`; it removes what is left of membrane
+    locking on coarse meshes of thin curved shells and changes nothing on flat ones.
     """
 
     measure: StrainMeasure
@@ -147,17 +167,24 @@ class MixedElement:
     initial: np.ndarray
     projection: np.ndarray
     nodal: bool
+    relaxed: bool
 
     @classmethod
     def build(
-        cls, measure: StrainMeasure, D: np.ndarray, initial: np.ndarray, thickness_strain: str = "projected"
+        cls,
+        measure: StrainMeasure,
+        D: np.ndarray,
+        initial: np.ndarray,
+        thickness_strain: str = "projected",
+        membrane: str = "compatible",
     ) -> MixedElement:
         """Restrict D (11, 11) to the modes: one block per mode, as H^{r} = Q^{rT} D Q^{r} E^{r}.
 
-        Raises ValueError for another thickness strain.
+        Raises ValueError for an option that does not exist.
         """
-        if thickness_strain not in THICKNESS_STRAINS:
-            raise ValueError(f"thickness strain {thickness_strain!r} is not one of {', '.join(THICKNESS_STRAINS)}")
+        for option, known in ((thickness_strain, THICKNESS_STRAINS), (membrane, MEMBRANES)):
+            if option not in known:
+                raise ValueError(f"{option!r} is not one of {', '.join(known)}")
         blocks = np.zeros((N_M, N_M))
         start = 0
         for rows in MODES.values():
@@ -166,7 +193,8 @@ class MixedElement:
             start = stop
         on_modes = np.zeros(N_M)
         on_modes[:N_E] = initial  # uniform over the element: only the mode 00
-        return cls(measure, blocks, on_modes, _projection(thickness_strain), thickness_strain == "nodal")
+        projection = _projection(thickness_strain)
+        return cls(measure, blocks, on_modes, projection, thickness_strain == "nodal", membrane == "relaxed")
 
     def mode_strains(self, geometry: ElementGeometry, v: np.ndarray, dv: np.ndarray | None = None) -> np.ndarray:
         """Mode strains E (E, 22) of nodal displacements v (E, 24); with ``dv`` their linear prediction E + B dv."""
@@ -180,7 +208,7 @@ class MixedElement:
                 if self.nodal:
                     at_dv = np.matmul(self.measure.gradient(at_nodes), change[..., None])[..., 0]
                     strain[..., E33] = self.measure.strain(at_nodes)[..., E33] + at_dv[..., E33]
-            strains[part] = (strain * geometry.rows[part]).reshape(-1, N_GAUSS * N_E) @ self.projection
+            strains[part] = self._onto_modes(strain, geometry, part)
         return strains
 
     def resultants(self, strains: np.ndarray) -> np.ndarray:
@@ -219,13 +247,13 @@ class MixedElement:
         for part in geometry.chunks():
             rows, weight = geometry.rows[part], geometry.weight[part, None]
             q, at_nodes = self._gradients(geometry, part, v)
-            strain = (self._strain(q, at_nodes) * rows).reshape(-1, N_GAUSS * N_E) @ self.projection
-            H = self.resultants(strain)
+            H = self.resultants(self._onto_modes(self._strain(q, at_nodes), geometry, part))
             B = self._mode_gradient(geometry, part, q, at_nodes)
             force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None, :], B)[:, 0]
             np.matmul(B.transpose(0, 2, 1), np.matmul(stiffness, B) * weight[..., None], out=tangent[part])
             H_geometric = H if predicted is None else predicted[part]
             work = MODE_WEIGHTS * (H_geometric + self.initial) * weight
+            self._relax(work, geometry, part)
             at_gauss = (work @ self.projection.T).reshape(-1, N_GAUSS, N_E) * rows
             if self.nodal:
                 through = np.zeros_like(at_gauss)
@@ -257,7 +285,24 @@ class MixedElement:
         if self.nodal:
             along = self.measure.gradient(at_nodes)[..., E33, None, :]
             sampled[..., E33, :] = np.matmul(along, geometry.node_beta)[..., 0, :]
-        return np.matmul(self.projection.T, sampled.reshape(-1, N_GAUSS * N_E, N_DOF))
+        B = np.matmul(self.projection.T, sampled.reshape(-1, N_GAUSS * N_E, N_DOF))
+        self._relax(B, geometry, part)
+        return B
+
+    def _onto_modes(self, strain: np.ndarray, geometry: ElementGeometry, part: slice) -> np.ndarray:
+        """Mode strains (e, 22) of the sampled ones (e, 4, 11)."""
+        on_modes = (strain * geometry.rows[part]).reshape(-1, N_GAUSS * N_E) @ self.projection
+        self._relax(on_modes, geometry, part)
+        return on_modes
+
+    def _relax(self, on_modes: np.ndarray, geometry: ElementGeometry, part: slice) -> None:
+        """Shrink the face mean of E11 on the mode 01 and of E22 on the mode 10, in place; a symmetric operator."""
+        if not self.relaxed:
+            return
+        for a, first in enumerate(MEMBRANE_PAIRS):
+            shrink = 1.0 - np.sqrt(geometry.relaxation[part, a])
+            pair = on_modes[:, first : first + 2]
+            pair -= shrink.reshape(-1, *[1] * (pair.ndim - 1)) * pair.mean(axis=1, keepdims=True)
 
 
 def _quadratic_form(M: np.ndarray, Q: np.ndarray) -> np.ndarray:

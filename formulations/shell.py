@@ -148,7 +148,8 @@ class ShellModel:
     forces (n,): dead nodal forces on the free displacements, in the local frames [N].  initial (11,): resultants H0 of
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
     geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
-    thickness_strain: "projected" (the paper) or "nodal", see :class:`formulations.element.MixedElement`.
+    thickness_strain: "projected" (the paper) or "nodal"; membrane: "compatible" (the paper) or "relaxed"; see
+    :class:`formulations.element.MixedElement`.
     """
 
     discretisation: Discretisation
@@ -159,6 +160,7 @@ class ShellModel:
     forces: np.ndarray | None = None
     initial: np.ndarray | None = None
     thickness_strain: str = "projected"
+    membrane: str = "compatible"
     _element: MixedElement = field(init=False, repr=False)
     _dead: np.ndarray = field(init=False, repr=False)
 
@@ -170,7 +172,7 @@ class ShellModel:
         shell = self.discretisation
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
         element = MixedElement.build(
-            self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain
+            self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain, self.membrane
         )
         constant = element.linear_initial_force(shell.geometry)
         if self.pressure is not None and not self.pressure.follower:
