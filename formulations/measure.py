@@ -17,12 +17,42 @@ from formulations.quantities import FACES, FULL, N_E, N_Q, QUANTITIES, STRAINS, 
 Terms = Mapping[str, Mapping[str, float]]
 
 
+def _none(amount: float, zeta: float) -> float:
+    return 0.0
+
+
+@dataclass(frozen=True)
+class RigidBodyLaw:
+    """The strain E_aa that a rigid motion leaves on a face, declared as closed forms; 0 where the measure is exact.
+
+    Each law is a function of the amount of motion and of the stretch zeta = 1 + k d of the face:
+    translation: of a cylinder, E22 for the amount (U . e2)/R;  out_of_plane: of a plate, the angle theta [rad] about a
+    tangent, E_aa normal to it;  drilling: of a plate, theta about its normal;  axis: of a cylinder, theta about its
+    own axis, E22. A measure that passes where it should fail is as wrong as one that fails where it should pass.
+    """
+
+    translation: Callable[[float, float], float] = _none
+    out_of_plane: Callable[[float, float], float] = _none
+    drilling: Callable[[float, float], float] = _none
+    axis: Callable[[float, float], float] = _none
+
+
 class StrainMeasure(Protocol):
     """Everything the element needs of a measure; q is (..., 15), strains are (..., 11)."""
 
     @property
     def name(self) -> str:
         """Name in the catalogue."""
+        ...
+
+    @property
+    def reference(self) -> str:
+        """The source of the measure."""
+        ...
+
+    @property
+    def rigid_body_law(self) -> RigidBodyLaw:
+        """The strains it is known to leave under rigid motions."""
         ...
 
     @property
@@ -43,19 +73,21 @@ class StrainMeasure(Protocol):
         ...
 
 
+EXACT_LAW = RigidBodyLaw()
+
+
 @dataclass(frozen=True, eq=False)
 class QuadraticMeasure:
     """E_n = L_n . q + 1/2 q . Q_n . q with constant L (11, 15) and Q (11, 15, 15), symmetric in its last two axes.
 
-    ``reference``: the source of the measure. ``rotation_law``: the strain E_aa that a rigid rotation by theta leaves
-    in a direction normal to the axis of rotation, as a function of theta [rad] (0 for an exact measure).
+    ``reference``: the source of the measure.  ``kinematics``: what its gradients q leave out.
     """
 
     name: str
     linear: np.ndarray
     quadratic: np.ndarray
     reference: str
-    rotation_law: Callable[[float], float]
+    rigid_body_law: RigidBodyLaw
     kinematics: Kinematics = FULL
 
     def strain(self, q: np.ndarray) -> np.ndarray:
@@ -86,7 +118,7 @@ class QuadraticMeasure:
 
 
 def quadratic_measure(
-    name: str, terms: Terms, *, reference: str, rotation_law: Callable[[float], float]
+    name: str, terms: Terms, *, reference: str, rigid_body_law: RigidBodyLaw, kinematics: Kinematics = FULL
 ) -> QuadraticMeasure:
     """Build a measure from its formulas written as data.
 
@@ -112,7 +144,7 @@ def quadratic_measure(
                     raise ValueError(f"measure {name}: {monomial!r} is not a monomial of degree 1 or 2")
     for table in (linear, quadratic):
         table.setflags(write=False)
-    return QuadraticMeasure(name, linear, quadratic, reference, rotation_law)
+    return QuadraticMeasure(name, linear, quadratic, reference, rigid_body_law, kinematics)
 
 
 def _quantity(name: str, factor: str, face: str) -> int:
