@@ -1,0 +1,25 @@
+"""The cells the pages ask for, by the labels of the campaign, and what is expected of them; nothing else."""
+
+from __future__ import annotations
+
+PAPER = "paper"
+LINEAR = "linear"
+BASE = "exact semismooth mixed exact"  # 42x40, dead load, travel of 20 mm in one step
+SLOWEST = "exact trial-and-error plain exact"  # the paper's algorithm
+REFERENCE = "{measure} semismooth mixed exact"  # what the other algorithms are compared with
+ALGORITHMS = r"\S+ \S+ (mixed|plain) (exact|epsilon)"  # measure, contact, newton, enforcement
+EPSILON = "exact semismooth mixed epsilon"
+CONSISTENT = "consistent"
+FINE = "fine"
+FOLLOWER, FOLLOWER_FINE = "follower", "follower fine"
+ISOTROPIC, ISOTROPIC_FINE = "isotropic", "isotropic fine"
+MESHES = (16, 32, 64)
+CANTILEVER, HEMISPHERE = "cantilever {n}", "hemisphere {n}"
+ONE_STEP_MIXED, ONE_STEP_PLAIN = "hemisphere one step mixed", "hemisphere one step plain"
+TWENTY_STEPS_PLAIN = "hemisphere twenty steps plain"
+
+EXPECTED_TO_FAIL = {
+    ONE_STEP_PLAIN: "plain Newton cannot take the whole load in one step; the step has to be cut",
+}
+DELTA = 20.0  # mm, the travel of the printed table
+CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page

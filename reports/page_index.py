@@ -1,0 +1,156 @@
+"""The first page: what is compared, how much of it is there, what was found, and what the numbers do not cover."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+
+from reports import labels
+from reports.maps import at_delta
+from reports.markdown import Part, commands, digits, fixed, machine, percent, prose, scientific, table
+from reports.page_benchmarks import BENCHMARKS, limit
+from reports.printed import FILE, HALF, compare, on_printed_nodes, printed_map
+from reports.schema import Cell, Store
+from reports.tyre_algorithms import relative_difference, set_difference
+from reports.tyre_meshes import change, isotropic_differences
+from reports.tyre_paper import forces
+
+
+def index_page(store: Store) -> Part:
+    """The whole page."""
+    sections = (_introduction, _completeness, _findings, _limitations, _machine)
+    return Part("\n\n".join(section(store) for section in sections) + "\n")
+
+
+def _introduction(store: Store) -> str:
+    cells = store.cells.values()
+    return prose(f"""# Results
+
+Strain measures ({_list(c.result["measure"] for c in cells)}), contact algorithms
+({_list(c.result["contact"] for c in cells)}) and Newton iterations ({_list(c.result["newton"] for c in cells)}),
+compared on one and the same shell element. The residuals of every answer are recomputed by a judge that trusts no
+algorithm. Every sentence with a number in it is computed from the stored results.
+
+- [The tyre](tyre.md): an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and
+  against three-dimensional solids.
+- [Benchmarks without contact](benchmarks.md): large bending against exact and published values.""")
+
+
+def _list(names: Iterable[str]) -> str:
+    return ", ".join(f"`{name}`" for name in dict.fromkeys(names))
+
+
+def _completeness(store: Store) -> str:
+    cells = list(store.cells.values())
+    scenes = dict.fromkeys(cell.scene for cell in cells)
+    rows = [[scene, *_counts([c for c in cells if c.scene == scene])] for scene in scenes]
+    rows.append(["all", *_counts(cells)])
+    header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "not converged"]
+    parts = ["## Completeness", table("Cells of the campaign", header, rows)]
+    unusual = [cell for cell in cells if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
+    if unusual:
+        title = "Cells that did not go as asked, or were not expected to"
+        parts.append(table(title, ["cell", "what happened", "expected"], (_unusual(cell) for cell in unusual), words=3))
+        events = [[cell.label, event] for cell in unusual for event in cell.cuts()]
+        if events:
+            parts.append(machine(table("Rejected steps", ["cell", "event"], events, words=2)))
+        parts.append(commands(cell.command for cell in unusual))
+    return "\n\n".join(parts)
+
+
+def _counts(cells: list[Cell]) -> list[str]:
+    converged = [cell for cell in cells if cell.converged]
+    cut = [cell for cell in converged if cell.cuts()]
+    return [str(n) for n in (len(cells), len(converged) - len(cut), len(cut), len(cells) - len(converged))]
+
+
+def _unusual(cell: Cell) -> list[str]:
+    if not cell.converged:
+        happened = f"not converged: {cell.result['reason']}"
+    else:
+        happened = "converged after its step was cut" if cell.cuts() else "converged as asked"
+    return [cell.label, happened, labels.EXPECTED_TO_FAIL.get(cell.label, "converges as asked")]
+
+
+def _findings(store: Store) -> str:
+    return "\n".join(["## Findings", "", f"1. {_linear(store)}", f"2. {_newton(store)}", f"3. {_agreement(store)}"])
+
+
+def _linear(store: Store) -> str:
+    pairs = forces(store)
+    (first, (low, high)), (linear, exact) = next(iter(pairs.items())), pairs[labels.DELTA]
+    return (
+        f"**Linear against geometrically exact strains.** At a travel of {labels.DELTA:g} mm linear "
+        f"strains give {fixed(linear, 1)} N, exact ones {fixed(exact, 1)} N: the force is {fixed(linear / exact, 2)} "
+        f"times as large. At {first:g} mm it is {fixed(low / high, 2)} times as large."
+    )
+
+
+def _newton(store: Store) -> str:
+    names = (labels.ONE_STEP_MIXED, labels.TWENTY_STEPS_PLAIN, labels.BASE, labels.SLOWEST)
+    mixed, plain, fast, slow = (store.cell(name) for name in names)
+    counts = [cell.result["counters"]["newton_iterations"] for cell in (mixed, plain, fast, slow)]
+    return (
+        f"**Mixed against plain Newton.** The hemisphere takes {counts[0]} iterations in one "
+        f"step, plain Newton {counts[1]} in {plain.result['settings']['steps']} steps; the tyre takes {counts[2]} with "
+        f"`{fast.result['contact']}`, against {counts[3]} with `{slow.result['contact']}` and plain Newton."
+    )
+
+
+def _agreement(store: Store) -> str:
+    exact = [c for c in store.matching(labels.ALGORITHMS) if c.result["settings"]["epsilon"] == "inf"]
+    pairs = [(c, store.cell(labels.REFERENCE.format(measure=c.result["measure"]))) for c in exact]
+    pairs = [(cell, reference) for cell, reference in pairs if cell is not reference]
+    same = sum(set_difference(cell, reference) == 0 for cell, reference in pairs)
+    offs = [abs(off) for off in (relative_difference(*pair) for pair in pairs) if not math.isnan(off)]
+    return (
+        f"**Algorithms against one another.** {same} of {len(pairs)} other ways to enforce the contact condition "
+        f"exactly end on the very contact set of `semismooth` with mixed Newton; forces differ by at most "
+        f"{scientific(max(offs, default=None))} of their value."
+    )
+
+
+def _limitations(store: Store) -> str:
+    paper = store.cell(labels.PAPER)
+    printed = printed_map(store.reference_table(FILE, ["row_label"]))
+    c = compare(on_printed_nodes(at_delta(paper.table("contact"), labels.DELTA), printed, HALF), printed)
+    mesh = change(store.cell(labels.FINE), store.cell(labels.BASE))
+    follower = change(store.cell(labels.FOLLOWER), store.cell(labels.BASE))
+    coarse, fine = (
+        max((abs(d) for d in column if not math.isnan(d)), default=None)
+        for column in list(zip(*isotropic_differences(store), strict=True))[1:]
+    )
+    hemisphere = BENCHMARKS[-1]
+    quantity = list(hemisphere.quantities)[-1]
+    reference = store.reference(hemisphere.scene, quantity, "read", load_fraction=1.0)["value"]
+    goal = limit(store, hemisphere, quantity, 1.0)
+    off = None if goal is None else goal / reference - 1.0
+    return prose(f"""## Known limitations
+
+- The origin of the plane's travel in the paper is not known. Counted from first touch, at {labels.DELTA:g} mm the
+  centre pressure is {fixed(c.centre, 3)} MPa (printed: {fixed(c.printed_centre, 3)}), but {c.outside} of the
+  {c.printed_nodes} printed nodes are not in contact.
+- The paper's mesh is coarse: halving its elements changes the force by {percent(mesh)}. Its dead load is a model; a
+  pressure that follows the wall changes the force by {percent(follower)}.
+- Against three-dimensional solids the force of the isotropic tyre is off by up to {percent(coarse, sign=False)} on
+  the mesh of the paper and by up to {percent(fine, sign=False)} on the finer one.
+- The extrapolated {hemisphere.quantities[quantity].partition(" [")[0]} of the hemisphere is {percent(off)} from the
+  published value.
+- These pages cover one shell element in static equilibrium, and a rigid, frictionless plane as the only obstacle. Times
+  are single runs.""")
+
+
+def _machine(store: Store) -> str:
+    """Versions and times, skipped by comparisons."""
+    made = [cell.result["provenance"] for cell in store.cells.values()]
+    total = sum(cell.result["timing_s"]["total"] for cell in store.cells.values())
+    packages = dict.fromkeys(f"{name} {version}" for p in made for name, version in p["packages"].items())
+    machines = dict.fromkeys(", ".join(f"{key} {value}" for key, value in p["machine"].items()) for p in made)
+    rows = [
+        ["footprint", ", ".join(dict.fromkeys(p["version"] for p in made))],
+        ["commit", ", ".join(dict.fromkeys(p["commit"] for p in made))],
+        ["packages", ", ".join(packages)],
+        ["machine", "; ".join(machines)],
+        ["time to solve all cells [s]", digits(total, 3)],
+    ]
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], rows, words=2))

@@ -1,0 +1,31 @@
+"""The page of the tyre: its sections in order."""
+
+from __future__ import annotations
+
+from reports.markdown import Part, joined
+from reports.schema import Store
+from reports.tyre_algorithms import algorithms_part, costs_part
+from reports.tyre_meshes import meshes_part
+from reports.tyre_paper import paper_part
+from reports.tyre_printed import printed_part
+
+INTRODUCTION = """# The tyre
+
+[All results](index.md) · [Benchmarks without contact](benchmarks.md)
+
+Angles: ψ runs along the meridian and is zero at the outer equator, φ runs around the axis and is zero where the plane
+touches first. Pressures are contact pressures, positive in compression. `DIR` in a command is any new directory.
+
+1. [The paper's tyre under a plane](#the-papers-tyre-under-a-plane)
+2. [The printed table](#the-printed-table) and its [symmetry](#symmetry)
+3. [Measures and algorithms](#measures-and-algorithms)
+4. [From pressure to nodal force](#from-pressure-to-nodal-force)
+5. [Mesh and load](#mesh-and-load)
+6. [An isotropic tyre against three-dimensional solids](#an-isotropic-tyre-against-three-dimensional-solids)
+7. [Costs](#costs)"""
+
+
+def tyre_page(store: Store) -> Part:
+    """The whole page."""
+    sections = (paper_part, printed_part, algorithms_part, meshes_part, costs_part)
+    return joined([Part(INTRODUCTION), *(section(store) for section in sections)])

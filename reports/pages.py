@@ -1,0 +1,57 @@
+"""The pages of a store: rendered as a whole, then written, or compared with the ones that are committed.
+
+Each page is a function of the store; no page is written before all are rendered.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from reports import labels
+from reports.compare import differences
+from reports.files import write_texts
+from reports.markdown import Part
+from reports.page_benchmarks import benchmarks_page
+from reports.page_index import index_page
+from reports.page_tyre import tyre_page
+from reports.schema import Store, load_store
+
+PAGES: Mapping[str, Callable[[Store], Part]] = {
+    "index.md": index_page,
+    "tyre.md": tyre_page,
+    "benchmarks.md": benchmarks_page,
+}
+FIGURES = "figures"
+
+
+def write_pages(store: Path, out: Path) -> list[Path]:
+    """Render everything, then write it into ``out``; returns the paths. After a StoreError nothing is written."""
+    return write_texts(out, rendered(load_store(store)))
+
+
+def check_pages(store: Path, out: Path) -> list[str]:
+    """Differences between the pages in ``out`` and those of the store, a line each; pictures need only be there."""
+    return compare_pages(rendered(load_store(store)), out)
+
+
+def rendered(store: Store) -> dict[str, str]:
+    """All files by name: pictures first, so that a page never links to one that is not there yet."""
+    for delta in labels.CURVES:
+        store.cell(labels.PAPER).step(delta_mm=delta)
+    parts = {name: page(store) for name, page in PAGES.items()}
+    pictures = {f"{FIGURES}/{name}": svg for part in parts.values() for name, svg in part.pictures.items()}
+    return pictures | {name: part.text for name, part in parts.items()}
+
+
+def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
+    """Differences between ``files`` and what is in ``out``."""
+    there = {path.relative_to(out).as_posix() for path in [*out.glob("*.md"), *(out / FIGURES).glob("*.svg")]}
+    found = [f"{name}: missing in {out}" for name in files if name not in there]
+    found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files))]
+    pages = [name for name in files if name.endswith(".md") and name in there]
+    if not pages:
+        found.append(f"{out}: no page to compare")
+    for name in pages:
+        found += differences(name, (out / name).read_text(encoding="utf-8"), files[name])
+    return found
