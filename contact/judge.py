@@ -30,12 +30,24 @@ class Verdict:
         names = ("equilibrium", "penetration", "tension", "complementarity")
         return {name: getattr(self, name) for name in names}
 
-    def failures(self, *, equilibrium: float = 1e-8, penetration: float = 1e-9, tension: float = 0.0) -> list[str]:
-        """The names of the residuals above their bounds (NaN counts as above)."""
+    def failures(
+        self,
+        *,
+        equilibrium: float = 1e-8,
+        penetration: float = 1e-9,
+        tension: float = 0.0,
+        complementarity: float = 1e-9,
+    ) -> list[str]:
+        """The names of the residuals above their bounds (NaN counts as above).
+
+        The defaults are those of an exact multiplier; a finite epsilon needs wider bounds for penetration, p/epsilon,
+        and complementarity, p^2/epsilon.
+        """
         bounds = {
             "equilibrium": max(equilibrium, min(self.rounding, 1e-6)),
             "penetration": penetration,
             "tension": tension,
+            "complementarity": complementarity,
         }
         return [name for name, bound in bounds.items() if not self.kkt[name] <= bound]
 

@@ -16,8 +16,9 @@ from contact.linear import checked_solve, factorise
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, rounding_floor
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance
-WORST_ROUNDING = 1e-6  # rounding may excuse a relative residual up to here, never above
-GAP_TOLERANCE = 1e-12  # relative to the largest gap
+WORST_ROUNDING = 1e-4  # rounding may excuse a relative residual up to here, never above (very thin shells: 1e-5)
+GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
+ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
 
 
@@ -43,6 +44,7 @@ class NewtonRun:
     history: list[dict[str, object]] = field(default_factory=list)
     _first_scale: float = 0.0
     _scale: float = 0.0
+    _residual: float = np.inf
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearisation:
         """Linearise the mechanics, counted and timed."""
@@ -59,8 +61,10 @@ class NewtonRun:
         self._first_scale = self._first_scale or self._scale
         imbalance = float(norm(lin.residual - contact, check_finite=False))
         if not imbalance <= BLOW_UP * max(self._first_scale, np.finfo(float).tiny):
-            return float("inf")
-        return imbalance / self._scale if self._scale > 0 else imbalance
+            self._residual = float("inf")
+        else:
+            self._residual = imbalance / self._scale if self._scale > 0 else imbalance
+        return self._residual
 
     def balanced(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
         """True when the relative residual is within tolerance, or as small as rounding lets it become."""
@@ -68,10 +72,35 @@ class NewtonRun:
             return True
         return residual <= WORST_ROUNDING and residual * self._scale <= rounding_floor(lin, u)
 
-    def closed(self, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> bool:
+    def closed(self, u: np.ndarray, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
         mismatch = np.abs(gap + pressure / self.epsilon)[active]
-        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * np.max(np.abs(gap), initial=0.0))
+        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * self._gap_size(u, gap))
+
+    def misplaced(
+        self,
+        lin: Linearisation,
+        u: np.ndarray,
+        gap: np.ndarray,
+        pressure: np.ndarray,
+        active: np.ndarray,
+        c: float = 1.0,
+    ) -> np.ndarray:
+        """Candidates (m,) on the wrong side: in the set with p - c g < 0, or out of it with p - c g > 0.
+
+        A node that just touches without pressure has p and g of the size of rounding, and no set is the right one:
+        near equilibrium, what rounding explains is no reason to swap it.
+        """
+        excess = np.where(active, 1.0, -1.0) * (pressure - c * gap)
+        wrong = excess < 0
+        if wrong.any() and self._residual <= WORST_ROUNDING:
+            force = ROUNDING_MARGIN * (rounding_floor(lin, u) + np.finfo(float).eps * self._scale)
+            wrong = excess < -(force / self.problem.weights + c * GAP_TOLERANCE * self._gap_size(u, gap))
+        return wrong
+
+    def _gap_size(self, u: np.ndarray, gap: np.ndarray) -> float:
+        """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself."""
+        return float(np.max(np.abs(gap) + abs(self.problem.gap_jacobian(u)) @ np.abs(u), initial=0.0))
 
     def step(
         self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray, active: np.ndarray
@@ -119,7 +148,9 @@ class NewtonRun:
         self.history.append(row | ({"event": event} if event else {}))
 
     def finish(self, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, outcome: Outcome) -> ContactSolution:
-        """The solution record of this run."""
+        """The solution record of this run; pressures of a converged set that rounding made negative become zero."""
+        if outcome.converged:
+            pressure = np.maximum(pressure, 0.0)
         return ContactSolution(u, pressure, active, outcome, self.counters, tuple(self.history))
 
     def _spend(self, what: str, start: float) -> float:

@@ -38,11 +38,11 @@ class Semismooth:
             lin = run.linearise(u, memory)
             gap = problem.gap(u)
             residual = run.imbalance(lin, u, pressure)
-            wanted = pressure - self.c * gap > 0
+            wanted = active ^ run.misplaced(lin, u, gap, pressure, active, self.c)
             run.note(residual, wanted, active)
             if np.isinf(residual):
                 return run.finish(u, pressure, active, Outcome.DIVERGED)
-            settled = np.array_equal(wanted, active) and run.closed(gap, pressure, active)
+            settled = np.array_equal(wanted, active) and run.closed(u, gap, pressure, active)
             if settled and run.balanced(lin, u, residual):
                 return run.finish(u, pressure, active, Outcome.CONVERGED)
             if iteration == self.max_iterations:

@@ -39,10 +39,9 @@ class TrialAndError:
         seen: set[bytes] = set()
         one_at_a_time = False
         for _ in range(self.max_sets):
-            u, pressure, outcome = self._equilibrium(run, u, pressure, active, before)
+            u, pressure, violated, outcome = self._equilibrium(run, u, pressure, active, before)
             if not outcome.converged:
                 return run.finish(u, pressure, active, outcome)
-            violated = np.where(active, pressure < 0, problem.gap(u) < 0)
             if not violated.any():
                 return run.finish(u, pressure, active, Outcome.CONVERGED)
             before = active
@@ -55,25 +54,27 @@ class TrialAndError:
 
     def _equilibrium(
         self, run: NewtonRun, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, before: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, Outcome]:
-        """Newton on a fixed set."""
-        pressure, memory = np.where(active, pressure, 0.0), None
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Outcome]:
+        """Newton on a fixed set: u, pressure, the candidates that violate their condition there, and the outcome."""
+        pressure, memory, nothing = np.where(active, pressure, 0.0), None, np.zeros_like(active)
         for iteration in range(self.max_iterations + 1):
             lin = run.linearise(u, memory)
             residual = run.imbalance(lin, u, pressure)
             run.note(residual, active, before if iteration == 0 else active)
             if np.isinf(residual):
-                return u, pressure, Outcome.DIVERGED
-            if run.balanced(lin, u, residual) and run.closed(run.problem.gap(u), pressure, active):
-                return u, pressure, Outcome.CONVERGED
+                return u, pressure, nothing, Outcome.DIVERGED
+            gap = run.problem.gap(u)
+            if run.balanced(lin, u, residual) and run.closed(u, gap, pressure, active):
+                own = np.where(active, 0.0, gap)  # in the set only the pressure decides, out of it only the gap
+                return u, pressure, run.misplaced(lin, u, own, pressure, active), Outcome.CONVERGED
             if iteration == self.max_iterations:
                 break
             try:
                 du, pressure = run.step(lin, u, pressure, active)
             except SingularMatrixError:
-                return u, pressure, Outcome.SINGULAR
+                return u, pressure, nothing, Outcome.SINGULAR
             u, memory = u + du, run.remember(lin, du)
-        return u, pressure, Outcome.ITERATION_LIMIT
+        return u, pressure, nothing, Outcome.ITERATION_LIMIT
 
 
 def _first(violated: np.ndarray) -> np.ndarray:

@@ -77,7 +77,7 @@ def _iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
     """Everything an algorithm does between two iterates."""
     lin = run.linearise(state.u, memory)
     run.imbalance(lin, state.u, state.pressure)
-    run.closed(run.problem.gap(state.u), state.pressure, state.active)
+    run.closed(state.u, run.problem.gap(state.u), state.pressure, state.active)
     du, _ = run.step(lin, state.u, state.pressure, state.active)
     run.remember(lin, du)
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
+from formulations.element import THICKNESS_STRAINS
 from formulations.grid import Grid, graded_lines
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.quantities import N_E
@@ -51,17 +52,18 @@ def plate_field(grid: Grid, state, h: float, stretch: float) -> np.ndarray:
     return v
 
 
+@pytest.mark.parametrize("thickness_strain", THICKNESS_STRAINS)
 @pytest.mark.parametrize("skew", [False, True])
 @pytest.mark.parametrize("section", SECTIONS)
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
-def test_linear_patch(make_shell, skew_laminate, skew, section, state) -> None:
+def test_linear_patch(make_shell, skew_laminate, skew, section, state, thickness_strain) -> None:
     """Edge values of the state given, the inside is found; strains and resultants are the state's in every element.
 
     The thickness stretch is the one that leaves E33 without a resultant.
     """
     grid = Grid.tensor(*LINES)
     laminate = skew_laminate if skew else ISOTROPIC
-    shell = make_shell(Plate(), grid, laminate, measure="linear", section=section)
+    shell = make_shell(Plate(), grid, laminate, measure="linear", section=section, thickness_strain=thickness_strain)
     D = laminate.stiffness(section)
     tangential = face_strains(state, laminate.thickness)
     stretch = -D[10, :6] @ tangential / D[10, 10]

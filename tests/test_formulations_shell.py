@@ -9,6 +9,7 @@ import pytest
 from scipy.linalg import null_space, subspace_angles
 from scipy.sparse.linalg import spsolve
 
+from formulations.element import MEMBRANES, THICKNESS_STRAINS
 from formulations.grid import Grid
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import Pressure
@@ -30,8 +31,10 @@ GAP = 1e6  # between the smallest elastic and the largest zero singular value
 SYMMETRIC = [section for section in SECTIONS if section != "nonsymmetric"]
 INITIAL = np.array([0.9, 1.4, -0.5, 0.8, 0.3, 0.6, 0.2, -0.4, 0.5, 0.1, -0.7])
 
+ELEMENTS = {f"{t}-{m}": {"thickness_strain": t, "membrane": m} for t in THICKNESS_STRAINS for m in MEMBRANES}
+
 each_section = pytest.mark.parametrize("section", SECTIONS)
-each_measure = pytest.mark.parametrize("measure", MEASURES)
+each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 
 LOADS = {
     "none": {},
@@ -40,6 +43,18 @@ LOADS = {
     "follower-face": {"pressure": Pressure(0.7, follower=True, area="face")},
     "initial": {"initial": INITIAL},
     "all": {"pressure": Pressure(-0.4, follower=True, area="face"), "initial": INITIAL},
+}
+
+# the exact measure with every section and load; the other measures and element options with all loads at once
+MODELS = {
+    **{f"{section}-{load}": {"section": section, **LOADS[load]} for section in SECTIONS for load in LOADS},
+    **{measure: {"measure": measure, **LOADS["all"]} for measure in MEASURES if measure != "exact"},
+    **{name: {**options, **LOADS["all"]} for name, options in ELEMENTS.items()},
+}
+POTENTIALS = {
+    **{section: {"section": section} for section in SYMMETRIC},
+    **{measure: {"measure": measure} for measure in MEASURES if measure != "exact"},
+    **ELEMENTS,
 }
 
 
@@ -66,29 +81,23 @@ def largest(array) -> float:
     return float(np.max(np.abs(array)))
 
 
-@each_measure
-@pytest.mark.parametrize("section", SYMMETRIC)
-def test_residual_is_the_gradient_of_the_energy(patch, rng, make_shell, fitted_order, measure, section) -> None:
+@pytest.mark.parametrize("model", POTENTIALS.values(), ids=POTENTIALS)
+def test_residual_is_the_gradient_of_the_energy(patch, rng, make_shell, fitted_order, model) -> None:
     """With dead pressure and forces, at a large displacement: the error of the central difference is exactly c t^2."""
-    grid = patch.grid(2, 3)
+    grid, measure = patch.grid(2, 3), model.get("measure", "exact")
     forces = rng.normal(size=6 * grid.n_nodes)
-    shell = make_shell(
-        patch.surface, grid, measure=measure, section=section, pressure=Pressure(0.7, area="face"), forces=forces
-    )
+    shell = make_shell(patch.surface, grid, pressure=Pressure(0.7, area="face"), forces=forces, **model)
     u, du = amplitude(measure) * rng.normal(size=(2, len(forces)))
     exact = shell.linearise(u).residual @ du
     errors = [abs((shell.energy(u + t * du) - shell.energy(u - t * du)) / (2 * t) - exact) for t in LARGE_STEPS]
     assert_central_error(errors, abs(exact) + shell.energy(u), quadratic(measure), fitted_order)
 
 
-@each_measure
-@each_section
-@pytest.mark.parametrize("load", LOADS)
-def test_tangent_is_the_derivative_of_the_residual(
-    patch, rng, make_shell, fitted_order, measure, section, load
-) -> None:
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_tangent_is_the_derivative_of_the_residual(patch, rng, make_shell, fitted_order, model) -> None:
     """For every section, follower pressure and initial resultants; without memory mixed and plain tangent are one."""
-    shell = make_shell(patch.surface, patch.grid(2, 3), measure=measure, section=section, **LOADS[load])
+    measure = model.get("measure", "exact")
+    shell = make_shell(patch.surface, patch.grid(2, 3), **model)
     u, du = amplitude(measure) * rng.normal(size=(2, shell.discretisation.n_free))
     exact = shell.linearise(u).tangent @ du
     errors = [
@@ -134,6 +143,53 @@ def test_scaled_shell_scales_its_loads_only(curved_patch, rng, make_shell) -> No
         np.testing.assert_allclose(2 * half, none + full, rtol=0, atol=ROUNDING * largest(full))
         assert largest(full - none) > 0.1
         np.testing.assert_allclose(full, shell.linearise(u).residual, rtol=0, atol=ROUNDING * largest(full))
+
+
+# --- the strain modes of the element ------------------------------------------------------------------------------
+
+# xi1^r1 xi2^r2: which of E11-, E11+, E22-, E22+, 2E12-, 2E12+, 2E13-, 2E13+, 2E23-, 2E23+, E33 it carries (the paper)
+PAPER_MODES = {(0, 0): range(11), (0, 1): (0, 1, 6, 7, 10), (1, 0): (2, 3, 8, 9, 10), (1, 1): (10,)}
+
+
+def plate_element_strains(v: np.ndarray, sides: np.ndarray, h: float, points: np.ndarray, measure: str) -> np.ndarray:
+    """Strains (points, 11) of a bilinear plate element from base vectors; v (2, 2, 3, 2): corner, corner, i, face."""
+    xi, one = points.T, np.ones(len(points))
+    N = [np.stack([1 - x, 1 + x]) / 2 for x in xi]
+    dN = [np.stack([-one, one]) / side for side in sides]  # d/dx of (1 -+ xi)/2 with x = side xi/2
+    gradient = np.stack(
+        [np.einsum("ap,bp,abif->pif", dN[0], N[1], v), np.einsum("ap,bp,abif->pif", N[0], dN[1], v)], axis=2
+    )
+    director = np.einsum("ap,bp,abif->pif", *N, v) @ [-1 / h, 1 / h]
+    strains = np.empty((len(points), 11))
+    for face in (0, 1):
+        H = np.concatenate([gradient[..., face], director[..., None]], axis=2)  # displacement gradient (p, 3, 3)
+        E = H + H.swapaxes(1, 2) + (H.swapaxes(1, 2) @ H if measure == "exact" else 0.0)
+        for first, i, j in ((0, 0, 0), (2, 1, 1), (4, 0, 1), (6, 0, 2), (8, 1, 2)):
+            strains[:, first + face] = E[:, i, j] / (2 if i == j else 1)
+        strains[:, 10] = E[:, 2, 2] / 2
+    return strains
+
+
+@each_section
+@pytest.mark.parametrize("measure", ["linear", "exact"])
+def test_energy_of_a_plate_element_is_that_of_its_projected_strains(
+    make_shell, skew_laminate, rng, measure, section
+) -> None:
+    """1/2 int E.D.E of the strains projected on the modes of the paper, all by a 5 x 5 quadrature of its own."""
+    sides = np.array([0.7, 0.4])
+    shell = make_shell(Plate(), Grid.tensor([0.0, 0.7], [0.0, 0.4]), measure=measure, section=section)
+    v = 0.1 * rng.normal(size=(2, 2, 3, 2))
+    t, weight = np.polynomial.legendre.leggauss(5)
+    points = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
+    weights = np.outer(weight, weight).ravel() / 4
+    strains = plate_element_strains(v, sides, skew_laminate.thickness, points, measure)
+    projected = np.zeros_like(strains)
+    for (r1, r2), rows in PAPER_MODES.items():
+        mode = points[:, 0] ** r1 * points[:, 1] ** r2
+        share = (weights * mode) @ strains[:, rows] / (weights @ mode**2)
+        projected[:, rows] += mode[:, None] * share
+    density = np.einsum("pi,ij,pj->p", projected, skew_laminate.stiffness(section), projected) / 2
+    assert shell.energy(v.ravel()) == pytest.approx(sides.prod() * weights @ density, rel=ROUNDING)
 
 
 # --- rigid motion -------------------------------------------------------------------------------------------------
@@ -206,8 +262,9 @@ def test_internal_forces_of_a_strained_plate_turn_with_it(patches, rng, make_she
 
 
 @each_section
-def test_one_free_element_has_exactly_six_zero_modes(patch, make_shell, section) -> None:
-    shell = make_shell(patch.surface, patch.grid(1, 1, size=0.3), section=section)
+@each_element
+def test_one_free_element_has_exactly_six_zero_modes(patch, make_shell, section, element) -> None:
+    shell = make_shell(patch.surface, patch.grid(1, 1, size=0.3), section=section, **element)
     values = np.linalg.svd(shell.linearise(np.zeros(24)).tangent.toarray(), compute_uv=False)
     assert values[17] > GAP * values[18]
     assert values[17] > 1e-4 * values[0]  # and none of the 18 is almost zero

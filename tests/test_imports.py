@@ -1,0 +1,74 @@
+"""The arrows of the design: studies -> formulations, contact; those two know nothing of ours; reports reads tables."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+ALLOWED = {
+    "formulations": {"formulations"},
+    "contact": {"contact"},
+    "reports": {"reports"},
+    "studies": {"studies", "formulations", "contact"},
+}
+MORE = {"studies/cli.py": {"reports"}}  # the command line hands the tables over
+OURS = {*ALLOWED, "tests"}
+FILES = sorted(str(path.relative_to(ROOT)) for package in ALLOWED for path in (ROOT / package).rglob("*.py"))
+
+
+def imported(source: str) -> Iterator[str]:
+    """Top-level names of all imports, wherever in the file; '.' stands for a relative import."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield "." if node.level else str(node.module).split(".")[0]
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in ("import_module", "__import__"):
+            name = node.args[0] if node.args else None
+            yield name.value.split(".")[0] if isinstance(name, ast.Constant) else "?"
+
+
+def offences(file: str, source: str) -> set[str]:
+    """What the file imports of ours but may not, relative imports, and dynamic ones nobody can follow."""
+    allowed = ALLOWED[file.split("/")[0]] | MORE.get(file, set())
+    return {name for name in imported(source) if name in {*OURS, ".", "?"} - allowed}
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_arrows(file) -> None:
+    assert offences(file, (ROOT / file).read_text(encoding="utf-8")) == set()
+
+
+def test_the_packages_are_there() -> None:
+    """The walk above has found what it is meant to guard."""
+    packages = {file.split("/")[0] for file in FILES}
+    assert packages >= {"formulations", "contact", "studies"}
+    assert MORE.keys() <= set(FILES)
+
+
+@pytest.mark.parametrize(
+    ("file", "source", "found"),
+    [
+        ("formulations/shell.py", "from contact.problem import Outcome", {"contact"}),
+        ("formulations/shell.py", "def f():\n    import studies.scene as s", {"studies"}),
+        ("contact/newton.py", "import numpy, formulations.grid", {"formulations"}),
+        (
+            "contact/newton.py",
+            "if 0:\n    from importlib import import_module\n    import_module('reports')",
+            {"reports"},
+        ),
+        ("contact/newton.py", "__import__(name)", {"?"}),
+        ("contact/newton.py", "from . import problem", {"."}),
+        ("reports/pages.py", "from studies import store", {"studies"}),
+        ("studies/solve.py", "import reports", {"reports"}),
+        ("studies/cli.py", "import reports", set()),
+        ("studies/solve.py", "from contact import judge\nimport formulations\nimport numpy", set()),
+        ("studies/solve.py", "import tests.conftest", {"tests"}),
+    ],
+)
+def test_offences_are_seen(file, source, found) -> None:
+    assert offences(file, source) == found
