@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
 REFUSED = 1e-8
-LOST = 1e-2  # of the load: a residual above this leaves fewer than two digits of it
+LOST = 0.1  # of the load: a residual above this leaves not one digit of it; thin shells do come down to two
 
 
 class SingularMatrixError(ArithmeticError):
@@ -73,8 +73,7 @@ def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.nda
     """The x with A x = b, refined up to twice while its backward error is above 1e-13.
 
     The backward error is |b - A x| / (|A| |x| + |b|) in the largest component.
-    Raises SingularMatrixError when it stays above 1e-8, when x is not finite, or when A x shares fewer than two digits
-    with b
+    Raises SingularMatrixError when it stays above 1e-8, when x is not finite, or when A x shares not one digit with b
     (x is then so large that a small backward error proves nothing).
     """
     x = factor.solve(b)
@@ -92,7 +91,5 @@ def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.nda
     if left > REFUSED * size:
         raise SingularMatrixError(f"the linear solver left a backward error of {left / size:.1e}")
     if left > LOST * load:
-        raise SingularMatrixError(
-            "the matrix is singular to working precision: fewer than two digits of the load are met"
-        )
+        raise SingularMatrixError("the matrix is singular to working precision: not one digit of the load is met")
     return x

@@ -17,6 +17,9 @@ MESHES = (16, 32, 64)
 CANTILEVER, HEMISPHERE = "cantilever {n}", "hemisphere {n}"
 ONE_STEP_MIXED, ONE_STEP_PLAIN = "hemisphere one step mixed", "hemisphere one step plain"
 TWENTY_STEPS_PLAIN = "hemisphere twenty steps plain"
+BY_MEASURE = "{scene} by {measure}"
+ELEMENT = "hemisphere {n} {thickness} {membrane}"
+ELEMENT_MESHES = (8, 16, 32)
 
 EXPECTED_TO_FAIL = {
     ONE_STEP_PLAIN: "plain Newton cannot take the whole load in one step; the step has to be cut",

@@ -33,7 +33,8 @@ algorithm. Every sentence with a number in it is computed from the stored result
 
 - [The tyre](tyre.md): an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and
   against three-dimensional solids.
-- [Benchmarks without contact](benchmarks.md): large bending against exact and published values.""")
+- [Benchmarks without contact](benchmarks.md): large bending against exact and published values.
+- [Strain measures](measures.md): what rigid motions leave in each, and up to which load each is enough.""")
 
 
 def _list(names: Iterable[str]) -> str:

@@ -14,6 +14,7 @@ from reports.files import write_texts
 from reports.markdown import Part
 from reports.page_benchmarks import benchmarks_page
 from reports.page_index import index_page
+from reports.page_measures import measures_page
 from reports.page_tyre import tyre_page
 from reports.schema import Store, load_store
 
@@ -21,6 +22,7 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "index.md": index_page,
     "tyre.md": tyre_page,
     "benchmarks.md": benchmarks_page,
+    "measures.md": measures_page,
 }
 FIGURES = "figures"
 

@@ -36,6 +36,10 @@ TABLE_COLUMNS = {
     ),
     "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
+STORE_COLUMNS = {
+    "rigid_body": ("measure", "surface", "motion", "theta_rad", "component", "strain", "declared", "largest"),
+    "rotation_sweep": ("measure", "surface", "motion", "theta_rad", "strain"),
+}
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 
 
@@ -128,6 +132,10 @@ class Store:
             if all(row["at"].get(key) == value for key, value in at.items()):
                 return row
         raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene} at {at}")
+
+    def table(self, name: str) -> pd.DataFrame:
+        """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
+        return _read_table(self.path / "tables" / f"{name}.csv", STORE_COLUMNS[name])
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""

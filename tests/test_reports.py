@@ -18,11 +18,13 @@ from reports import labels
 from reports.compare import differences, same_number
 from reports.convergence import extrapolated, order_against, self_order
 from reports.figures import draw_result
-from reports.markdown import digits, fixed, machine, percent, prose, scientific
+from reports.markdown import NOTHING, digits, fixed, machine, percent, prose, scientific
+from reports.page_measures import crossing
 from reports.pages import check_pages, compare_pages, rendered, write_pages
 from reports.printed import FILE, HALF, IMAGES, LITERAL, asymmetry, compare, core, force, printed_map
 from reports.schema import StoreError, load_store
 from studies.campaign import CAMPAIGNS, Cell
+from studies.rigid_body import rigid_body_table, rotation_sweep
 from studies.scenes import SCENES
 from studies.scenes.data import DATA, read_reference
 from studies.solve import resolve
@@ -70,11 +72,12 @@ def tyre_step(delta: float, measure: str) -> dict[str, Any]:
 
 
 def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
-    """The references of the scene, approached with second order."""
+    """The references of the scene, approached with second order; between their loads, shares of the last."""
     kind = "exact" if scene == "cantilever" else "read"
     error = 1.0 - 0.1 * (16 / n) ** 2
-    found = [r for r in SCENES[scene].references if r.kind == kind and r.at["load_fraction"] == fraction]
-    values = {reference.quantity: reference.value * error for reference in found}
+    known = {(r.quantity, r.at["load_fraction"]): r.value for r in SCENES[scene].references if r.kind == kind}
+    names = dict.fromkeys(name for name, _ in known)
+    values = {name: error * known.get((name, fraction), fraction * known[name, 1.0]) for name in names}
     return {"load_fraction": fraction, **values, "kkt": KKT, "rounding": 1e-8, "newton_iterations": 4, "substeps": 1}
 
 
@@ -113,6 +116,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     write_json(root / "references.json", {"references": references})
+    write_table(root / "tables" / "rigid_body.csv", rigid_body_table())
+    write_table(root / "tables" / "rotation_sweep.csv", rotation_sweep(points=5))
     write_json(root / "campaign.json", {"schema": SCHEMA, "campaign": "report", "cells": rows})
     return root
 
@@ -403,3 +408,10 @@ def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
     assert draw_result(own_store / "cells/0") == []
     with pytest.raises(StoreError, match=r"result\.json: missing"):
         draw_result(own_store)
+
+
+def test_the_load_from_which_an_error_stays_above_a_level() -> None:
+    error = pd.DataFrame({"load": [1.0, 2.0, 3.0, 4.0], "a": [0.0, 0.02, 0.0, -0.02], "b": [0.02] * 4, "c": [0.0] * 4})
+    assert crossing(error, "a", 0.01) == "3.50"  # the visit at 2 does not last
+    assert crossing(error, "b", 0.01) == "below 1.00"
+    assert crossing(error, "c", 0.01) == NOTHING
