@@ -85,7 +85,7 @@ def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.nda
         residual = b - A @ x
         left = float(np.max(np.abs(residual), initial=0.0))
         size = norm * float(np.max(np.abs(x), initial=0.0)) + load
-        if left <= BACKWARD_ERROR * size or attempt == 2:
+        if (left <= BACKWARD_ERROR * size and left <= LOST * load) or attempt == 2:
             break
         x = x + factor.solve(residual)
     if left > REFUSED * size:

@@ -15,20 +15,14 @@ stiffness instead of D E (mixed Newton); the residual never changes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.grid import CORNERS, Grid
-from formulations.laminate import Laminate
+from formulations.element_geometry import GAUSS, N_DOF, N_GAUSS, ElementGeometry
+from formulations.grid import CORNERS
 from formulations.measure import StrainMeasure
-from formulations.quantities import FULL, N_E, N_Q, N_V, Kinematics, gradient_coefficients, shear_row_factors
-from formulations.surface import Geometry, Surface
-
-N_GAUSS, N_DOF = 4, 4 * N_V
-GAUSS = CORNERS / np.sqrt(3.0)
-CHUNK = 128  # elements per pass: large enough to hide the calls, small enough for the cache
+from formulations.quantities import N_E, N_Q
 
 # Strain rows carried by each mode (r1, r2); the order of the modes is the order of the 22 mode strains.
 MODES = {
@@ -39,10 +33,8 @@ MODES = {
 }
 MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), rows in MODES.items() for _ in rows])
 N_M = len(MODE_WEIGHTS)
-E33, BETA = 10, slice(12, 15)
+E33 = 10
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
-
-
 THICKNESS_STRAINS = ("projected", "nodal")
 MEMBRANES = ("compatible", "relaxed")
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
@@ -63,92 +55,6 @@ def _projection(thickness_strain: str) -> np.ndarray:
             projection[:, row, m] = at[:, 0] ** r1 * at[:, 1] ** r2 * norm / N_GAUSS
         start += len(rows)
     return projection.reshape(N_GAUSS * N_E, N_M)
-
-
-def shape_functions(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Bilinear N_r (..., 4) and dN_r/dxi (..., 2, 4) at points xi (..., 2) of the reference square."""
-    one = 1.0 + xi[..., None, 0] * CORNERS[:, 0]
-    two = 1.0 + xi[..., None, 1] * CORNERS[:, 1]
-    slope = np.stack([CORNERS[:, 0] * two, CORNERS[:, 1] * one], axis=-2)
-    return 0.25 * one * two, 0.25 * slope
-
-
-@dataclass(frozen=True, eq=False)
-class ElementGeometry:
-    """All the element needs of surface and grid.
-
-    Q (E, 60, 24): q at the four Gauss points from the nodal displacements.  rows (E, 4, 11): shear row factors.
-    weight (E,): parameter area times mubar at the centre (the paper's area).  face_weight (E, 2): the same with the
-    true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  node_beta (4, 15, 24): q at the
-    four nodes, its beta only.  relaxation (E, 2): share of the parasitic membrane energy that a "relaxed" element
-    keeps.  kinematics: what the gradients leave out.
-    """
-
-    Q: np.ndarray
-    rows: np.ndarray
-    weight: np.ndarray
-    face_weight: np.ndarray
-    node_beta: np.ndarray
-    relaxation: np.ndarray
-    kinematics: Kinematics
-
-    @classmethod
-    def build(cls, surface: Surface, grid: Grid, laminate: Laminate, kinematics: Kinematics = FULL) -> ElementGeometry:
-        """Evaluate surface and thickness on the grid."""
-        d_minus, d_plus = laminate.d_minus, laminate.d_plus
-        points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
-        geometry = surface.geometry(points[..., 0], points[..., 1])
-        c0, c1, c2 = gradient_coefficients(geometry, d_minus, d_plus, kinematics)
-        value, slope = shape_functions(GAUSS)
-        slope = slope / grid.half[:, None, :, None]
-        Q = np.empty((len(grid.elements), N_GAUSS, N_Q, 4, N_V))
-        for r in range(4):
-            Q[..., r, :] = (
-                c0 * value[:, r, None, None] + c1 * slope[..., 0, r, None, None] + c2 * slope[..., 1, r, None, None]
-            )
-        at_centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
-        parameter_area = 4.0 * grid.half.prod(axis=-1)
-        face = np.stack([_area_factor(at_centre, d) for d in (d_minus, d_plus)], axis=-1)
-        return cls(
-            Q=Q.reshape(-1, N_GAUSS * N_Q, N_DOF),
-            rows=shear_row_factors(geometry, d_minus, d_plus, kinematics),
-            weight=parameter_area * _area_factor(at_centre, 0.5 * (d_minus + d_plus)),
-            face_weight=parameter_area[:, None] * face,
-            node_beta=_node_beta(d_plus - d_minus),
-            relaxation=_relaxation(at_centre, grid, d_plus - d_minus),
-            kinematics=kinematics,
-        )
-
-    def chunks(self) -> Iterator[slice]:
-        """Slices over the elements, one pass each."""
-        n = len(self.Q)
-        return (slice(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK))
-
-
-def _relaxation(geometry: Geometry, grid: Grid, h: float) -> np.ndarray:
-    """Share s_a = 1/(1 + (k_a l_a^2/h)^2), (E, 2), of the membrane energy kept on the modes 01 (a = 1) and 10 (a = 2).
-
-    A slope w' across an element of length l and curvature k leaves there the parasitic membrane strain k w' l/2 xi.
-    Its energy E h (k w' l/2)^2/3 over that of the bending w'/l, E h^3/12 (w'/l)^2, is (k l^2/h)^2: s_a is the share of
-    bending in the sum. Flat elements keep all (s = 1), and so does every element in the end, 1 - s = O(l^4).
-    The idea of keeping a part of the membrane energy exact: Arnold, Brezzi, Math. Comp. 66 (1997) 1-14.
-    """
-    length = 2.0 * grid.half * geometry.A
-    return 1.0 / (1.0 + (geometry.k * length**2 / h) ** 2)
-
-
-def _node_beta(h: float) -> np.ndarray:
-    """beta_i = (v_i+ - v_i-)/h of each node, in the rows of q (4, 15, 24)."""
-    beta = np.zeros((4, N_Q, 4, N_V))
-    for i in range(3):
-        beta[range(4), BETA.start + i, range(4), 2 * i] = -1.0 / h
-        beta[range(4), BETA.start + i, range(4), 2 * i + 1] = 1.0 / h
-    return beta.reshape(4, N_Q, N_DOF)
-
-
-def _area_factor(geometry: Geometry, d: float) -> np.ndarray:
-    """A1 A2 zeta1 zeta2 of the surface at distance d."""
-    return np.prod(geometry.A * (1.0 + geometry.k * d), axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,9 +107,9 @@ class MixedElement:
         strains = np.empty((len(v), N_M))
         for part in geometry.chunks():
             q, at_nodes = self._gradients(geometry, part, v)
-            strain = self._strain(q, at_nodes)
+            strain = self._strain(geometry, part, q, at_nodes)
             if dv is not None:
-                dq, change = self._gradients(geometry, part, dv)
+                dq, change = self._gradients(geometry, part, dv, increment=True)
                 strain += np.matmul(self.measure.gradient(q), dq[..., None])[..., 0]
                 if self.nodal:
                     at_dv = np.matmul(self.measure.gradient(at_nodes), change[..., None])[..., 0]
@@ -247,7 +153,7 @@ class MixedElement:
         for part in geometry.chunks():
             rows, weight = geometry.rows[part], geometry.weight[part, None]
             q, at_nodes = self._gradients(geometry, part, v)
-            H = self.resultants(self._onto_modes(self._strain(q, at_nodes), geometry, part))
+            H = self.resultants(self._onto_modes(self._strain(geometry, part, q, at_nodes), geometry, part))
             B = self._mode_gradient(geometry, part, q, at_nodes)
             force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None, :], B)[:, 0]
             np.matmul(B.transpose(0, 2, 1), np.matmul(stiffness, B) * weight[..., None], out=tangent[part])
@@ -263,17 +169,26 @@ class MixedElement:
             Q = geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF)
             tangent[part] += _quadratic_form(self.measure.contract(q, at_gauss), Q)
 
-    def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Values of q at the Gauss points and, for a nodal E33, at the nodes (there beta only), (e, 4, 15) each."""
+    def _gradients(
+        self, geometry: ElementGeometry, part: slice, v: np.ndarray, *, increment: bool = False
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Values of q, offset included, at the Gauss points and, for a nodal E33, at the nodes (beta only).
+
+        (e, 4, 15) each; of an ``increment`` of v without the offset.
+        """
         q = np.matmul(geometry.Q[part], v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
+        if geometry.offset is not None and not increment:
+            q += geometry.offset[part]
         if not self.nodal:
             return q, q
         return q, (v[part] @ geometry.node_beta.reshape(-1, N_DOF).T).reshape(-1, 4, N_Q)
 
-    def _strain(self, q: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
+    def _strain(self, geometry: ElementGeometry, part: slice, q: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
         """Strains at the sampling points (e, 4, 11), without the geometric row factors."""
         strain = self.measure.strain(q)
-        if self.nodal:
+        if geometry.offset is not None:
+            strain -= self.measure.strain(geometry.offset[part])
+        if self.nodal:  # at a node the interpolated director is the true one: no offset
             strain[..., E33] = self.measure.strain(at_nodes)[..., E33]
         return strain
 

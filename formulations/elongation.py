@@ -37,7 +37,8 @@ class ElongationMeasure:
         E = self.base.strain(q)
         strain = np.empty_like(E)
         with np.errstate(invalid="ignore", divide="ignore"):
-            strain[..., _NORMAL] = np.sqrt(1 + 2 * E[..., _NORMAL]) - 1
+            normal = E[..., _NORMAL]
+            strain[..., _NORMAL] = 2 * normal / (1 + np.sqrt(1 + 2 * normal))  # sqrt(1 + 2E) - 1 without cancelling
             for row, a, b in _SHEARS:
                 strain[..., row] = np.arcsin(E[..., row] / np.sqrt((1 + 2 * E[..., a]) * (1 + 2 * E[..., b])))
         return strain

@@ -1,15 +1,16 @@
-"""Loads: dead and follower pressure on the inner face, dead nodal forces.
+"""Loads: dead and follower pressure on the inner face, couples that follow the director, dead nodal forces.
 
 A load is a frozen record; it never sees a measure. Pressure is positive when it pushes outwards (along +e3).
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from formulations.element import GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
+from formulations.element_geometry import GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
+from formulations.grid import Grid
 from formulations.quantities import N_Q, QUANTITIES, displacement_index
 
 PRESSURE_AREAS = ("mid", "face")
@@ -75,3 +76,56 @@ def _area_vector(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     slope[..., 1, _T2], slope[..., 1, _L1], slope[..., 1, _T1], slope[..., 1, _W2] = 1 + l1, t2, -w2, -t1
     slope[..., 2, _L1], slope[..., 2, _L2], slope[..., 2, _W1], slope[..., 2, _W2] = 1 + l2, 1 + l1, -w2, -w1
     return normal, slope
+
+
+@dataclass(frozen=True, eq=False)
+class Couples:
+    """Couples on nodes that follow the director: opposite forces on the two faces, at right angles to it.
+
+    With the deformed director d = x+ - x- of the node and the unit axis a (components in the local frame of the node)
+    the outer face carries F = M (a x d)/|d|^2 and the inner face -F, so that d x F = M a while d stays normal to a,
+    whatever the stretch of d. The power is M times the spin of d about a.
+
+    nodes (m,): node numbers.  moments (m,): M [N mm].  axes (m, 3): a.  thickness: h [mm].
+    """
+
+    nodes: np.ndarray
+    moments: np.ndarray
+    axes: np.ndarray
+    thickness: float
+
+    def scaled(self, factor: float) -> Couples:
+        """The same couples times ``factor``."""
+        return replace(self, moments=factor * self.moments)
+
+    def follower_force(self, grid: Grid, v: np.ndarray, force: np.ndarray, tangent: np.ndarray) -> None:
+        """Add the forces to ``force`` (E, 24) and take their derivative off ``tangent`` (E, 24, 24), at v (E, 24).
+
+        dF/dd = M ([a x] - 2 (a x d) d^T/|d|^2)/|d|^2. Each node acts through the first element that has it.
+        """
+        element, corner = _first_elements(grid, self.nodes)
+        inner = _INNER[corner]  # (m, 3) columns of the element vector
+        outer = inner + 1
+        each = element[:, None]
+        d = v[each, outer] - v[each, inner]
+        d[:, 2] += self.thickness
+        square = np.sum(d * d, axis=-1)[:, None]
+        lever = np.cross(self.axes, d)
+        F = self.moments[:, None] * lever / square
+        np.add.at(force, (each, outer), F)
+        np.add.at(force, (each, inner), -F)
+        spin = np.cross(self.axes[:, None, :], np.eye(3)).swapaxes(1, 2)  # [a x], a x d = spin @ d
+        turning = spin - 2 * lever[:, :, None] * d[:, None, :] / square[:, :, None]
+        slope = (self.moments[:, None] / square)[:, :, None] * turning
+        both = np.concatenate([outer, inner], axis=1)
+        sign = np.repeat([1.0, -1.0], 3)
+        block = np.tile(slope, (1, 2, 2)) * sign[:, None] * sign
+        np.add.at(tangent, (element[:, None, None], both[:, :, None], both[:, None, :]), -block)
+
+
+def _first_elements(grid: Grid, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each node an element that has it, and the corner it is there."""
+    first = np.full(grid.n_nodes, -1)
+    flat = grid.elements.ravel()
+    first[flat[::-1]] = np.arange(len(flat))[::-1]
+    return first[nodes] // 4, first[nodes] % 4

@@ -14,10 +14,11 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.dofs import DofMap
-from formulations.element import N_DOF, ElementGeometry, MixedElement
+from formulations.element import MixedElement
+from formulations.element_geometry import N_DOF, ElementGeometry
 from formulations.grid import Grid
 from formulations.laminate import Laminate
-from formulations.loads import Pressure
+from formulations.loads import Couples, Pressure
 from formulations.measure import StrainMeasure
 from formulations.pattern import Pattern
 from formulations.quantities import FULL, N_E, N_V, Kinematics
@@ -62,18 +63,25 @@ class Discretisation:
         fixed: np.ndarray,
         hinged: np.ndarray | None = None,
         kinematics: Kinematics = FULL,
+        interpolation: str = "curvilinear",
     ) -> Discretisation:
-        """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) bool: see :class:`DofMap`."""
+        """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) bool: see :class:`DofMap`.
+
+        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.
+        """
         dof_map = DofMap.build(fixed, hinged)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n)
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
-        geometry = ElementGeometry.build(surface, grid, laminate, kinematics)
+        geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
         return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
-        return replace(self, geometry=ElementGeometry.build(self.surface, self.grid, self.laminate, kinematics))
+        geometry = ElementGeometry.build(
+            self.surface, self.grid, self.laminate, kinematics, self.geometry.interpolation
+        )
+        return replace(self, geometry=geometry)
 
     @property
     def n_free(self) -> int:
@@ -149,7 +157,7 @@ class ShellModel:
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
     geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
     thickness_strain: "projected" (the paper) or "nodal"; membrane: "compatible" (the paper) or "relaxed"; see
-    :class:`formulations.element.MixedElement`.
+    :class:`formulations.element.MixedElement`.  couples: follow the directors of their nodes.
     """
 
     discretisation: Discretisation
@@ -161,6 +169,7 @@ class ShellModel:
     initial: np.ndarray | None = None
     thickness_strain: str = "projected"
     membrane: str = "compatible"
+    couples: Couples | None = None
     _element: MixedElement = field(init=False, repr=False)
     _dead: np.ndarray = field(init=False, repr=False)
 
@@ -182,10 +191,11 @@ class ShellModel:
         object.__setattr__(self, "_dead", dead if self.forces is None else dead + self.forces)
 
     def scaled(self, factor: float) -> ShellModel:
-        """The same shell under ``factor`` times its pressure and forces."""
+        """The same shell under ``factor`` times its pressure, forces and couples."""
         pressure = None if self.pressure is None else replace(self.pressure, value=factor * self.pressure.value)
         forces = None if self.forces is None else factor * self.forces
-        return replace(self, pressure=pressure, forces=forces)
+        couples = None if self.couples is None else self.couples.scaled(factor)
+        return replace(self, pressure=pressure, forces=forces, couples=couples)
 
     def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
         """Residual, tangent and what to remember at the free displacements u (n,).
@@ -218,10 +228,14 @@ class ShellModel:
         v = self._element_vectors(u)
         predicted = memory if isinstance(memory, np.ndarray) else None
         self._element.integrate(geometry, v, predicted, force, tangent)
-        if self.pressure is None or not self.pressure.follower:
+        pressure = self.pressure if self.pressure is not None and self.pressure.follower else None
+        if pressure is None and self.couples is None:
             return force, None, tangent
         external = np.zeros_like(force)
-        self.pressure.follower_force(geometry, v, external, tangent)
+        if pressure is not None:
+            pressure.follower_force(geometry, v, external, tangent)
+        if self.couples is not None:
+            self.couples.follower_force(self.discretisation.grid, v, external, tangent)
         return force, external, tangent
 
     def _predict(self, u: np.ndarray, du: np.ndarray) -> np.ndarray | None:

@@ -1,7 +1,12 @@
 """Reference surfaces in orthogonal principal coordinates (a1, a2): Lamé parameters, curvatures, frame, position.
 
 A surface knows nothing of thickness, material or mesh. Add one by giving its position and the five functions
-A1, A2, k1, k2 and B of :class:`Geometry`; any surface of revolution needs only its meridian.
+A1, A2, k1, k2 and B of :class:`Geometry`; any surface of revolution needs only its meridian, as formulas, as functions
+(:func:`revolved`) or as points (:func:`through_points`).
+
+Coordinate lines must be lines of curvature. The hyperbolic paraboloid z = x^2 - y^2 over a square in (x, y) cannot
+enter: its Cartesian lines are not orthogonal (x,1 . x,2 = -4xy), and no other coordinates help, for its edges x = const
+are no lines of curvature (Joachimsthal: the plane meets the surface at an angle that varies along the edge).
 """
 
 from __future__ import annotations
@@ -11,6 +16,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,17 +126,77 @@ class SurfaceOfRevolution:
         return np.stack([e1, e2, e3], axis=-2)
 
 
+class Curve(Protocol):
+    """A function of one variable with its derivatives, called as scipy calls its splines and polynomials."""
+
+    def __call__(self, s: np.ndarray, nu: int, /) -> np.ndarray:
+        """The derivative of order nu at s (nu = 0: the value)."""
+        ...
+
+
+def revolved(r: Curve, z: Curve) -> SurfaceOfRevolution:
+    """Any meridian r(a1), z(a1), two functions that know their first two derivatives; a1 need not be an arc length.
+
+    e3 = (z', -r')/A1 is the outward normal when the meridian runs so that the inside lies to its left.
+    """
+
+    def meridian(a1: np.ndarray) -> MeridianPoint:
+        return MeridianPoint(r(a1, 0), z(a1, 0), r(a1, 1), z(a1, 1), r(a1, 2), z(a1, 2))
+
+    return SurfaceOfRevolution(meridian)
+
+
+def through_points(points: np.ndarray) -> SurfaceOfRevolution:
+    """Meridian through measured points (n, 2) of (r, z): the interpolating cubic spline over the chord length a1.
+
+    a1 runs from 0 to the length of the polygon; when the last point is the first, the spline closes smoothly, else its
+    ends are "not a knot". Errors for points at distances d on a smooth curve: position d^4, tangent (k2, B1) d^3, k1
+    d^2, also for unequal distances (Floater, IMA J. Numer. Anal. 26 (2006) 25, recalled; the tests measure them).
+    Raises ValueError for fewer than four points, for coinciding neighbours, and when evaluated outside the points.
+    """
+    points = np.asarray(points, float)
+    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 4 or not np.all(np.isfinite(points)):
+        raise ValueError(f"a meridian needs at least four finite points (r, z), got an array of shape {points.shape}")
+    chord = np.hypot(*np.diff(points, axis=0).T)
+    if np.any(chord == 0):
+        raise ValueError(f"points {np.argmin(chord)} and {np.argmin(chord) + 1} of the meridian coincide")
+    length = np.append(0.0, np.cumsum(chord))
+    closed = np.array_equal(points[0], points[-1])
+    spline = CubicSpline(length, points, bc_type="periodic" if closed else "not-a-knot")
+
+    def coordinate(axis: int) -> Curve:
+        def curve(s: np.ndarray, nu: int, /) -> np.ndarray:
+            slack = 1e-12 * length[-1]  # the rounding of a grid line
+            if not closed and (np.min(s) < -slack or np.max(s) > length[-1] + slack):
+                raise ValueError(f"a1 must lie between 0 and {length[-1]:g}, the chord length of the points")
+            return spline(s, nu)[..., axis]
+
+        return curve
+
+    return revolved(coordinate(0), coordinate(1))
+
+
+def elliptic_torus(axis_radius: float, radial: float, axial: float) -> SurfaceOfRevolution:
+    """Torus of elliptic section: r = Rc + a cos a1, z = b sin a1; a1 is the ellipse's eccentric angle [rad].
+
+    axis_radius Rc: from the axis to the centre of the section; radial a, axial b: the half axes of the section.
+    A1 = sqrt(a^2 sin^2 a1 + b^2 cos^2 a1), k1 = a b/A1^3, k2 = b cos a1/(A1 r), B1 = -a sin a1/(A1 r).
+    """
+
+    def meridian(a1: np.ndarray) -> MeridianPoint:
+        c, s = np.cos(a1), np.sin(a1)
+        rc, rs, zc, zs = radial * c, radial * s, axial * c, axial * s
+        return MeridianPoint(r=axis_radius + rc, z=zs, dr=-rs, dz=zc, ddr=-rc, ddz=-zs)
+
+    return SurfaceOfRevolution(meridian)
+
+
 def torus(axis_radius: float, tube_radius: float) -> SurfaceOfRevolution:
     """Torus: r = Rc + R1 cos a1, z = R1 sin a1, with a1 [rad] from the outer equator.
 
     axis_radius Rc: distance from the axis to the centre of the tube; tube_radius R1.
     """
-
-    def meridian(a1: np.ndarray) -> MeridianPoint:
-        rc, rs = tube_radius * np.cos(a1), tube_radius * np.sin(a1)
-        return MeridianPoint(r=axis_radius + rc, z=rs, dr=-rs, dz=rc, ddr=-rc, ddz=-rs)
-
-    return SurfaceOfRevolution(meridian)
+    return elliptic_torus(axis_radius, tube_radius, tube_radius)
 
 
 def sphere(radius: float) -> SurfaceOfRevolution:
@@ -138,11 +204,48 @@ def sphere(radius: float) -> SurfaceOfRevolution:
     return torus(0.0, radius)
 
 
-def cylinder(radius: float) -> SurfaceOfRevolution:
-    """Circular cylinder with a1 [length] along the axis and a2 [rad] around it."""
+def _straight(r0: float, dr: float, dz: float) -> SurfaceOfRevolution:
+    """Straight meridian r = r0 + dr a1, z = dz a1 with dr^2 + dz^2 = 1."""
 
     def meridian(a1: np.ndarray) -> MeridianPoint:
         one, zero = np.ones_like(a1), np.zeros_like(a1)
-        return MeridianPoint(r=radius * one, z=a1, dr=zero, dz=one, ddr=zero, ddz=zero)
+        return MeridianPoint(r=r0 + dr * a1, z=dz * a1, dr=dr * one, dz=dz * one, ddr=zero, ddz=zero)
+
+    return SurfaceOfRevolution(meridian)
+
+
+def cylinder(radius: float) -> SurfaceOfRevolution:
+    """Circular cylinder with a1 [length] along the axis and a2 [rad] around it."""
+    return _straight(radius, 0.0, 1.0)
+
+
+def annulus() -> SurfaceOfRevolution:
+    """The plane z = 0 in polar coordinates: a1 [length] the distance from the centre, a2 [rad] the polar angle.
+
+    A1 = 1, A2 = a1, k = 0, B1 = 1/a1. The normal e3 = (z', -r')/A1 is -e_z: the outer face looks and is pushed down.
+    """
+    return _straight(0.0, 1.0, 0.0)
+
+
+def cone(half_angle: float) -> SurfaceOfRevolution:
+    """Cone with a1 [length] the distance from the apex along a generator; half_angle [rad] between it and the axis.
+
+    r = a1 sin, z = a1 cos: A1 = 1, A2 = a1 sin, k1 = 0, k2 = cot/a1, B1 = 1/a1. Raises ValueError outside (0, pi/2).
+    """
+    if not 0 < half_angle < np.pi / 2:
+        raise ValueError(f"half_angle = {half_angle:g} must lie in (0, pi/2)")
+    return _straight(0.0, np.sin(half_angle), np.cos(half_angle))
+
+
+def hyperboloid(waist: float, height: float) -> SurfaceOfRevolution:
+    """Hyperboloid of one sheet r^2/a^2 - z^2/c^2 = 1 with a1 [length] = z; waist a = r(0), height c.
+
+    With A1^2 = 1 + (a^2 z/(c^2 r))^2: k1 = -a^4/(c^2 r^3 A1^3), k2 = 1/(r A1), B1 = a^2 z/(c^2 r^2 A1).
+    """
+    slope = (waist / height) ** 2
+
+    def meridian(a1: np.ndarray) -> MeridianPoint:
+        r, one = np.sqrt(waist**2 + slope * a1**2), np.ones_like(a1)
+        return MeridianPoint(r=r, z=a1, dr=slope * a1 / r, dz=one, ddr=slope * waist**2 / r**3, ddz=0 * one)
 
     return SurfaceOfRevolution(meridian)

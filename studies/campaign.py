@@ -13,10 +13,15 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
+
+from formulations.element import MEMBRANES, THICKNESS_STRAINS
+from formulations.measures import MEASURES
+from studies.rigid_body import rigid_body_table, rotation_sweep
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve, solve
-from studies.store import SCHEMA, plain, write_json, write_text
+from studies.store import SCHEMA, plain, write_json, write_table, write_text
 
 SOURCES = ("formulations", "contact", "studies")
 
@@ -81,7 +86,32 @@ BENCHMARKS = (
     ),
     Cell("hemisphere twenty steps plain", "hemisphere", {"newton": "plain", "steps": 20}, {"load_fraction": "1"}),
 )
-CAMPAIGNS: dict[str, Sequence[Cell]] = {"tyre": TYRE, "benchmarks": BENCHMARKS, "report": (*TYRE, *BENCHMARKS)}
+_GROWING = {
+    "tyre": ("20x20", {"delta_mm": ",".join(str(d) for d in range(1, 21))}),
+    "hemisphere": ("16x16", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+    "cantilever": ("32x2", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+}
+MEASURED = (
+    *(
+        Cell(f"{scene} by {measure}", scene, {"measure": measure, "mesh": mesh}, settings)
+        for scene, (mesh, settings) in _GROWING.items()
+        for measure in MEASURES
+    ),
+    *(
+        Cell(f"hemisphere {n} {thickness} {membrane}", "hemisphere", {"mesh": f"{n}x{n}"}, settings)
+        for thickness in THICKNESS_STRAINS
+        for membrane in MEMBRANES
+        for settings in [{"load_fraction": "1", "thickness_strain": thickness, "membrane": membrane}]
+        for n in (8, 16, 32)
+    ),
+)
+CAMPAIGNS: dict[str, Sequence[Cell]] = {
+    "tyre": TYRE,
+    "benchmarks": BENCHMARKS,
+    "measures": MEASURED,
+    "report": (*TYRE, *BENCHMARKS, *MEASURED),
+}
+TABLES: dict[str, Callable[[], pd.DataFrame]] = {"rigid_body": rigid_body_table, "rotation_sweep": rotation_sweep}
 
 
 def identity(cell: Cell) -> str:
@@ -125,6 +155,8 @@ def run(
         for scene in sorted({cell.scene for cell in cells})
         for reference in SCENES[scene].references
     ]
+    for table_name, make in TABLES.items():
+        write_table(store / "tables" / f"{table_name}.csv", make())
     for table in sorted(DATA.glob("*.csv")):
         write_text(store / "references" / table.name, table.read_text(encoding="utf-8"))
     write_json(store / "references.json", {"references": references})

@@ -14,6 +14,8 @@ from typing import Any, Protocol
 import numpy as np
 import pandas as pd
 
+from contact.arc_length import ArcLength
+from contact.bordered import ArcPoint, Linearise
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
 
@@ -123,6 +125,20 @@ class Stage:
     begin: Callable[[ContactSolution | None], tuple[Callable[[float], ContactProblem], ContactSolution]]
     targets: Sequence[float]
     observe: Callable[[ContactProblem, ContactSolution, float], Observation]
+
+
+@dataclass(frozen=True, eq=False)
+class ArcStage(Stage):
+    """A path traced by arc length from rest, through limit points, until the load first reaches its last target.
+
+    linearise: the model without its load; load (n,): the dead force at t = 1.  summarise(points): headline values of
+    the whole curve; ``observe`` sees every point of it.
+    """
+
+    continuation: ArcLength
+    linearise: Linearise
+    load: np.ndarray
+    summarise: Callable[[Sequence[ArcPoint]], dict[str, float]]
 
 
 class SceneModel(Protocol):

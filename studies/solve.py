@@ -11,7 +11,7 @@ import os
 import platform
 import subprocess
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -20,12 +20,12 @@ from typing import Any
 import pandas as pd
 
 from contact.algorithms import ALGORITHMS
-from contact.path import PathPoint, follow
+from contact.path import follow
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
 from studies.fields import write_fields
-from studies.scene import Request, Scene, SceneModel, UsageError
+from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, UsageError
 from studies.scenes import SCENES
 from studies.store import write_by, write_json, write_table
 
@@ -150,6 +150,10 @@ def _run_stages(
     model: SceneModel, algorithm: ContactAlgorithm, steps: int, result: Result, progress: Callable[[str], None]
 ) -> None:
     for stage in model.stages():
+        if isinstance(stage, ArcStage):
+            if _trace(stage, result, partial(_tell, progress, stage.name)):
+                continue
+            return
         problem_at, state = stage.begin(result.last)
         first = problem_at(stage.targets[0])
         refused = algorithm.supports(first)
@@ -158,7 +162,7 @@ def _run_stages(
         tell = partial(_tell, progress, stage.name)
         path = follow(problem_at, 0.0, stage.targets, algorithm, state, steps, tell)
         for point in path:
-            _account(result, stage.name, point)
+            _account(result, stage.name, point.solution.counters, point.solution.history)
             if point.outcome.converged or point.reached != 0.0:
                 result.last = point.solution
             if not point.outcome.converged:
@@ -167,22 +171,44 @@ def _run_stages(
                 result.reason = f"{stage.name} at {point.requested:g}: {why}; last converged at {point.reached:g}"
                 return
             seen = stage.observe(problem_at(point.requested), point.solution, point.requested)
-            for name, table in seen.tables.items():
-                result.tables.setdefault(name, []).append(table)
-            result.quantities |= seen.quantities
-            if seen.step is not None:
-                counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
-                result.steps.append({**seen.step, **counts, "substeps": point.substeps})
+            counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
+            _record(result, seen, {**counts, "substeps": point.substeps})
+
+
+def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bool:
+    """Trace a curve, record its points and the table ``curve``; False when it did not reach its end."""
+    problem_at, rest = stage.begin(result.last)
+    trace = stage.continuation.trace(stage.linearise, stage.load, stage.targets, tell)
+    _account(result, stage.name, trace.counters, trace.history)
+    for point in trace.points[1:]:
+        result.last = replace(rest, u=point.u)
+        seen = stage.observe(problem_at(point.factor), result.last, point.factor)
+        _record(result, seen, {"newton_iterations": point.iterations, "limit_point": int(point.limit)})
+    result.quantities |= stage.summarise(trace.points)
+    columns = [{key: value for key, value in step.items() if key != "kkt"} for step in result.steps]
+    result.tables["curve"] = [pd.DataFrame(columns)]
+    if not trace.outcome.converged:
+        result.outcome = trace.outcome
+        result.reason = f"{stage.name}: {trace.reason}; last converged at {trace.points[-1].factor:g}"
+    return trace.outcome.converged
+
+
+def _record(result: Result, seen: Observation, spent: Mapping[str, int]) -> None:
+    for name, table in seen.tables.items():
+        result.tables.setdefault(name, []).append(table)
+    result.quantities |= seen.quantities
+    if seen.step is not None:
+        result.steps.append({**seen.step, **spent})
 
 
 def _tell(progress: Callable[[str], None], stage: str, reached: float) -> None:
     progress(f"{stage} {reached:g}")
 
 
-def _account(result: Result, stage: str, point: PathPoint) -> None:
-    for key, value in point.solution.counters.items():
+def _account(result: Result, stage: str, counters: Mapping[str, float], history: Sequence[Mapping[str, Any]]) -> None:
+    for key, value in counters.items():
         result.counters[key] = result.counters.get(key, 0) + value
-    result.history += [{"stage": stage, **row} for row in point.solution.history]
+    result.history += [{"stage": stage, **row} for row in history]
 
 
 def provenance() -> dict[str, Any]:

@@ -19,6 +19,7 @@ from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
+FINE = 1e-8  # a tenth of the smallest pressure that has to be seen; the residual is known to 1e-9
 TOUCH = 1e-9  # a pressure or penetration above this is one
 ROUNDING = 1e-10
 GAP_ROUNDING = 1e-14  # of gaps of the order one
@@ -100,12 +101,15 @@ def test_an_answer_called_converged_is_right(contacts, name, epsilon, seed, kind
         assert max(verdict.tension, verdict.penetration - np.max(solution.pressure) / epsilon) > TOUCH
 
 
-def manufactured(contacts, rng: np.random.Generator, kind: str, states: np.ndarray, epsilon: float):
-    """A problem whose only solution is built in: states 0 open, 1 pressed, 2 touching without pressure."""
+def manufactured(contacts, rng: np.random.Generator, kind: str, states: np.ndarray, epsilon: float, size=1.0):
+    """A problem whose only solution is built in: states 0 open, 1 pressed, 2 touching without pressure.
+
+    ``size`` (m,): how far open (mm) or how strongly pressed (MPa).
+    """
     data = contacts.random_quadratic(rng, kind, len(states))
     u = rng.normal(size=len(data.f))
-    pressure = np.where(states == 1, rng.uniform(0.5, 2, len(states)), 0.0)
-    gap = np.where(states == 0, rng.uniform(0.5, 2, len(states)), 0.0) - pressure / epsilon
+    pressure = np.where(states == 1, size * rng.uniform(0.5, 2, len(states)), 0.0)
+    gap = np.where(states == 0, size * rng.uniform(0.5, 2, len(states)), 0.0) - pressure / epsilon
     f = data.K @ u - data.G.T @ (data.w * pressure)
     return contacts.Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), u, pressure
 
@@ -133,6 +137,20 @@ def test_touching_without_pressure_and_full_contact(contacts, name, epsilon, sta
         np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
         np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
         assert np.all(solution.pressure >= 0)
+
+
+@each_algorithm
+@each_epsilon
+@pytest.mark.parametrize("kind", KINDS)
+def test_almost_touching_is_still_decided(contacts, name, epsilon, kind) -> None:
+    """Must fail beside must pass: gaps and pressures of 1e-7 are far above rounding, and the set has to see them."""
+    states, size = np.array([0, 1, 0, 1, 0, 1]), np.array([1e-7, 1e-7, 1e-7, 1e-7, 1.0, 1.0])
+    for seed in range(12):
+        data, _, pressure = manufactured(contacts, np.random.default_rng(seed), kind, states, epsilon, size)
+        solution = solve(name, data.problem(), len(data.f), epsilon)
+        assert solution.outcome is Outcome.CONVERGED, f"seed {seed}"
+        np.testing.assert_array_equal(solution.active, states == 1)
+        np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=FINE)
 
 
 @each_algorithm

@@ -5,6 +5,18 @@ from __future__ import annotations
 from studies.scene import Scene
 from studies.scenes.cantilever import Cantilever
 from studies.scenes.hemisphere import Hemisphere
+from studies.scenes.linear_cylinder import PinchedCylinder
+from studies.scenes.linear_pagano import Pagano
+from studies.scenes.linear_roof import ScordelisLo
+from studies.scenes.pressurised import PressurisedCylinder, PressurisedSphere, PressurisedTorus
+from studies.scenes.roofs import ROOFS
+from studies.scenes.sze_annulus import SlitAnnulus
+from studies.scenes.sze_moment import RolledCantilever
+from studies.scenes.sze_pullout import PullOut
 from studies.scenes.tyre import Tyre
 
-SCENES: dict[str, Scene] = {scene.name: scene for scene in (Tyre(), Cantilever(), Hemisphere())}
+FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
+NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS)
+PRESSURISED: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
+LINEAR: tuple[Scene, ...] = (ScordelisLo(), PinchedCylinder(), Pagano())
+SCENES: dict[str, Scene] = {scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR)}

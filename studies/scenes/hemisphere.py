@@ -9,12 +9,11 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.measures import MEASURES
 from formulations.shell import Discretisation, ShellModel
 from formulations.surface import sphere
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
+from studies.scenes.statics import ELEMENT, LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm
 HOLE = np.deg2rad(18.0)
@@ -38,7 +37,7 @@ class Hemisphere:
     name: str = "hemisphere"
     title: str = "Hemisphere with an 18 degree hole (Sze 3.4)"
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, SOLVER)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
@@ -60,17 +59,10 @@ class Hemisphere:
         forces = np.zeros((grid.n_nodes, 6))
         forces[pulled, 4:] = 0.5 * P_MAX / 2
         forces[pushed, 4:] = -0.5 * P_MAX / 2
-        shell = ShellModel(
-            discretisation,
-            MEASURES[request.measure],
-            newton=request.newton,
-            forces=discretisation.reduce(forces),
-        )
+        shell = loaded_shell(discretisation, request, forces=forces)
 
         def under_loads(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
             v = discretisation.expand(u)
             return {"outward_mm": float(v[pulled, 4:].mean()), "inward_mm": float(-v[pushed, 4:].mean())}
 
-        fractions = request.settings["load_fraction"]
-        assert isinstance(fractions, tuple)
-        return StaticModel(shell, fractions, under_loads)
+        return StaticModel(shell, fractions(request), under_loads)

@@ -1,4 +1,4 @@
-"""Scenes without contact: a shell under dead forces that grow with a load fraction."""
+"""Scenes without contact: a shell under loads that grow with a load fraction, stepped or traced by arc length."""
 
 from __future__ import annotations
 
@@ -7,10 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.arc_length import ArcLength
+from contact.bordered import ArcPoint
 from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, without_contact
-from formulations.shell import ShellModel
-from studies.scene import Observation, Setting, Stage
+from formulations.element import MEMBRANES, THICKNESS_STRAINS
+from formulations.loads import Couples, Pressure
+from formulations.measures import MEASURES
+from formulations.shell import Discretisation, ShellModel
+from studies.scene import ArcStage, Observation, Request, Setting, Stage
 
 LOAD_FRACTIONS = Setting(
     "load_fraction",
@@ -21,6 +26,62 @@ LOAD_FRACTIONS = Setting(
     high=10.0,
     open_low=True,
 )
+ELEMENT = (
+    Setting("thickness_strain", "projected", "where E33 is sampled", "choice", choices=THICKNESS_STRAINS),
+    Setting("membrane", "compatible", "linear modes of the membrane strain", "choice", choices=MEMBRANES),
+)
+CURVE_FRACTIONS = Setting(
+    "load_fraction",
+    (1.0,),
+    "load fractions to hit; the last ends the curve",
+    kind="floats",
+    low=0.0,
+    high=10.0,
+    open_low=True,
+)
+ARC_STEP = Setting("arc_step", 0.05, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
+
+
+def number(request: Request, key: str) -> float:
+    """A setting that is one number."""
+    value = request.settings[key]
+    assert isinstance(value, float | int)
+    return float(value)
+
+
+def fractions(request: Request) -> tuple[float, ...]:
+    """The load fractions to report."""
+    value = request.settings["load_fraction"]
+    assert isinstance(value, tuple)
+    return value
+
+
+def edge_shares(nodes: int) -> np.ndarray:
+    """Shares (nodes,) of a uniform edge load in equally spaced nodes, int N_r ds over the length; their sum is 1."""
+    shares = np.full(nodes, 1.0 / (nodes - 1))
+    shares[[0, -1]] /= 2
+    return shares
+
+
+def loaded_shell(
+    discretisation: Discretisation,
+    request: Request,
+    *,
+    forces: np.ndarray | None = None,
+    pressure: Pressure | None = None,
+    couples: Couples | None = None,
+) -> ShellModel:
+    """The shell that was asked for; forces (N, 6) are dead and in the local frames."""
+    return ShellModel(
+        discretisation,
+        MEASURES[request.measure],
+        newton=request.newton,
+        pressure=pressure,
+        forces=None if forces is None else discretisation.reduce(forces),
+        couples=couples,
+        thickness_strain=str(request.settings["thickness_strain"]),
+        membrane=str(request.settings["membrane"]),
+    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +101,11 @@ class StaticModel:
         return np.zeros(self.shell.discretisation.grid.n_nodes)
 
     def _begin(self, previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
-        n = self.shell.discretisation.n_free
-        return lambda t: without_contact(self.shell.scaled(t).linearise, n), ContactSolution.at_rest(n, 0)
+        return self.problem_at, ContactSolution.at_rest(self.shell.discretisation.n_free, 0)
+
+    def problem_at(self, fraction: float) -> ContactProblem:
+        """The shell under a fraction of its load."""
+        return without_contact(self.shell.scaled(fraction).linearise, self.shell.discretisation.n_free)
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, fraction: float) -> Observation:
         displacements = self.measure_at(self.shell, state.u)
@@ -50,3 +114,35 @@ class StaticModel:
             {"load_fraction": fraction, **displacements, "kkt": verdict.kkt, "rounding": verdict.rounding},
             displacements,
         )
+
+
+@dataclass(frozen=True, eq=False)
+class CurveModel(StaticModel):
+    """The same under dead forces only, its curve traced through limit points until its last load fraction."""
+
+    continuation: ArcLength
+
+    @classmethod
+    def build(
+        cls, shell: ShellModel, request: Request, measure_at: Callable[[ShellModel, np.ndarray], dict[str, float]]
+    ) -> CurveModel:
+        """The first arc step is ``arc_step`` over the number of steps."""
+        first = number(request, "arc_step") / request.steps
+        arc_length = ArcLength(first, solver=str(request.settings["solver"]))
+        return cls(shell, fractions(request), measure_at, arc_length)
+
+    def stages(self) -> Iterator[Stage]:
+        """The curve from rest."""
+        assert self.shell.forces is not None
+        unloaded = self.shell.scaled(0.0).linearise
+        path = ("curve", self._begin, self.fractions, self._observe)
+        yield ArcStage(*path, self.continuation, unloaded, self.shell.forces, self._summarise)
+
+    def _summarise(self, points: Sequence[ArcPoint]) -> dict[str, float]:
+        """Number of limit points, load and displacements of the first."""
+        limits = [point for point in points if point.limit]
+        summary = {"limit_points": float(len(limits))}
+        if limits:
+            summary["limit_load_fraction"] = limits[0].factor
+            summary |= {f"limit_{key}": value for key, value in self.measure_at(self.shell, limits[0].u).items()}
+        return summary
