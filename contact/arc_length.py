@@ -158,8 +158,7 @@ def limit_point(curve: Curve, before: ArcPoint, after: ArcPoint) -> ArcPoint | N
     """The limit point between two points on either side of it, or None.
 
     With s the coordinate along their chord, dx/ds is known exactly at a point; the zero of dt/ds is bracketed and
-    interpolated linearly (so t quadratically) until it moves no more.
-    Displacement is what moves here: it sets the scale.
+    interpolated linearly (so t quadratically) until it moves no more. The displacement, which moves, sets the scale.
     """
     curve = curve.scaled(float(np.linalg.norm(after.u - before.u)), 1.0)
     chord = curve.place(after) - curve.place(before)

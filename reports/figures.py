@@ -15,7 +15,9 @@ from reports.files import write_texts
 from reports.maps import along_meridian, at_delta, deltas, pressure_map
 from reports.schema import Cell, load_cell
 
-BOOKKEEPING = {"newton_iterations", "factorisations", "assemblies", "set_changes", "substeps", "rounding", "kkt"}
+BOOKKEEPING = {
+    *("newton_iterations", "factorisations", "assemblies", "set_changes", "substeps", "rounding", "kkt", "limit_point")
+}
 
 
 def draw_result(directory: Path) -> list[Path]:

@@ -27,7 +27,9 @@ def load_displacement(
             for (name, curve), colour, marker in zip(curves.items(), SERIES, MARKERS, strict=False):
                 points = [0, *curve[column]], [0, *curve["load_fraction"]]
                 axes.plot(*points, linestyle="none", color=colour, marker=marker, fillstyle="none", label=name)
-            axes.set(xlabel=words, ylabel="load fraction", xlim=(0, None), ylim=(0, None))
+            axes.set(xlabel=words, ylabel="load fraction")
+            if all(curve[[column, "load_fraction"]].min().min() >= 0 for curve in curves.values()):
+                axes.set(xlim=(0, None), ylim=(0, None))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=4)
         return to_svg(figure)

@@ -183,7 +183,7 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
     for point in trace.points[1:]:
         result.last = replace(rest, u=point.u)
         seen = stage.observe(problem_at(point.factor), result.last, point.factor)
-        _record(result, seen, {"newton_iterations": point.iterations, "limit_point": int(point.limit)})
+        _record(result, seen, {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)})
     result.quantities |= stage.summarise(trace.points)
     columns = [{key: value for key, value in step.items() if key != "kkt"} for step in result.steps]
     result.tables["curve"] = [pd.DataFrame(columns)]

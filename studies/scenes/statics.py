@@ -39,7 +39,7 @@ CURVE_FRACTIONS = Setting(
     high=10.0,
     open_low=True,
 )
-ARC_STEP = Setting("arc_step", 0.05, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
+ARC_STEP = Setting("arc_step", 0.01, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
 
 
 def number(request: Request, key: str) -> float:
