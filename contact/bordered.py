@@ -102,7 +102,7 @@ class Curve:
             except SingularMatrixError:
                 return None
             memory = self.run.remember(lin, step[:-1])
-            u, factor = u + step[:-1], factor + step[-1]
+            u, factor = u + step[:-1], factor + float(step[-1])
             self.run.counters["newton_iterations"] += 1
         return None
 

@@ -26,7 +26,8 @@ def load_displacement(
                 axes.plot(x, y, color=BLACK, marker=".", linewidth=0.8, label="Sze et al.")
             for (name, curve), colour, marker in zip(curves.items(), SERIES, MARKERS, strict=False):
                 points = [0, *curve[column]], [0, *curve["load_fraction"]]
-                axes.plot(*points, linestyle="none", color=colour, marker=marker, fillstyle="none", label=name)
+                line = "-" if "limit_point" in curve else "none"  # a curve that turns back needs its order
+                axes.plot(*points, linestyle=line, color=colour, marker=marker, fillstyle="none", label=name)
             axes.set(xlabel=words, ylabel="load fraction")
             if all(curve[[column, "load_fraction"]].min().min() >= 0 for curve in curves.values()):
                 axes.set(xlim=(0, None), ylim=(0, None))

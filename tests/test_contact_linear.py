@@ -35,7 +35,7 @@ def backward_error(A: np.ndarray, x: np.ndarray, b: np.ndarray) -> float:
     return np.max(np.abs(b - A @ x)) / (np.abs(A).sum(axis=1).max() * np.max(np.abs(x)) + np.max(np.abs(b)))
 
 
-@pytest.mark.parametrize("kind", ["definite", "nonsymmetric", "saddle", "scaled over 1e12"])
+@pytest.mark.parametrize("kind", ["definite", "nonsymmetric", "saddle", "tiny diagonal", "scaled over 1e12"])
 def test_regular_systems_are_solved_to_a_small_backward_error(rng, solver, kind) -> None:
     n = 40
     A = rng.normal(size=(n, n)) * (rng.random((n, n)) < 0.2) + 4 * np.eye(n)
@@ -46,6 +46,8 @@ def test_regular_systems_are_solved_to_a_small_backward_error(rng, solver, kind)
         A = scale[:, None] * A * scale
     if kind == "saddle":
         A = np.block([[A @ A.T, np.eye(n, 5)], [np.eye(5, n), np.zeros((5, 5))]])
+    if kind == "tiny diagonal":
+        A = np.block([[1e-18 * np.eye(n), A], [A.T, np.eye(n)]])  # pivots on the diagonal alone would lose everything
     exact = rng.normal(size=len(A))
     matrix, b = sparse.csc_matrix(A), A @ exact
     x = checked_solve(factorise(matrix, solver), matrix, b)

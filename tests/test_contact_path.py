@@ -144,9 +144,12 @@ def test_nothing_ever_converges(tracking) -> None:
 
 
 def test_the_path_also_runs_backwards(tracking) -> None:
-    (point,) = run(tracking, Choosy(reach=0.3), [-1.0], start=0.9)
-    assert point.outcome is Outcome.CONVERGED
-    assert point.solution.u[0] == pytest.approx(-1.0, rel=EXACT)
+    (easy,) = run(tracking, Choosy(), [-1.0], start=0.9, steps=4)
+    assert parameters(easy.solution) == pytest.approx([0.425, -0.05, -0.525, -1.0], rel=EXACT)
+    (hard,) = run(tracking, Choosy(reach=0.3), [-1.0], start=0.9)
+    assert hard.outcome is Outcome.CONVERGED
+    assert hard.solution.u[0] == pytest.approx(-1.0, rel=EXACT)
+    assert hard.substeps == 8  # of 1.9/8
 
 
 def test_a_target_already_reached_costs_nothing(tracking) -> None:
