@@ -166,7 +166,6 @@ def _run(options: argparse.Namespace) -> int:
 def _report(options: argparse.Namespace) -> int:
     from reports.pages import check_pages, write_pages
     from reports.schema import StoreError
-
     from studies.scene import UsageError
 
     try:
