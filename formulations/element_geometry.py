@@ -38,7 +38,8 @@ class ElementGeometry:
     weight (E,): parameter area times mubar at the centre (the paper's area).  face_weight (E, 2): the same with the
     true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  node_beta (4, 15, 24): q at the
     four nodes, its beta only.  relaxation (E, 2): share of the parasitic membrane energy that a "relaxed" element
-    keeps.  kinematics: what the gradients leave out.
+    keeps.  value (1 or E, 4, 4, 3, 3): components of a face's displacement at Gauss point g, in the frame there, from
+    those of node r: u_i(g) = value[g, r, i, j] v_j^r.  kinematics: what the gradients leave out.
 
     interpolation "curvilinear" (the paper): displacement components in the turning local frame are bilinear, A, k, B
     are exact; a rigid motion of a curved element is met to O(l^2).  "isoparametric": Cartesian displacements and
@@ -52,6 +53,7 @@ class ElementGeometry:
     face_weight: np.ndarray
     node_beta: np.ndarray
     relaxation: np.ndarray
+    value: np.ndarray
     kinematics: Kinematics
     interpolation: str
     offset: np.ndarray | None
@@ -70,9 +72,11 @@ class ElementGeometry:
         points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
         geometry = surface.geometry(points[..., 0], points[..., 1])
         if interpolation == "curvilinear":
+            turn = np.broadcast_to(np.eye(3), (1, N_GAUSS, 4, 3, 3))
             Q, offset = _curvilinear(gradient_coefficients(geometry, d_minus, d_plus, kinematics), grid), None
         elif interpolation == "isoparametric" and kinematics == FULL:
-            Q, offset = _isoparametric(surface, geometry, points, grid, laminate)
+            turn = _frames_turn(surface, points, grid)
+            Q, offset = _isoparametric(surface, geometry, turn, grid, laminate)
         else:
             known = " or ".join(INTERPOLATIONS)
             raise ValueError(f"interpolation {interpolation!r} must be {known}, the latter with full gradients only")
@@ -88,6 +92,7 @@ class ElementGeometry:
             face_weight=parameter_area[:, None] * face,
             node_beta=_node_beta(d_plus - d_minus),
             relaxation=_relaxation(at_centre, grid, d_plus - d_minus),
+            value=shape_functions(GAUSS)[0][:, :, None, None] * turn,
             kinematics=kinematics,
         )
 
@@ -118,17 +123,20 @@ def _curvilinear(coefficients: tuple[np.ndarray, np.ndarray, np.ndarray], grid: 
     return c0 * value[:, None, :, None] + c1 * d1[:, :, None, :, None] + c2 * d2[:, :, None, :, None]
 
 
+def _frames_turn(surface: Surface, points: np.ndarray, grid: Grid) -> np.ndarray:
+    """e_i at the Gauss point . e_j at the node, (E, 4, 4, 3, 3)."""
+    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
+    at_gauss, at_node = (surface.frame(x[..., 0], x[..., 1]) for x in (points, corners))
+    return np.einsum("egix,erjx->egrij", at_gauss, at_node)
+
+
 def _isoparametric(
-    surface: Surface, geometry: Geometry, points: np.ndarray, grid: Grid, laminate: Laminate
+    surface: Surface, geometry: Geometry, turn: np.ndarray, grid: Grid, laminate: Laminate
 ) -> tuple[np.ndarray, np.ndarray]:
     """Q (E, 4, 15, 4, 6) of Cartesian displacements, and the offset (E, 4, 15) of the interpolated positions."""
-    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
-    at_node = surface.frame(corners[..., 0], corners[..., 1])
-    at_gauss = surface.frame(points[..., 0], points[..., 1])
-    turn = np.einsum("egix,erjx->egrij", at_gauss, at_node)  # e_i at the Gauss point . e_j at the node
     value, slope = shape_functions(GAUSS)
     slope = slope / grid.half[:, None, :, None]
-    Q = np.zeros((len(points), N_GAUSS, N_Q, 4, N_V))
+    Q = np.zeros((len(turn), N_GAUSS, N_Q, 4, N_V))
     signs = ((1, 1, -1), (1, 1, -1))  # du/ds_a = l e_a + w e_g - t e3
     for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
         for a in (0, 1):
@@ -139,8 +147,9 @@ def _isoparametric(
         for i in range(3):
             sign = (2 * face - 1) / laminate.thickness
             Q[:, :, BETA.start + i, :, face::2] = sign * value[:, :, None] * turn[:, :, :, i, :]
-    x = surface.position(corners[..., 0], corners[..., 1])
-    nodal = np.empty((len(points), 4, N_V))
+    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
+    x, at_node = (at(corners[..., 0], corners[..., 1]) for at in (surface.position, surface.frame))
+    nodal = np.empty((len(turn), 4, N_V))
     for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
         nodal[..., face::2] = np.einsum("erix,erx->eri", at_node, x + d * at_node[:, :, 2])
     offset = np.einsum("egqrv,erv->egq", Q, nodal)

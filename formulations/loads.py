@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from formulations.element_geometry import GAUSS, N_DOF, N_GAUSS, ElementGeometry, shape_functions
+from formulations.element_geometry import N_DOF, N_GAUSS, ElementGeometry
 from formulations.grid import Grid
 from formulations.quantities import N_Q, QUANTITIES, displacement_index
 
@@ -42,8 +42,8 @@ class Pressure:
     def dead_force(self, geometry: ElementGeometry) -> np.ndarray:
         """Element forces (E, 24) in the reference frame: F_r = p int N_r dA along e3."""
         force = np.zeros((len(geometry.Q), N_DOF))
-        shape, _ = shape_functions(GAUSS)
-        force[:, _INNER[:, 2]] = self.value * self.weights(geometry)[:, None] * shape.sum(axis=0)
+        along_normal = geometry.value[:, :, :, 2].sum(axis=1)  # (1 or E, node, component)
+        force[:, _INNER] = self.value * self.weights(geometry)[:, None, None] * along_normal
         return force
 
     def follower_force(self, geometry: ElementGeometry, v: np.ndarray, force: np.ndarray, tangent: np.ndarray) -> None:
@@ -52,19 +52,24 @@ class Pressure:
         With g1 = (1 + l1, w1, -t1), g2 = (w2, 1 + l2, -t2) the area vector is their component cross product times the
         reference area, whatever the handedness of (e1, e2, e3).
         """
-        shape, _ = shape_functions(GAUSS)
         weights = self.value * self.weights(geometry)
-        at_gauss = np.zeros((N_GAUSS, 3, N_DOF))  # N_r at the Gauss points, on the inner-face displacements
-        for i in range(3):
-            at_gauss[:, i, _INNER[:, i]] = shape
-        spread = at_gauss.reshape(3 * N_GAUSS, N_DOF)
         for part in geometry.chunks():
             Q, weight = geometry.Q[part], weights[part]
             q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
+            if geometry.offset is not None:
+                q += geometry.offset[part]
             normal, slope = _area_vector(q)
-            force[part] += weight[:, None] * (normal.reshape(-1, 3 * N_GAUSS) @ spread)
+            spread = _inner_displacement(geometry.value if len(geometry.value) == 1 else geometry.value[part])
+            force[part] += weight[:, None] * np.matmul(normal.reshape(-1, 1, 3 * N_GAUSS), spread)[:, 0]
             turning = np.matmul(slope, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, 3 * N_GAUSS, N_DOF)
-            tangent[part] -= np.matmul(spread.T, turning) * weight[:, None, None]
+            tangent[part] -= np.matmul(spread.swapaxes(1, 2), turning) * weight[:, None, None]
+
+
+def _inner_displacement(value: np.ndarray) -> np.ndarray:
+    """Displacement of the inner face at the Gauss points from the element vector, (e, 12, 24)."""
+    spread = np.zeros((len(value), N_GAUSS, 3, N_DOF))
+    spread[..., _INNER] = value.swapaxes(2, 3)  # (e, g, i, node, component)
+    return spread.reshape(len(value), 3 * N_GAUSS, N_DOF)
 
 
 def _area_vector(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from formulations.element import SHEAR_ROWS
-from formulations.element_geometry import GAUSS, N_GAUSS, shape_functions
+from formulations.element_geometry import GAUSS, N_GAUSS
 from formulations.laminate import Laminate, Ply
 from formulations.quantities import N_E
 from formulations.shell import Discretisation
@@ -58,16 +58,16 @@ def area_load(
     """Consistent nodal forces (N, 6) in the local frames: F_i^r = int N_r (p . e_i) dA with the area dA of mubar.
 
     ``density(a1, a2)``: dead force per area p (..., 3) in Cartesian components. ``shares`` go to the inner and to the
-    outer face. The curvilinear element interpolates components in the local frame, so p is projected on the frame at
-    every Gauss point; projecting it at the nodes instead would differ by O(l^2).
+    outer face. p is projected on the frame at every Gauss point and does work on the displacement that the element
+    interpolates there; projecting it at the nodes instead would differ by O(l^2).
     """
     grid = discretisation.grid
     points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
     a1, a2 = points[..., 0], points[..., 1]
     local = np.einsum("...ij,...j->...i", discretisation.surface.frame(a1, a2), density(a1, a2))
-    shape, _ = shape_functions(GAUSS)
     weight = discretisation.geometry.weight / N_GAUSS
-    nodal = np.einsum("e,gr,egi->eri", weight, shape, local)
+    value = np.broadcast_to(discretisation.geometry.value, (len(weight), N_GAUSS, 4, 3, 3))
+    nodal = np.einsum("e,egrij,egi->erj", weight, value, local, optimize=True)
     forces = np.zeros((grid.n_nodes, 6))
     for face, share in enumerate(shares):
         np.add.at(forces[:, face::2], grid.elements, share * nodal)
