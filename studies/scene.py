@@ -32,7 +32,7 @@ class Setting:
 
     kind: "float", "int", "floats" (comma-separated, increasing) or "choice". low, high: range of each number, the
     bounds included unless ``open_low``/``open_high``; infinity only where ``infinite``. default None: the scene works
-    it out.
+    it out. presets: what each choice stands for, values of other keys; it gives way to those that are given.
     """
 
     key: str
@@ -45,6 +45,7 @@ class Setting:
     open_high: bool = False
     infinite: bool = False
     choices: tuple[str, ...] = ()
+    presets: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
 
     @property
     def range_text(self) -> str:

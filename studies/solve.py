@@ -25,7 +25,7 @@ from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
 from studies.fields import write_fields
-from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, UsageError
+from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, UsageError, Value
 from studies.scenes import SCENES
 from studies.store import write_by, write_json, write_table
 
@@ -45,8 +45,7 @@ def resolve(
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
-    defaults = {key: setting.default for key, setting in known.items() if setting.default is not None}
-    settings = scene.complete({**defaults, **{key: known[key].parse(text) for key, text in given.items()}})
+    settings = scene.complete(_with_defaults(known, {key: known[key].parse(text) for key, text in given.items()}))
     request = Request(scene_name, mesh=_mesh(mesh, scene), settings=settings, **options)
     for name, value, choices in (
         ("measure", request.measure, MEASURES),
@@ -63,6 +62,15 @@ def resolve(
     if "epsilon" in known and "epsilon" not in settings:
         settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
     return scene, replace(request, model="full")
+
+
+def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> dict[str, Value]:
+    """Given values, before what a preset stands for, before defaults; the name of a preset is resolved away."""
+    settings = {key: setting.default for key, setting in known.items() if setting.default is not None} | dict(given)
+    for key, setting in known.items():
+        if setting.presets:
+            settings = {**setting.presets[str(settings.pop(key))], **settings}
+    return settings
 
 
 def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:

@@ -9,10 +9,11 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import Plate
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
-from studies.scenes.statics import ELEMENT, LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
 
 E, L, B, H = 1.2e6, 10.0, 1.0, 0.1  # MPa, mm; nu = 0
 P_MAX = 4.0  # N, 4 E I / L^2 in all, spread over the edge, dead
@@ -58,7 +59,7 @@ class Cantilever:
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0)] = True
         laminate = Laminate.single(Ply.isotropic(E, 0.0, H))
-        discretisation = Discretisation.build(Plate(), grid, laminate, fixed)
+        discretisation = discretise(request, Plate(), grid, laminate, fixed)
         tip = grid.on_line(0, L)
         shares = np.full(len(tip), 1.0 / n2)
         shares[[0, -1]] /= 2

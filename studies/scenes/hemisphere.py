@@ -9,11 +9,12 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import sphere
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
-from studies.scenes.statics import ELEMENT, LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm
 HOLE = np.deg2rad(18.0)
@@ -55,7 +56,7 @@ class Hemisphere:
         pulled, pushed = grid.node_at(0.0, 0.0), grid.node_at(0.0, right)
         fixed[pulled, 0] = True  # the rigid motion along the axis, and nothing else
         laminate = Laminate.single(Ply.isotropic(E, NU, H))
-        discretisation = Discretisation.build(sphere(RADIUS), grid, laminate, fixed)
+        discretisation = discretise(request, sphere(RADIUS), grid, laminate, fixed)
         forces = np.zeros((grid.n_nodes, 6))
         forces[pulled, 4:] = 0.5 * P_MAX / 2
         forces[pushed, 4:] = -0.5 * P_MAX / 2

@@ -14,9 +14,10 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import cylinder
 from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.scenes.element import discretise
 from studies.scenes.linear_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
 from studies.scenes.statics import StaticModel, fractions, loaded_shell
 
@@ -51,8 +52,8 @@ class PinchedCylinder:
         fixed[grid.on_line(1, 0.0), 2:4] = True
         fixed[grid.on_line(1, right), 2:4] = True
         fixed[grid.on_line(0, LENGTH / 2), 2:] = True  # diaphragm
-        discretisation = Discretisation.build(
-            cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, NU, H)), fixed
+        discretisation = discretise(
+            request, cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, NU, H)), fixed
         )
         loaded = grid.node_at(0.0, 0.0)
         forces = np.zeros((grid.n_nodes, 6))

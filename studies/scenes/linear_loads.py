@@ -13,7 +13,8 @@ from formulations.laminate import Laminate, Ply
 from formulations.quantities import N_E
 from formulations.shell import Discretisation
 from studies.scene import SOLVER, Request, Setting
-from studies.scenes.statics import ELEMENT, number
+from studies.scenes.element import ELEMENT
+from studies.scenes.statics import number
 
 LOAD_FRACTION = Setting(
     "load_fraction", (1.0,), "fractions of the published load to report", "floats", 0.0, 10.0, open_low=True

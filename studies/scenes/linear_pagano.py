@@ -15,10 +15,11 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import Plate
 from studies.scene import Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
+from studies.scenes.element import discretise
 from studies.scenes.linear_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.statics import StaticModel, loaded_shell, number
 
@@ -66,7 +67,7 @@ class Pagano:
         grid = Grid.tensor(np.linspace(0, a / 2, n1 + 1), np.linspace(0, b / 2, n2 + 1))
         plies = tuple(Ply(E_L, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
         fixed = _supports(grid, a / 2, b / 2)
-        discretisation = Discretisation.build(Plate(), grid, centred_laminate(request, *plies), fixed)
+        discretisation = discretise(request, Plate(), grid, centred_laminate(request, *plies), fixed)
         q0 = 100 * E_T * DEFLECTION / S**4
 
         def pressure(x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -14,9 +14,10 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import cylinder
 from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.scenes.element import discretise
 from studies.scenes.linear_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.statics import StaticModel, fractions, loaded_shell
 
@@ -54,8 +55,8 @@ class ScordelisLo:
         fixed[grid.on_line(0, 0.0), 2:] = True  # diaphragm
         fixed[grid.on_line(0, LENGTH / 2), :2] = True  # symmetry
         fixed[grid.on_line(1, 0.0), 2:4] = True  # symmetry
-        discretisation = Discretisation.build(
-            cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, 0.0, H)), fixed
+        discretisation = discretise(
+            request, cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, 0.0, H)), fixed
         )
         down = np.array([-1.0, 0.0, 0.0])
         forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(WEIGHT * down, (*a1.shape, 3)))

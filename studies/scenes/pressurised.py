@@ -26,7 +26,8 @@ from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import Discretisation, ShellModel
 from formulations.surface import cylinder, sphere, torus
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
-from studies.scenes.statics import ELEMENT, LOAD_FRACTIONS, StaticModel, fractions, loaded_shell, number
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell, number
 
 E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm
 SECTOR = np.pi / 6  # of cylinder and sphere; symmetry holds all four edges or leaves one free
@@ -133,7 +134,7 @@ class PressurisedCylinder:
             fixed[grid.on_line(1, side), 2:4] = True
         laminate = Laminate.single(Ply.isotropic(E, NU, number(request, "h_mm")))
         largest = (open_cylinder_load if is_open else fixed_cylinder_load)(LARGEST)
-        return _inflated(Discretisation.build(cylinder(RADIUS), grid, laminate, fixed), request, largest)
+        return _inflated(discretise(request, cylinder(RADIUS), grid, laminate, fixed), request, largest)
 
 
 @dataclass(frozen=True)
@@ -163,7 +164,7 @@ class PressurisedSphere:
             fixed[grid.on_line(0, side), 0:2] = True
             fixed[grid.on_line(1, side), 2:4] = True
         laminate = Laminate.single(Ply.isotropic(E, NU, number(request, "h_mm")))
-        return _inflated(Discretisation.build(sphere(RADIUS), grid, laminate, fixed), request, sphere_load(LARGEST))
+        return _inflated(discretise(request, sphere(RADIUS), grid, laminate, fixed), request, sphere_load(LARGEST))
 
 
 TUBE, AXIS = 100.0, 300.0  # mm: radius r of the tube, distance R of its centre from the axis
@@ -218,7 +219,7 @@ class PressurisedTorus:
         for side in (0.0, np.deg2rad(10)):
             fixed[grid.on_line(1, side), 2:4] = True
         laminate = Laminate.single(Ply.isotropic(TORUS_E, NU, number(request, "h_mm")))
-        discretisation = Discretisation.build(torus(AXIS, TUBE), grid, laminate, fixed)
+        discretisation = discretise(request, torus(AXIS, TUBE), grid, laminate, fixed)
         pressure = Pressure(TORUS_PRESSURE, follower=True, area=str(request.settings["pressure_area"]))
 
         def resultants(shell: ShellModel, u: np.ndarray) -> dict[str, float]:

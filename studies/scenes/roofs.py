@@ -12,11 +12,12 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import cylinder
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, ELEMENT, CurveModel, loaded_shell
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
 P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
@@ -84,7 +85,7 @@ class Roof:
         hinged = np.zeros((grid.n_nodes, 3), bool)
         hinged[grid.on_line(1, HALF_ANGLE)] = True
         hinged[grid.on_line(0, 0.0), 0] = False  # held by symmetry already
-        discretisation = Discretisation.build(cylinder(RADIUS), grid, self.laminate(), fixed, hinged)
+        discretisation = discretise(request, cylinder(RADIUS), grid, self.laminate(), fixed, hinged)
         centre = grid.node_at(0.0, 0.0)
         forces = np.zeros((grid.n_nodes, 6))
         forces[centre, 4:] = -0.5 * P_MAX / 4

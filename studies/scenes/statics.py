@@ -11,7 +11,6 @@ from contact.arc_length import ArcLength
 from contact.bordered import ArcPoint
 from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, without_contact
-from formulations.element import MEMBRANES, THICKNESS_STRAINS
 from formulations.loads import Couples, Pressure
 from formulations.measures import MEASURES
 from formulations.shell import Discretisation, ShellModel
@@ -25,10 +24,6 @@ LOAD_FRACTIONS = Setting(
     low=0.0,
     high=10.0,
     open_low=True,
-)
-ELEMENT = (
-    Setting("thickness_strain", "projected", "where E33 is sampled", "choice", choices=THICKNESS_STRAINS),
-    Setting("membrane", "compatible", "linear modes of the membrane strain", "choice", choices=MEMBRANES),
 )
 CURVE_FRACTIONS = Setting(
     "load_fraction",
@@ -67,6 +62,7 @@ def loaded_shell(
     discretisation: Discretisation,
     request: Request,
     *,
+    section: str = "constant-s33",
     forces: np.ndarray | None = None,
     pressure: Pressure | None = None,
     couples: Couples | None = None,
@@ -75,6 +71,7 @@ def loaded_shell(
     return ShellModel(
         discretisation,
         MEASURES[request.measure],
+        section=section,
         newton=request.newton,
         pressure=pressure,
         forces=None if forces is None else discretisation.reduce(forces),

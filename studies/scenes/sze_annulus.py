@@ -9,11 +9,12 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import annulus
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
-from studies.scenes.statics import ELEMENT, LOAD_FRACTIONS, StaticModel, edge_shares, fractions, loaded_shell
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, fractions, loaded_shell
 
 E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
 P_MAX = 0.8  # N/mm along the free side of the slit, across the plate, dead
@@ -50,7 +51,7 @@ class SlitAnnulus:
         grid = Grid.tensor(np.linspace(INNER, OUTER, n1 + 1), np.linspace(0, turn, n2 + 1))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(1, turn)] = True
-        discretisation = Discretisation.build(annulus(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)
+        discretisation = discretise(request, annulus(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)
         slit = grid.on_line(1, 0.0)
         forces = np.zeros((grid.n_nodes, 6))
         forces[slit, 4:] = 0.5 * P_MAX * (OUTER - INNER) * edge_shares(len(slit))[:, None]

@@ -10,11 +10,12 @@ import numpy as np
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
 from formulations.loads import Couples
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import Plate
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
-from studies.scenes.statics import ELEMENT, LOAD_FRACTIONS, StaticModel, edge_shares, fractions, loaded_shell
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, fractions, loaded_shell
 
 E, L, B, H = 1.2e6, 12.0, 1.0, 0.1  # MPa, mm; nu = 0
 EI = E * B * H**3 / 12
@@ -66,7 +67,7 @@ class RolledCantilever:
         grid = Grid.tensor(np.linspace(0, L, n1 + 1), np.linspace(0, B, n2 + 1))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0)] = True
-        discretisation = Discretisation.build(Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)
+        discretisation = discretise(request, Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)
         tip = grid.on_line(0, L)
         axes = np.tile([0.0, -1.0, 0.0], (len(tip), 1))
         couples = Couples(tip, M_MAX * edge_shares(len(tip)), axes, H)

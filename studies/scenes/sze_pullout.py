@@ -13,11 +13,12 @@ import numpy as np
 
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import cylinder
 from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.data import read_reference
-from studies.scenes.statics import ARC_STEP, ELEMENT, LOAD_FRACTIONS, CurveModel, loaded_shell
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import ARC_STEP, LOAD_FRACTIONS, CurveModel, loaded_shell
 
 E, NU, RADIUS, LENGTH, H = 10.5e6, 0.3125, 4.953, 10.35, 0.094  # MPa, -, mm, mm, mm
 P_MAX = 40_000.0  # N per force on the whole cylinder; four octants share each
@@ -60,7 +61,7 @@ class PullOut:
         for plane in (0.0, side):
             fixed[grid.on_line(1, plane), 2:4] = True
         laminate = Laminate.single(Ply.isotropic(E, NU, H))
-        discretisation = Discretisation.build(cylinder(RADIUS), grid, laminate, fixed)
+        discretisation = discretise(request, cylinder(RADIUS), grid, laminate, fixed)
         points = {"w_A_mm": grid.node_at(0, 0), "u_B_mm": grid.node_at(0, side), "u_C_mm": grid.node_at(end, side)}
         forces = np.zeros((grid.n_nodes, 6))
         forces[points["w_A_mm"], 4:] = 0.5 * P_MAX / 4

@@ -18,11 +18,12 @@ from contact.problem import ContactProblem, ContactSolution, Outcome, without_co
 from formulations.grid import Grid, graded_lines
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
-from formulations.measures import MEASURES
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.surface import torus
 from studies.scene import SOLVER, Observation, Reference, Request, SceneModel, Setting, Stage, UsageError, Value
 from studies.scenes.data import read_reference
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import loaded_shell
 
 NORMAL = np.array([1.0, 0.0, 0.0])
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
@@ -51,6 +52,7 @@ SETTINGS = (
     Setting("R1_mm", 50.0, "radius of the inner meridian", low=0, high=1e4, open_low=True),
     Setting("R0_mm", 250.0, "radius of the inner equator", low=0, high=1e5, open_low=True),
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
+    *ELEMENT,
     SOLVER,
 )
 
@@ -112,15 +114,11 @@ class Tyre:
         edges = np.concatenate([grid.on_line(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[edges] = True
-        shell = ShellModel(
-            Discretisation.build(torus(R0 - R1, R1), grid, laminate, fixed),
-            MEASURES[request.measure],
-            section=str(settings["section"]),
-            newton=request.newton,
-            pressure=Pressure(
-                _number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"])
-            ),
+        pressure = Pressure(
+            _number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"])
         )
+        discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed)
+        shell = loaded_shell(discretisation, request, section=str(settings["section"]), pressure=pressure)
         deltas = settings["delta_mm"]
         assert isinstance(deltas, tuple)
         free = np.setdiff1d(np.arange(grid.n_nodes), edges)

@@ -1,0 +1,48 @@
+"""The options of the element as settings that every shell scene has, and the presets that name combinations of them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from formulations.element import MEMBRANES, THICKNESS_STRAINS
+from formulations.element_geometry import INTERPOLATIONS
+from formulations.grid import Grid
+from formulations.laminate import Laminate
+from formulations.measures import MEASURES
+from formulations.quantities import FULL
+from formulations.shell import Discretisation
+from formulations.surface import Surface
+from studies.scene import Request, Setting, UsageError
+
+PRESETS = {
+    "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
+    "refined": {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "relaxed"},
+}
+ELEMENT = (
+    Setting(
+        "element", "paper", "names the three options that follow", "choice", choices=tuple(PRESETS), presets=PRESETS
+    ),
+    Setting("interpolation", None, "of displacements; else by element", "choice", choices=INTERPOLATIONS),
+    Setting("thickness_strain", None, "where E33 is sampled; else by element", "choice", choices=THICKNESS_STRAINS),
+    Setting("membrane", None, "linear modes of the membrane strain; else by element", "choice", choices=MEMBRANES),
+)
+
+
+def discretise(
+    request: Request,
+    surface: Surface,
+    grid: Grid,
+    laminate: Laminate,
+    fixed: np.ndarray,
+    hinged: np.ndarray | None = None,
+) -> Discretisation:
+    """The discretisation with the interpolation asked for.
+
+    Raises UsageError for a measure that leaves gradients out where positions are interpolated.
+    """
+    interpolation = str(request.settings["interpolation"])
+    kinematics = MEASURES[request.measure].kinematics
+    if interpolation == "isoparametric" and kinematics != FULL:
+        whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
+        raise UsageError(f"interpolation 'isoparametric' needs a measure with full gradients: one of {whole}")
+    return Discretisation.build(surface, grid, laminate, fixed, hinged, kinematics, interpolation)
