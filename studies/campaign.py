@@ -43,8 +43,11 @@ class Cell:
         return " ".join(["footprint solve", self.scene, *words, "--out DIR"])
 
 
+_PAPER = {"element": "paper"}
+
+
 def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
-    return Cell(label, "tyre", options, settings or {})
+    return Cell(label, "tyre", options, {**_PAPER, **(settings or {})})
 
 
 _TO_20 = {"delta_mm": "20"}
@@ -78,13 +81,18 @@ TYRE = (
     _tyre("isotropic fine", _ISOTROPIC, mesh="84x80"),
 )
 BENCHMARKS = (
-    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}) for n in (16, 32, 64)),
-    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}) for n in (16, 32, 64)),
+    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}, _PAPER) for n in (16, 32, 64)),
+    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}, _PAPER) for n in (16, 32, 64)),
     *(
-        Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1"})
+        Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1", **_PAPER})
         for newton in ("mixed", "plain")
     ),
-    Cell("hemisphere twenty steps plain", "hemisphere", {"newton": "plain", "steps": 20}, {"load_fraction": "1"}),
+    Cell(
+        "hemisphere twenty steps plain",
+        "hemisphere",
+        {"newton": "plain", "steps": 20},
+        {"load_fraction": "1", **_PAPER},
+    ),
 )
 _GROWING = {
     "tyre": ("20x20", {"delta_mm": ",".join(str(d) for d in range(1, 21))}),

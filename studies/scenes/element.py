@@ -21,7 +21,7 @@ PRESETS = {
 SAMPLINGS = tuple(THICKNESS_STRAINS)
 ELEMENT = (
     Setting(
-        "element", "paper", "names the three options that follow", "choice", choices=tuple(PRESETS), presets=PRESETS
+        "element", "refined", "names the three options that follow", "choice", choices=tuple(PRESETS), presets=PRESETS
     ),
     Setting("interpolation", None, "of displacements; else by element", "choice", choices=INTERPOLATIONS),
     Setting("thickness_strain", None, "where E33 is sampled; else by element", "choice", choices=SAMPLINGS),
