@@ -14,6 +14,7 @@ from scipy.integrate import quad_vec
 
 from formulations.measures import MEASURES
 from formulations.quantities import N_Q, QUANTITIES, STRAINS
+from studies.conformance import conformance
 from studies.scenes import SCENES
 from studies.solve import resolve, solve
 
@@ -52,6 +53,10 @@ def test_the_new_measure_leaves_its_declared_strain(tutorial: str) -> None:
     declared = MEASURES["no-drilling"].rigid_body_law.drilling(theta, 1.0)
     assert strain[STRAINS.index("E11-")] == pytest.approx(declared, abs=1e-14)
     assert declared < -0.2
+
+
+def test_the_new_measure_conforms(tutorial: str) -> None:
+    assert not [check for check in conformance(MEASURES["no-drilling"]) if not check.passed]
 
 
 def test_the_new_measure_solves_a_scene(tutorial: str) -> None:
