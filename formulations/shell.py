@@ -164,6 +164,7 @@ class ShellModel:
     thickness_strain: "projected" (the paper) or "nodal"; membrane: "compatible" (the paper) or "relaxed"; see
     :class:`formulations.element.MixedElement`.  couples: follow the directors of their nodes.  prescribed (N, 6):
     values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError when one is free.
+    A step of them starts wholly in the elements at the support: large ones may lead to another equilibrium, so --steps.
     """
 
     discretisation: Discretisation
