@@ -47,8 +47,7 @@ def mesh_errors(curves: Sequence[Curve]) -> str:
         top = 2 * max(abs(curve.errors[0]) for curve in curves)
         for order in (1, 2):
             axes.loglog([finest, 1], [top * finest**order, top], color=BLACK, linestyle=":", linewidth=1)
-            place = {"xytext": (-4, 0), "textcoords": "offset points", "ha": "right", "va": "center"}
-            axes.annotate(f"order {order}", (finest, top * finest**order), **place, fontsize=8)
+            axes.text(0.97 * finest, top * finest**order, f"order {order}", ha="right", va="center", fontsize=8)
         ticks = [1 / k for k in (1, 2, 3, 4, 6, 8) if 1 / k > 0.99 * finest]
         axes.set_xticks(ticks, [f"1/{1 / tick:.0f}" if tick < 1 else "1" for tick in ticks])
         axes.set_xticks([], minor=True)

@@ -81,10 +81,10 @@ def _orders(rungs: list[Rung]) -> Part:
     same = sum(rung.sequence.verdict == "same on every mesh" for rung in rungs)
     text = prose(f"""## Orders and limits
 
-{len(good)} of {len(rungs)} sequences are asymptotic, {same} of them because the mesh does not matter: their values agree
-within {percent(SAME_VALUE, 3, False)}. *Last order*: of the three finest meshes; before it, of the three meshes before.
+{len(good)} of {len(rungs)} sequences are asymptotic, {same} of them because the mesh does not matter: their values
+agree within {percent(SAME_VALUE, 3, False)}. *Last order*: of the three finest meshes; before it, of the three meshes before.
 
-What keeps a sequence from its asymptotic range here: two errors of different order and sign that take turns; a contact
+What can keep a sequence from its asymptotic range: two errors of different order and sign that take turns; a contact
 patch that grows by whole nodes; and a point load. Under a point load a shell with transverse shear sinks in by a
 logarithm of the element size, so a displacement there has no limit, and its orders fall for ever.""")
     names = ["finest", *(f"{i} coarser" for i in range(1, longest))][::-1]

@@ -55,10 +55,10 @@ _WALL = ("stretch", "thickness_ratio")
 _RESULTANTS = tuple(f"N_{name}_{place}_N_per_mm" for place in ("crown", "inner") for name in ("phi", "theta"))
 
 LADDERS = (
-    Ladder("cantilever", "cantilever", _ROTATIONS, _halved(16, 1), _TIP, FULL_LOAD),
+    Ladder("cantilever", "cantilever", _ROTATIONS, _halved(32, 2), _TIP, FULL_LOAD),
     Ladder("sze-moment", "sze-moment", _ROTATIONS, _halved(32, 1), _TIP, {"load_fraction": "0.5"}),
     Ladder("sze-annulus", "sze-annulus", _ROTATIONS, _halved(5, 40), ("w_B_mm", "w_A_mm"), FULL_LOAD),
-    Ladder("hemisphere", "hemisphere", _ROTATIONS, _halved(8, 8), ("inward_mm", "outward_mm"), FULL_LOAD),
+    Ladder("hemisphere", "hemisphere", _ROTATIONS, _halved(16, 16), ("inward_mm", "outward_mm"), FULL_LOAD),
     Ladder(
         "sze-pullout",
         "sze-pullout",
