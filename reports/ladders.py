@@ -44,7 +44,8 @@ def read_ladders(store: Store, element: str = labels.LADDER_ELEMENT) -> list[Run
         key, _, value = str(first["at"]).partition("=")
         at = {key: float(value)} if key else {}
         known = [row for row in store.references if row["scene"] == first["scene"] and row["quantity"] == quantity]
-        apply = tuple(row for row in known if _applies(row["at"], cells[-1], at))
+        # no error is relative to zero
+        apply = tuple(row for row in known if float(row["value"]) != 0 and _applies(row["at"], cells[-1], at))
         found.append(Rung(str(ladder), first["family"], str(quantity), meshes, cells, at, apply))
     return found
 

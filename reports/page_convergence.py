@@ -82,7 +82,8 @@ def _orders(rungs: list[Rung]) -> Part:
     text = prose(f"""## Orders and limits
 
 {len(good)} of {len(rungs)} sequences are asymptotic, {same} of them because the mesh does not matter: their values
-agree within {percent(SAME_VALUE, 3, False)}. *Last order*: of the three finest meshes; before it, of the three meshes before.
+agree within {percent(SAME_VALUE, 3, False)}. *Last order*: of the three finest meshes; *order 1 before*: of the three
+meshes one step coarser.
 
 What can keep a sequence from its asymptotic range: two errors of different order and sign that take turns; a contact
 patch that grows by whole nodes; and a point load. Under a point load a shell with transverse shear sinks in by a
