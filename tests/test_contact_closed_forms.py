@@ -12,6 +12,7 @@ from scipy.optimize import root
 
 from contact.algorithms import ALGORITHMS
 from contact.foundation import Candidates, RigidPlane, against_plane
+from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
@@ -42,17 +43,26 @@ def test_body_on_a_plane_presses_uniformly(contacts, name, epsilon) -> None:
     np.testing.assert_allclose(solution.u, start + exact / epsilon, rtol=ROUNDING)
 
 
+STRING_DATA = 2.0, 1.3, 9.0, 0.25  # length, tension, load, gap
+
+
+def string(contacts, n: int):
+    """A string of n elements before a flat obstacle: an M-matrix, which active sets approach from one side."""
+    L, T, q, g = STRING_DATA
+    h = L / n
+    K = T / h * (2 * np.eye(n - 1) - np.eye(n - 1, k=1) - np.eye(n - 1, k=-1))
+    return contacts.Quadratic(K, np.full(n - 1, q * h), -np.eye(n - 1), np.full(n - 1, g), np.full(n - 1, h))
+
+
 @each_algorithm
 @each_epsilon
 def test_string_over_an_obstacle(contacts, name, epsilon) -> None:
     """Free length l = sqrt(2 T g/q) on three meshes; pressure q under the contact; reaction q (L - 2 l)."""
-    L, T, q, g = 2.0, 1.3, 9.0, 0.25
+    L, T, q, g = STRING_DATA
     free_length = math.sqrt(2 * T * g / q)
     for n in (24, 48, 96):
         h = L / n
-        K = T / h * (2 * np.eye(n - 1) - np.eye(n - 1, k=1) - np.eye(n - 1, k=-1))
-        data = contacts.Quadratic(K, np.full(n - 1, q * h), -np.eye(n - 1), np.full(n - 1, g), np.full(n - 1, h))
-        solution = contacts.solve(name, data.problem(), n - 1, epsilon)
+        solution = contacts.solve(name, string(contacts, n).problem(), n - 1, epsilon)
         assert solution.outcome is Outcome.CONVERGED
         touching = np.flatnonzero(solution.active)
         assert abs(h * (touching[0] + 1) - free_length) <= h
@@ -61,6 +71,25 @@ def test_string_over_an_obstacle(contacts, name, epsilon) -> None:
         inside = touching[3 + math.ceil(layer / h) : -3 - math.ceil(layer / h)]
         np.testing.assert_allclose(solution.pressure[inside], q, rtol=STRING)
         assert abs(h * solution.pressure.sum() - q * (L - 2 * free_length)) <= RIM * q * h
+
+
+@pytest.mark.parametrize(("n", "fewest"), [(384, 41), (768, 82)])
+def test_iterations_that_only_release_do_not_count(contacts, n, fewest) -> None:
+    """The first step closes every node, the others open one on either side: more of them than Newton has iterations.
+
+    A finite epsilon lets the rim move by more than a node, and the mesh no longer matters.
+    """
+    data = string(contacts, n)
+    exact, soft = (contacts.solve("semismooth", data.problem(), n - 1, epsilon) for epsilon in EPSILONS)
+    assert exact.outcome is soft.outcome is Outcome.CONVERGED
+    assert judge(data.problem(), exact.u, exact.pressure).failures() == []
+    assert fewest <= exact.counters["newton_iterations"] <= n / 2
+    assert soft.counters["newton_iterations"] <= 12
+    for row in exact.history[2:]:
+        assert (row["added"], row["removed"]) in ((0, 2), (0, 0))
+    # what counts: the free step and the step that closes
+    enough, short = (contacts.solve("semismooth", data.problem(), n - 1, max_iterations=k) for k in (2, 1))
+    assert (enough.outcome, short.outcome) == (Outcome.CONVERGED, Outcome.ITERATION_LIMIT)
 
 
 @each_algorithm
