@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.problem import ContactProblem, rounding_floor
+from contact.problem import WORST_ROUNDING, ContactProblem, rounding_floor
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class Verdict:
         and complementarity, p^2/epsilon.
         """
         bounds = {
-            "equilibrium": max(equilibrium, min(self.rounding, 1e-6)),
+            "equilibrium": max(equilibrium, min(self.rounding, WORST_ROUNDING)),
             "penetration": penetration,
             "tension": tension,
             "complementarity": complementarity,

@@ -13,10 +13,16 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.linear import checked_solve, factorise
-from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, rounding_floor
+from contact.problem import (
+    WORST_ROUNDING,
+    ContactProblem,
+    ContactSolution,
+    Linearisation,
+    Outcome,
+    rounding_floor,
+)
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance
-WORST_ROUNDING = 1e-4  # rounding may excuse a relative residual up to here, never above (very thin shells: 1e-5)
 GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
 ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
@@ -169,40 +175,44 @@ class _Pivots:
     """
 
     rows: sparse.csr_matrix  # G_A (a, n)
-    push: sparse.csc_matrix  # G^T W on the columns of the set (n, a)
     gap: np.ndarray  # g_A
     pivot: np.ndarray  # k of each node of the set
     slope: np.ndarray  # G_k
     held: sparse.csc_matrix  # the columns K_k
-    scale: np.ndarray  # s, which gives the new columns the diagonal of K
+    column: sparse.csc_matrix  # K_k/(epsilon G_k) + G^T W, the force of each pressure on the unknowns (n, a)
+    scale: np.ndarray  # s, which gives these columns the size of the K_k; their diagonal may well be zero
     epsilon: float
 
     @classmethod
     def choose(
         cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
     ) -> _Pivots:
-        """Largest entry of each gap row as pivot; raises ValueError when two rows share an unknown."""
+        """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown."""
         jacobian = problem.gap_jacobian(u)
         rows = jacobian[nodes]
-        if np.max(np.bincount(rows.indices)) > 1:
+        if np.max(np.bincount(rows.indices), initial=0) > 1:
             raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
         W = sparse.diags_array(problem.weights, format="csc") if problem.coupling is None else problem.coupling
         push = sparse.csc_matrix(jacobian.T @ W[:, nodes])
         pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
         each = np.arange(len(nodes))
         slope = np.asarray(rows[each, pivot]).ravel()
-        held = K[:, pivot]
-        stiffness = np.asarray(held[pivot, each]).ravel()
-        scale = -stiffness / (stiffness / (epsilon * slope) + np.asarray(push[pivot, each]).ravel())
-        return cls(rows, push, problem.gap(u)[nodes], pivot, slope, held, scale, epsilon)
+        if not np.all(slope):
+            names = ", ".join(map(str, nodes[slope == 0]))
+            raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
+        held = sparse.csc_matrix(K[:, pivot])
+        column = sparse.csc_matrix(push + held @ sparse.diags_array(1.0 / (epsilon * slope)))
+        size, found = _largest(held), _largest(column)
+        size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
+        found[found == 0] = 1.0  # the pressure acts on nothing: singular, which the factorisation will say
+        return cls(rows, problem.gap(u)[nodes], pivot, slope, held, column, size / found, epsilon)
 
     def substitute(self, K: sparse.csc_matrix, b: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
         """Matrix and right-hand side for du with p/s in place of each du_k."""
         a, n = len(self.pivot), K.shape[0]
         place = sparse.csr_matrix((np.ones(a), self.pivot, np.arange(a + 1)), shape=(a, n))
         on_others = self.held @ (sparse.diags_array(-1.0 / self.slope) @ self.rows)
-        column = self.held @ sparse.diags_array(self.scale / (self.epsilon * self.slope))
-        column = column + self.push @ sparse.diags_array(self.scale)
+        column = self.column @ sparse.diags_array(self.scale)
         return sparse.csc_matrix(K + (on_others - column @ place)), b + self.held @ (self.gap / self.slope)
 
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -211,3 +221,7 @@ class _Pivots:
         du[self.pivot] = 0.0
         du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope
         return du, pressure
+
+
+def _largest(A: sparse.csc_matrix) -> np.ndarray:
+    return np.asarray(abs(A).max(axis=0).toarray()).ravel()

@@ -43,6 +43,9 @@ class Linearisation(Protocol):
         ...
 
 
+WORST_ROUNDING = 1e-6  # rounding may excuse a relative residual up to here, never above, whoever asks
+
+
 @dataclass(frozen=True, eq=False)
 class ContactProblem:
     """One contact problem at fixed loads; all callables are pure.
