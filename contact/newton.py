@@ -14,11 +14,12 @@ from scipy.linalg import norm
 
 from contact.linear import checked_solve, factorise
 from contact.problem import (
-    WORST_ROUNDING,
+    ROUNDING_ALONE,
     ContactProblem,
     ContactSolution,
     Linearisation,
     Outcome,
+    excused,
     rounding_floor,
 )
 
@@ -51,6 +52,9 @@ class NewtonRun:
     _first_scale: float = 0.0
     _scale: float = 0.0
     _residual: float = np.inf
+    _set: np.ndarray | None = None  # of the last step
+    _moved: float = np.inf  # |du| of the last step, and of the one before it on the same set
+    _moved_before: float = np.inf
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearisation:
         """Linearise the mechanics, counted and timed."""
@@ -73,10 +77,18 @@ class NewtonRun:
         return self._residual
 
     def balanced(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
-        """True when the relative residual is within tolerance, or as small as rounding lets it become."""
+        """True when the relative residual is within tolerance, or is rounding and does not matter.
+
+        What it still asks for is taken to be what the last step has moved.
+        """
         if residual <= RESIDUAL_TOLERANCE:
             return True
-        return residual <= WORST_ROUNDING and residual * self._scale <= rounding_floor(lin, u)
+        size = float(norm(u, check_finite=False))
+        return excused(residual, self._rounding(lin, u), self._moved / size if size > 0 else np.inf)
+
+    def stuck(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
+        """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
+        return residual <= self._rounding(lin, u) and self._moved > 0.5 * self._moved_before
 
     def closed(self, u: np.ndarray, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
@@ -99,7 +111,7 @@ class NewtonRun:
         """
         excess = np.where(active, 1.0, -1.0) * (pressure - c * gap)
         wrong = excess < 0
-        if wrong.any() and self._residual <= WORST_ROUNDING:
+        if wrong.any() and self._residual <= ROUNDING_ALONE:
             force = ROUNDING_MARGIN * (rounding_floor(lin, u) + np.finfo(float).eps * self._scale)
             wrong = excess < -(force / self.problem.weights + c * GAP_TOLERANCE * self._gap_size(u, gap))
         return wrong
@@ -117,6 +129,8 @@ class NewtonRun:
         Raises SingularMatrixError.
         """
         start = time.perf_counter()
+        if self._set is None or not np.array_equal(active, self._set):
+            self._set, self._moved = active, np.inf
         K = lin.tangent
         if self.problem.gap_curvature is not None:
             K = K - self.problem.gap_curvature(u, self.problem.nodal_forces(pressure))
@@ -140,6 +154,7 @@ class NewtonRun:
 
     def remember(self, lin: Linearisation, du: np.ndarray) -> object:
         """The memory of the step, timed as assembly."""
+        self._moved_before, self._moved = self._moved, float(norm(du, check_finite=False))
         start = time.perf_counter()
         memory = lin.remember(du)
         self._spend("assembly_s", start)
@@ -158,6 +173,9 @@ class NewtonRun:
         if outcome.converged:
             pressure = np.maximum(pressure, 0.0)
         return ContactSolution(u, pressure, active, outcome, self.counters, tuple(self.history))
+
+    def _rounding(self, lin: Linearisation, u: np.ndarray) -> float:
+        return rounding_floor(lin, u) / self._scale if self._scale > 0 else 0.0
 
     def _spend(self, what: str, start: float) -> float:
         now = time.perf_counter()

@@ -49,6 +49,8 @@ class Semismooth:
             settled = np.array_equal(wanted, active) and run.closed(u, gap, pressure, active)
             if settled and run.balanced(lin, u, residual):
                 return run.finish(u, pressure, active, Outcome.CONVERGED)
+            if settled and run.stuck(lin, u, residual):
+                return run.finish(u, pressure, active, Outcome.ROUNDING)
             counted += not _only_released(active, wanted)
             if counted > self.max_iterations:
                 return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
