@@ -19,11 +19,11 @@ INTRODUCTION = prose(f"""# Convergence
 {links("convergence.md")}
 
 Every scene on three or more meshes with the default element, `element=refined`. An order is the p of an error c h^p,
-fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its last two orders agree within
-{SAME_ORDER:g}; with three meshes there is one order only, and it must be within {SAME_ORDER:g} of the {FORMAL:g} of a
-bilinear element. The extrapolated value is Richardson's with the last order, and its uncertainty is the mesh error of
-the finest mesh times {SAFE:g}, outside the asymptotic range times {UNSAFE:g}. A dash stands where there is no
-order.""")
+fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its
+last two orders agree within {SAME_ORDER:g}; with three meshes there is one order only, and it must be within
+{SAME_ORDER:g} of the {FORMAL:g} of a bilinear element. The extrapolated value is Richardson's with the last order, and
+its uncertainty is the mesh error of the finest mesh times {SAFE:g}, outside the asymptotic range times {UNSAFE:g}. A
+dash stands where there is no order.""")
 WITHIN, BEYOND = "within the uncertainties", "beyond the uncertainties"
 
 

@@ -46,7 +46,7 @@ def test_every_quantity_of_every_ladder_has_the_order_it_was_made_with(store: Pa
 
 def test_page_shows_values_orders_limits_and_parts(store: Path) -> None:
     text = convergence_page(load_store(store)).text
-    values, *parts = rows(text, "scordelis-lo")
+    values, *parts, choice = rows(text, "scordelis-lo")
     assert values[1:3] == ["`edge_deflection_mm`", "8x8, 16x16, 32x32, 64x64"]
     assert values[3:] == [
         "0.27216",
@@ -60,6 +60,8 @@ def test_page_shows_values_orders_limits_and_parts(store: Path) -> None:
         "0.195 %",
     ]
     assert [part[3] for part in parts] == ["0.3024", "0.30202", "0.3006"]
+    both = [f"{error} / {error}" for error in ("-10.00 %", "-2.50 %", "-0.62 %")]
+    assert choice[2:] == ["equal", "8x8, 16x16, 32x32", *both, "640 / 640", "9 / 9"]
     assert parts[0][4:] == ["-0.156 %", "-0.156 %", "0.000 %", "0.195 %", "1.000 %", WITHIN]
     assert parts[2][6] == "+0.599 %"
     assert parts[2][-1] == BEYOND
