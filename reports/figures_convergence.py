@@ -31,14 +31,13 @@ def mesh_errors(curves: Sequence[Curve]) -> str:
     Dotted black: first and second order.
     """
     scenes = list(dict.fromkeys(curve.scene for curve in curves))
-    colours = [colour for colour in SERIES if colour != BLACK]
     drawn = dict.fromkeys(scenes, 0)
     with style():
         figure, (axes,) = canvas(width=8.5, height=4.2)
         for curve in curves:
             i, j = scenes.index(curve.scene), drawn[curve.scene]
             drawn[curve.scene] += 1
-            look = {"color": colours[i % len(colours)], "marker": MARKERS[j % len(MARKERS)]}
+            look = {"color": SERIES[i % len(SERIES)], "marker": MARKERS[j % len(MARKERS)]}
             look |= {"linestyle": LINES[j % len(LINES)], "fillstyle": "full" if curve.asymptotic else "none"}
             h = np.asarray(curve.sizes) / curve.sizes[0]
             name = f"{curve.scene}, {curve.quantity}: {curve.order}"

@@ -43,7 +43,7 @@ def _linear(name: str, scene: str, quantities: tuple[str, ...], **settings: str)
     return Ladder(name, scene, "linear shells", _halved(8, 8), quantities, settings, measure="linear")
 
 
-_ROTATIONS, _CLOSED, _TYRE = "large rotations", "closed forms", "tyre"
+_ROTATIONS, _SNAP, _CLOSED, _TYRE = "large rotations", "snap through", "closed forms", "tyre"
 _TYRE_MESHES = ("28x26", "42x40", "56x54", "84x80")  # all close to the same grading
 _ROOF_MESHES = ("4x4", "8x8", "16x16", "24x24")  # a whole curve each: 32x32 costs three times 24x24
 _ISOTROPIC = {
@@ -68,10 +68,15 @@ LADDERS = (
         FULL_LOAD,
     ),
     *(
-        Ladder(
-            f"roof-{letter}", f"roof-{letter}", "hinged roofs", _ROOF_MESHES, ("limit_load_fraction", "limit_w_C_mm")
-        )
+        Ladder(f"roof-{letter}", f"roof-{letter}", _SNAP, _ROOF_MESHES, ("limit_load_fraction", "limit_w_C_mm"))
         for letter in "abcdef"
+    ),
+    Ladder(
+        "shallow-cap",
+        "shallow-cap",
+        _SNAP,
+        ("8x2", "16x2", "32x2", "64x2"),  # nothing varies around the axis
+        ("limit_load_fraction", "limit_w_apex_mm"),
     ),
     _linear("scordelis-lo", "scordelis-lo", ("edge_deflection_mm",)),
     _linear("pinched-cylinder", "pinched-cylinder", ("deflection_mm",), shear_correction="1000"),

@@ -1,0 +1,42 @@
+"""The choice of the element: verdicts and the mesh that is enough, from errors that are made up."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from reports.element_choice import Choice
+from reports.ladders import Rung
+
+MESHES = ("10x10", "20x20", "40x40", "80x80")
+
+
+def choice(default: list[float], paper: list[float]) -> Choice:
+    rung = Rung("made up", "none", "w_mm", MESHES, (), {}, ())
+    return Choice(rung, 1.0, np.array(default), np.array(paper))
+
+
+@pytest.mark.parametrize(
+    ("default", "paper", "verdict"),
+    [
+        (0.02, -0.05, "better"),
+        (-0.05, 0.02, "worse"),
+        (0.0301, 0.0305, "equal"),  # closer than 0.1 %
+        (0.0001, 0.0009, "equal"),  # nothing left to gain
+        (math.nan, 0.02, "not solved by both"),
+    ],
+)
+def test_verdict_is_that_of_the_coarsest_mesh(default: float, paper: float, verdict: str) -> None:
+    assert choice([default, 0.0, 0.0], [paper, 0.0, 0.0]).verdict == verdict
+
+
+def test_enough_elements_are_interpolated_by_the_order() -> None:
+    """Error 0.1 (10/n)^2 is 0.01 at n^2 = 1000 elements."""
+    found = choice([0.0] * 3, [0.0] * 3)
+    assert found.elements(np.array([-0.1, -0.025, -0.00625])) == pytest.approx(1000)
+    assert found.elements(np.array([0.005, -0.02, 0.002])) == pytest.approx(400 * 4 ** (math.log(2) / math.log(10)))
+    assert math.isnan(found.elements(np.array([0.009, 0.002, 0.001])))  # on every mesh
+    assert math.isnan(found.elements(np.array([0.1, 0.05, 0.02])))  # on none
+    assert math.isnan(found.elements(np.array([0.1, 0.005, math.nan])))  # the last one was not solved
