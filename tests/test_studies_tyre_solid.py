@@ -1,0 +1,171 @@
+"""The tyre as a 3D solid: what it refuses, its symmetry, and its forces against two other programs and the shell."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.scene import UsageError
+from studies.scenes.data import read_reference
+from studies.solve import Result, resolve, solve
+
+ONE_PERCENT = 0.01
+TO_10 = {"delta_mm": "10"}
+TRAVELS = (5.0, 10.0, 15.0, 20.0)
+SHELL = {
+    **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
+    **{"load": "follower", "pressure_area": "face"},
+}
+
+
+def run(settings: dict[str, str], mesh: str, scene: str = "tyre-solid", **options: object) -> Result:
+    found = solve(*resolve(scene, settings, mesh, **options))
+    assert found.outcome.converged
+    return found
+
+
+def forces(result: Result) -> np.ndarray:
+    return np.array([step["force_N"] for step in result.steps])
+
+
+def solids() -> np.ndarray:
+    return read_reference("isotropic_tyre_3d_solid.csv")["force_N_ngsolve"].to_numpy()
+
+
+@pytest.fixture(scope="module")
+def small() -> Result:
+    """Two elements of the quarter touch; its odd thickness makes plies of different numbers visible."""
+    return run({**TO_10, "plies": "2", "ply_thickness_mm": "2.4"}, "8x10")
+
+
+@pytest.fixture(scope="module")
+def isotropic() -> Result:
+    return run({}, "20x20")
+
+
+@pytest.mark.parametrize(
+    ("settings", "options", "says"),
+    [
+        ({}, {"measure": "linear"}, "measure 'linear' does not apply"),
+        ({"E_L_MPa": "510.45"}, {"model": "quarter"}, "model 'quarter' needs isotropic"),
+        ({}, {"model": "half"}, "one of auto, full, quarter"),
+        ({"pressure_area": "mid"}, {}, "one of face"),
+        ({"section": "full-3d"}, {}, "no setting 'section'"),
+        ({"membrane": "relaxed"}, {}, "no setting 'membrane'"),
+        ({"E_MPa": "20"}, {}, "together"),
+    ],
+)
+def test_what_does_not_apply_to_a_solid_is_refused(
+    settings: dict[str, str], options: dict[str, str], says: str
+) -> None:
+    with pytest.raises(UsageError, match=says) as caught:
+        resolve("tyre-solid", settings, **options)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_shell_has_no_quarter() -> None:
+    with pytest.raises(UsageError, match="one of auto, full"):
+        resolve("tyre", {}, model="quarter")
+
+
+@pytest.mark.parametrize(
+    ("settings", "model"),
+    [
+        ({}, "quarter"),
+        ({"E_L_MPa": "510.45"}, "full"),
+        ({"E_L_MPa": "510.45", "gamma_deg": "0"}, "quarter"),
+        ({"E_L_MPa": "510.45", "gamma_deg": "-90"}, "quarter"),
+    ],
+)
+def test_the_model_is_a_quarter_where_two_planes_mirror(settings: dict[str, str], model: str) -> None:
+    _, request = resolve("tyre-solid", settings)
+    assert request.model == model
+    assert request.newton == "plain"
+
+
+def test_a_quarter_is_the_whole_tyre(small: Result) -> None:
+    settings = {**TO_10, "plies": "2", "ply_thickness_mm": "2.4"}
+    whole = run(settings, "8x10", model="full")
+    assert small.counters["dofs"] < 0.3 * whole.counters["dofs"]
+    a, b = small.steps[-1], whole.steps[-1]
+    for quantity in ("force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm"):
+        assert a[quantity] == pytest.approx(b[quantity], rel=1e-8), quantity
+    assert b["mirror_asymmetry"] <= 1e-9
+    for name in ("contact", "profile"):
+        tables = [pd.concat(found.tables[name], ignore_index=True) for found in (small, whole)]
+        pd.testing.assert_frame_equal(*tables, rtol=1e-7, atol=1e-7)
+    assert small.quantities == pytest.approx(whole.quantities, rel=1e-8)
+
+
+def test_pressures_add_up_to_the_force_and_the_judge_agrees(isotropic: Result) -> None:
+    for step in isotropic.steps:
+        assert step["kkt"]["equilibrium"] <= 1e-8
+        assert step["kkt"]["penetration"] <= 1e-9
+        assert step["kkt"]["tension"] == 0.0
+    pressed = pd.concat(isotropic.tables["contact"])
+    last = pressed[pressed["delta_mm"] == 20.0]
+    assert last["active"].sum() == isotropic.steps[-1]["contact_nodes"]
+    plane = last.loc[last["active"] == 1, "x_mm"]
+    assert np.ptp(plane) <= 1e-9
+    assert (last["x_mm"] <= plane.max() + 1e-9).all()
+
+
+def test_fields_are_whole_hexahedra_of_positive_volume(small: Result, tmp_path: Path) -> None:
+    small.write(tmp_path)
+    mesh = meshio.read(tmp_path / "fields.vtu")
+    (block,) = mesh.cells
+    assert block.type == "hexahedron27"
+    assert len(block.data) == 4 * 5 * 2
+    node = mesh.points[block.data]  # corners, edges, faces and centre in the order of VTK
+    edges = [node[:, i] - node[:, 0] for i in (1, 3, 4)]
+    assert np.all(np.einsum("...i,...i->...", np.cross(edges[0], edges[1]), edges[2]) > 0)
+    size = np.linalg.norm(node[:, 6] - node[:, 0], axis=1)
+    ends = [(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)]
+    faces = [(0, 3, 7, 4), (1, 2, 6, 5), (0, 1, 5, 4), (3, 2, 6, 7), (0, 1, 2, 3), (4, 5, 6, 7)]
+    for i, corners in enumerate([*ends, *faces, range(8)], start=8):
+        off = np.linalg.norm(node[:, i] - node[:, list(corners)].mean(axis=1), axis=1)
+        assert np.all(off < 0.2 * size), i  # the elements are curved; a wrong order is off by half their size
+    assert set(mesh.cell_data["ply"][0]) == {0.0, 1.0}
+    assert mesh.point_data["displacement"].shape == mesh.points.shape
+    assert np.sum(mesh.point_data["pressure"] > 0) < small.steps[-1]["contact_nodes"]
+
+
+def test_cords_at_an_angle_turn_the_patch() -> None:
+    found = run({**TO_10, "E_L_MPa": "510.45", "plies": "2", "ply_thickness_mm": "2.4"}, "8x10")
+    assert found.request.model == "full"
+    assert found.steps[-1]["central_asymmetry"] <= 1e-9
+    assert found.steps[-1]["mirror_asymmetry"] > 0.01
+
+
+def test_more_elements_through_the_wall_change_little(isotropic: Result) -> None:
+    two = run({**TO_10, "per_ply": "2"}, "20x20")
+    assert two.counters["dofs"] > 1.5 * isotropic.counters["dofs"]
+    change = two.steps[-1]["force_N"] / forces(isotropic)[1] - 1
+    assert 1e-6 < abs(change) < 0.002  # Q2 holds the linear S33 of one layer
+
+
+def test_isotropic_force_is_that_of_two_other_programs(isotropic: Result) -> None:
+    coarse = 0.015  # 20x20: at 15 and 20 mm the mesh is worth more than 1 %
+    bounds = np.array([ONE_PERCENT, ONE_PERCENT, coarse, coarse])
+    assert np.all(np.abs(forces(isotropic) / solids() - 1) <= bounds)
+
+
+def test_isotropic_inflation_is_that_of_another_program(isotropic: Result) -> None:
+    half_percent = 0.005
+    for face, growth in (("inner", 4.6256), ("outer", 4.3463)):
+        assert isotropic.quantities[f"inflated_equator_{face}_mm"] == pytest.approx(growth, rel=half_percent)
+
+
+def test_consistent_coupling_changes_the_force_little(isotropic: Result) -> None:
+    found = run({**TO_10, "coupling": "consistent"}, "20x20")
+    change = found.steps[-1]["force_N"] / forces(isotropic)[1] - 1
+    assert 1e-6 < abs(change) < ONE_PERCENT
+
+
+def limit(coarse: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """Of meshes halved once, for the order 2 that the rim of a patch allows."""
+    return fine + (fine - coarse) / 3
