@@ -1,8 +1,13 @@
-"""Observed orders from a sequence of meshes, each halving the one before; None where an order has no meaning."""
+"""Observed orders from a sequence of meshes; None where an order has no meaning."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+
+from scipy.optimize import brentq
+
+LOWEST, HIGHEST = 0.3, 12.0  # of an order that is extrapolated with
 
 
 def order_against(coarse: float, fine: float, reference: float, noise: float = 0.0) -> float | None:
@@ -22,3 +27,20 @@ def extrapolated(coarse: float, medium: float, fine: float) -> float | None:
     if order is None or order <= 0:
         return None
     return fine + (fine - medium) / (2.0**order - 1)
+
+
+def fitted_order(sizes: Sequence[float], values: Sequence[float]) -> float | None:
+    """The p of f = f0 + c h^p through three meshes of any sizes h, coarse to fine.
+
+    (f1 - f2)/(f2 - f3) = (h1^p - h2^p)/(h2^p - h3^p), whose right side grows with p. None when the values are not
+    monotone or not all there, or when the order is outside [LOWEST, HIGHEST].
+    """
+    (h1, h2, h3), (f1, f2, f3) = sizes, values
+    if not (f1 - f2) * (f2 - f3) > 0:  # NaN is not above zero either
+        return None
+    ratio = (f1 - f2) / (f2 - f3)
+
+    def excess(p: float) -> float:
+        return ((h1 / h2) ** p - 1) / (1 - (h3 / h2) ** p) - ratio
+
+    return float(brentq(excess, LOWEST, HIGHEST)) if excess(LOWEST) <= 0 <= excess(HIGHEST) else None

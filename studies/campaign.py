@@ -77,6 +77,11 @@ TYRE = (
     _tyre("isotropic", _ISOTROPIC),
     _tyre("isotropic fine", _ISOTROPIC, mesh="84x80"),
 )
+SOLID = (
+    *(Cell(f"solid {mesh}", "tyre-solid", {"mesh": mesh}) for mesh in ("14x18", "28x36", "56x72")),  # each is nested
+    Cell("solid penalty", "tyre-solid", {"mesh": "28x36"}, {"epsilon": "20"}),  # as in the reference by NGSolve
+    _tyre("isotropic coarse", _ISOTROPIC, mesh="28x26"),
+)
 BENCHMARKS = (
     *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}) for n in (16, 32, 64)),
     *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}) for n in (16, 32, 64)),
@@ -109,7 +114,8 @@ CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
     "benchmarks": BENCHMARKS,
     "measures": MEASURED,
-    "report": (*TYRE, *BENCHMARKS, *MEASURED),
+    "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED),
 }
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {"rigid_body": rigid_body_table, "rotation_sweep": rotation_sweep}
 

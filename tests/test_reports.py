@@ -84,7 +84,7 @@ def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
 def write_cell(cell: Cell, directory: Path) -> None:
     _, request = resolve(cell.scene, cell.settings, **cell.options)
     settings = dict(request.settings)
-    if cell.scene == "tyre":
+    if cell.scene.startswith("tyre"):
         deltas = [float(delta) for delta in settings["delta_mm"]]
         steps = [tyre_step(delta, request.measure) for delta in deltas]
         write_table(directory / "contact.csv", pd.concat([contact_table(delta) for delta in deltas]))
