@@ -94,14 +94,15 @@ def _introduction(solids: Sequence[Cell], shells: Sequence[Cell]) -> str:
 
 The same isotropic tyre (E = {s["E_MPa"]:g} MPa, ν = {s["nu"]:g}, one layer of {s["ply_thickness_mm"]:g} mm, pressure
 {s["p0_MPa"]:g} MPa that follows the inner face) as a shell and as a solid of quadratic hexahedra, under the same plane
-by the same contact algorithm. Two meshes never differ by the model alone, so each body is extrapolated first. The
-difference of the finest shell ({shells[-1].result["mesh"]}) from the solid is then the sum of the shell's mesh part
+by the same contact algorithm. On no two meshes do they differ by the model alone, so each body is extrapolated first.
+The difference of the finest shell ({shells[-1].result["mesh"]}) from the solid is then the sum of the shell's mesh part
 and the model part, what one director and the constant S33 of the shell are worth.
 
-A patch grows by whole nodes, so its force converges irregularly: the order that three meshes show scatters about 2 or
-does not exist (a dash). The limits below are extrapolated from the two finer meshes with the order {ORDER:g}; "known
+A patch grows by whole nodes, so its force converges irregularly: the order that three meshes show scatters, or does not
+exist (a dash). The limits below are extrapolated from the two finer meshes with the order {ORDER:g}; "known
 to" adds up how far the limits of both bodies have moved since the two coarser meshes. A model part smaller than that
-is not told from zero.""")
+is not told from zero. Pressures at single nodes are not compared: those of quadratic faces scatter from corners to
+midpoints.""")
 
 
 def _values(title: str, first: str, meshes: Sequence[str], rows: Rows, decimals: int) -> str:
@@ -151,7 +152,8 @@ def _equator(cell: Cell, growth: Rows) -> str:
 Nothing touches yet, but the difference is larger: {parts}. The radius grows by the hoop strain
 (N_φ - ν N_ψ)/(E h), and on a torus the two terms nearly cancel: by membrane theory N_φ alone is
 {digits(cancellation(s), 2)} times their difference, so that what the shell neglects appears enlarged. It falls with
-the square of the thickness, and with ν.""")
+the square of the thickness, and with ν. Both bodies are held over the whole edge, where the solution is not smooth:
+hence the low orders.""")
 
 
 def cancellation(settings: dict[str, float]) -> float:
