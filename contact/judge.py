@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import sparse
 
-from contact.problem import ContactProblem, rounding_floor
+from contact.linear import SingularMatrixError, checked_solve, factorise
+from contact.problem import ROUNDING_ALONE, WORST_ROUNDING, ContactProblem, excused, rounding_floor
 
 
 @dataclass(frozen=True)
@@ -16,6 +18,8 @@ class Verdict:
     equilibrium: |r - G^T W p| over the largest force in balance [-].  penetration: largest -g [mm].
     tension: largest -p [MPa].  complementarity: largest |p g| [MPa mm].  All are >= 0, best 0.
     rounding: the equilibrium that rounding alone would explain [-]; it excuses nothing above itself.
+    correction: the displacement that the imbalance still asks for over all displacement [-], on the pressed nodes held
+    at their gaps; infinite unless it decides, see :func:`contact.problem.excused`.
     """
 
     equilibrium: float
@@ -23,6 +27,7 @@ class Verdict:
     tension: float
     complementarity: float
     rounding: float
+    correction: float = np.inf
 
     @property
     def kkt(self) -> dict[str, float]:
@@ -44,7 +49,7 @@ class Verdict:
         and complementarity, p^2/epsilon.
         """
         bounds = {
-            "equilibrium": max(equilibrium, min(self.rounding, 1e-6)),
+            "equilibrium": np.inf if excused(self.equilibrium, self.rounding, self.correction) else equilibrium,
             "penetration": penetration,
             "tension": tension,
             "complementarity": complementarity,
@@ -60,10 +65,33 @@ def judge(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> Verdi
     gap = problem.gap(u)
     contact = problem.contact_force(u, pressure)
     scale = max(lin.scale, float(np.linalg.norm(contact))) or 1.0
+    imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
+    equilibrium = float(np.linalg.norm(imbalance)) / scale
+    decides = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
     return Verdict(
-        equilibrium=float(np.linalg.norm(lin.residual - contact)) / scale,
+        equilibrium=equilibrium,
         penetration=float(np.max(-gap, initial=0.0)),
         tension=float(np.max(-pressure, initial=0.0)),
         complementarity=float(np.max(np.abs(pressure * gap), initial=0.0)),
-        rounding=rounding_floor(lin, u) / scale,
+        rounding=rounding,
+        correction=_correction(problem, lin.tangent, imbalance, u, pressure) if decides else np.inf,
     )
+
+
+def _correction(
+    problem: ContactProblem, K: sparse.csc_matrix, imbalance: np.ndarray, u: np.ndarray, pressure: np.ndarray
+) -> float:
+    """|du|/|u| with K du - G^T W dp = -imbalance and G du = 0 on the pressed nodes; infinite when that is singular."""
+    nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
+    W = sparse.diags_array(problem.weights, format="csc") if problem.coupling is None else problem.coupling
+    if problem.gap_curvature is not None:
+        K = K - problem.gap_curvature(u, problem.nodal_forces(pressure))
+    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ W)[:, nodes]])
+    below = sparse.hstack([G[nodes], sparse.csr_matrix((len(nodes), len(nodes)))])
+    A = sparse.csc_matrix(sparse.vstack([above, below]))
+    b = np.append(-imbalance, np.zeros(len(nodes)))
+    try:
+        du = checked_solve(factorise(A), A, b)[: len(u)]
+    except SingularMatrixError:
+        return float("inf")
+    return float(np.linalg.norm(du) / np.linalg.norm(u))

@@ -13,10 +13,17 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.linear import checked_solve, factorise
-from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, rounding_floor
+from contact.problem import (
+    ROUNDING_ALONE,
+    ContactProblem,
+    ContactSolution,
+    Linearisation,
+    Outcome,
+    excused,
+    rounding_floor,
+)
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance
-WORST_ROUNDING = 1e-4  # rounding may excuse a relative residual up to here, never above (very thin shells: 1e-5)
 GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
 ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
@@ -45,6 +52,9 @@ class NewtonRun:
     _first_scale: float = 0.0
     _scale: float = 0.0
     _residual: float = np.inf
+    _set: np.ndarray | None = None  # of the last step
+    _moved: float = np.inf  # |du| of the last step, and of the one before it on the same set
+    _moved_before: float = np.inf
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearisation:
         """Linearise the mechanics, counted and timed."""
@@ -67,10 +77,18 @@ class NewtonRun:
         return self._residual
 
     def balanced(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
-        """True when the relative residual is within tolerance, or as small as rounding lets it become."""
+        """True when the relative residual is within tolerance, or is rounding and does not matter.
+
+        What it still asks for is taken to be what the last step has moved.
+        """
         if residual <= RESIDUAL_TOLERANCE:
             return True
-        return residual <= WORST_ROUNDING and residual * self._scale <= rounding_floor(lin, u)
+        size = float(norm(u, check_finite=False))
+        return excused(residual, self._rounding(lin, u), self._moved / size if size > 0 else np.inf)
+
+    def stuck(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
+        """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
+        return residual <= self._rounding(lin, u) and self._moved > 0.5 * self._moved_before
 
     def closed(self, u: np.ndarray, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
@@ -93,7 +111,7 @@ class NewtonRun:
         """
         excess = np.where(active, 1.0, -1.0) * (pressure - c * gap)
         wrong = excess < 0
-        if wrong.any() and self._residual <= WORST_ROUNDING:
+        if wrong.any() and self._residual <= ROUNDING_ALONE:
             force = ROUNDING_MARGIN * (rounding_floor(lin, u) + np.finfo(float).eps * self._scale)
             wrong = excess < -(force / self.problem.weights + c * GAP_TOLERANCE * self._gap_size(u, gap))
         return wrong
@@ -111,6 +129,8 @@ class NewtonRun:
         Raises SingularMatrixError.
         """
         start = time.perf_counter()
+        if self._set is None or not np.array_equal(active, self._set):
+            self._set, self._moved = active, np.inf
         K = lin.tangent
         if self.problem.gap_curvature is not None:
             K = K - self.problem.gap_curvature(u, self.problem.nodal_forces(pressure))
@@ -134,6 +154,7 @@ class NewtonRun:
 
     def remember(self, lin: Linearisation, du: np.ndarray) -> object:
         """The memory of the step, timed as assembly."""
+        self._moved_before, self._moved = self._moved, float(norm(du, check_finite=False))
         start = time.perf_counter()
         memory = lin.remember(du)
         self._spend("assembly_s", start)
@@ -153,6 +174,9 @@ class NewtonRun:
             pressure = np.maximum(pressure, 0.0)
         return ContactSolution(u, pressure, active, outcome, self.counters, tuple(self.history))
 
+    def _rounding(self, lin: Linearisation, u: np.ndarray) -> float:
+        return rounding_floor(lin, u) / self._scale if self._scale > 0 else 0.0
+
     def _spend(self, what: str, start: float) -> float:
         now = time.perf_counter()
         self.counters[what] += now - start
@@ -169,40 +193,44 @@ class _Pivots:
     """
 
     rows: sparse.csr_matrix  # G_A (a, n)
-    push: sparse.csc_matrix  # G^T W on the columns of the set (n, a)
     gap: np.ndarray  # g_A
     pivot: np.ndarray  # k of each node of the set
     slope: np.ndarray  # G_k
     held: sparse.csc_matrix  # the columns K_k
-    scale: np.ndarray  # s, which gives the new columns the diagonal of K
+    column: sparse.csc_matrix  # K_k/(epsilon G_k) + G^T W, the force of each pressure on the unknowns (n, a)
+    scale: np.ndarray  # s, which gives these columns the size of the K_k; their diagonal may well be zero
     epsilon: float
 
     @classmethod
     def choose(
         cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
     ) -> _Pivots:
-        """Largest entry of each gap row as pivot; raises ValueError when two rows share an unknown."""
+        """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown."""
         jacobian = problem.gap_jacobian(u)
         rows = jacobian[nodes]
-        if np.max(np.bincount(rows.indices)) > 1:
+        if np.max(np.bincount(rows.indices), initial=0) > 1:
             raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
         W = sparse.diags_array(problem.weights, format="csc") if problem.coupling is None else problem.coupling
         push = sparse.csc_matrix(jacobian.T @ W[:, nodes])
         pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
         each = np.arange(len(nodes))
         slope = np.asarray(rows[each, pivot]).ravel()
-        held = K[:, pivot]
-        stiffness = np.asarray(held[pivot, each]).ravel()
-        scale = -stiffness / (stiffness / (epsilon * slope) + np.asarray(push[pivot, each]).ravel())
-        return cls(rows, push, problem.gap(u)[nodes], pivot, slope, held, scale, epsilon)
+        if not np.all(slope):
+            names = ", ".join(map(str, nodes[slope == 0]))
+            raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
+        held = sparse.csc_matrix(K[:, pivot])
+        column = sparse.csc_matrix(push + held @ sparse.diags_array(1.0 / (epsilon * slope)))
+        size, found = _largest(held), _largest(column)
+        size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
+        found[found == 0] = 1.0  # the pressure acts on nothing: singular, which the factorisation will say
+        return cls(rows, problem.gap(u)[nodes], pivot, slope, held, column, size / found, epsilon)
 
     def substitute(self, K: sparse.csc_matrix, b: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
         """Matrix and right-hand side for du with p/s in place of each du_k."""
         a, n = len(self.pivot), K.shape[0]
         place = sparse.csr_matrix((np.ones(a), self.pivot, np.arange(a + 1)), shape=(a, n))
         on_others = self.held @ (sparse.diags_array(-1.0 / self.slope) @ self.rows)
-        column = self.held @ sparse.diags_array(self.scale / (self.epsilon * self.slope))
-        column = column + self.push @ sparse.diags_array(self.scale)
+        column = self.column @ sparse.diags_array(self.scale)
         return sparse.csc_matrix(K + (on_others - column @ place)), b + self.held @ (self.gap / self.slope)
 
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -211,3 +239,7 @@ class _Pivots:
         du[self.pivot] = 0.0
         du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope
         return du, pressure
+
+
+def _largest(A: sparse.csc_matrix) -> np.ndarray:
+    return np.asarray(abs(A).max(axis=0).toarray()).ravel()

@@ -67,13 +67,15 @@ def _reach(
         trial = target if last else reached + step
         attempt = algorithm.solve(problem_at(trial), solution)
         counters = {key: counters.get(key, 0) + value for key, value in attempt.counters.items()}
-        rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history)]
+        # an algorithm without a history still gets a row, for the event
+        rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history or ({},))]
         history += rows
         if attempt.outcome.converged:
             solution, reached, substeps = attempt, trial, substeps + 1
             if on_substep is not None:
                 on_substep(trial)
-            if abs(step) < abs(asked) and attempt.counters["newton_iterations"] <= EASY_ITERATIONS:
+            easy = attempt.counters["newton_iterations"] <= EASY_ITERATIONS
+            if easy and abs(step) < abs(asked) and reached != target:
                 step = 2 * step
                 rows[-1]["event"] = f"easy step: the next one grows to {step:.6g}"
             continue

@@ -76,6 +76,21 @@ def rounding_floor(lin: Linearisation, u: np.ndarray) -> float:
     return float(np.finfo(float).eps * np.linalg.norm(abs(lin.tangent) @ np.abs(u)))
 
 
+ROUNDING_ALONE = 1e-6  # relative residual up to which rounding is an excuse by itself
+WORST_ROUNDING = 1e-4  # up to which it is one if it moves nothing, and beyond which it never is
+NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that moves nothing
+
+
+def excused(residual: float, rounding: float, correction: float) -> bool:
+    """True when a relative residual is rounding and does not matter.
+
+    In face displacements rounding makes pairs of forces across the thickness, of the size eps E l^2 |u|/h, that move
+    nothing: a plate 300 times thinner than it is lifted keeps a residual of 1e-5 and is right to 1e-12 (measured).
+    """
+    harmless = residual <= WORST_ROUNDING and correction <= NEGLIGIBLE
+    return residual <= rounding and (residual <= ROUNDING_ALONE or harmless)
+
+
 def without_contact(linearise: Callable[[np.ndarray, object], Linearisation], n: int) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))
@@ -89,6 +104,7 @@ class Outcome(enum.Enum):
     ITERATION_LIMIT = "the iteration limit was reached before equilibrium"
     DIVERGED = "the residual is no longer finite or has grown without bound"
     SINGULAR = "the linear system is singular to working precision"
+    ROUNDING = "rounding alone keeps the forces further out of balance than can be excused"
     CYCLING = "the contact set repeats itself and the fallback did not settle it"
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
 

@@ -17,6 +17,9 @@ class Semismooth:
 
     epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [MPa/mm] only weighs pressure against gap while both
     are non-zero, that is in the first iteration of a step: after a full step one of them vanishes at every node.
+    max_iterations: those that only release nodes do not count. With an M-matrix (membranes, strings) that is all that
+    happens once the first step has closed too much: finite, but one row of elements at a time at epsilon = infinity, so
+    that their number grows with the mesh.
     Source: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888.
     """
 
@@ -34,7 +37,8 @@ class Semismooth:
         """Iterate from ``start`` until the set repeats and the forces balance."""
         run = NewtonRun(problem, self.epsilon, self.solver)
         u, pressure, active, memory = start.u, start.pressure, start.active, None
-        for iteration in range(self.max_iterations + 1):
+        counted = 0
+        while True:
             lin = run.linearise(u, memory)
             gap = problem.gap(u)
             residual = run.imbalance(lin, u, pressure)
@@ -45,12 +49,18 @@ class Semismooth:
             settled = np.array_equal(wanted, active) and run.closed(u, gap, pressure, active)
             if settled and run.balanced(lin, u, residual):
                 return run.finish(u, pressure, active, Outcome.CONVERGED)
-            if iteration == self.max_iterations:
-                break
+            if settled and run.stuck(lin, u, residual):
+                return run.finish(u, pressure, active, Outcome.ROUNDING)
+            counted += not _only_released(active, wanted)
+            if counted > self.max_iterations:
+                return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
             active = wanted
             try:
                 du, pressure = run.step(lin, u, pressure, active)
             except SingularMatrixError:
                 return run.finish(u, pressure, active, Outcome.SINGULAR)
             u, memory = u + du, run.remember(lin, du)
-        return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
+
+
+def _only_released(before: np.ndarray, after: np.ndarray) -> bool:
+    return bool(np.any(before & ~after) and not np.any(after & ~before))

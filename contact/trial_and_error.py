@@ -64,9 +64,12 @@ class TrialAndError:
             if np.isinf(residual):
                 return u, pressure, nothing, Outcome.DIVERGED
             gap = run.problem.gap(u)
-            if run.balanced(lin, u, residual) and run.closed(u, gap, pressure, active):
+            closed = run.closed(u, gap, pressure, active)
+            if closed and run.balanced(lin, u, residual):
                 own = np.where(active, 0.0, gap)  # in the set only the pressure decides, out of it only the gap
                 return u, pressure, run.misplaced(lin, u, own, pressure, active), Outcome.CONVERGED
+            if closed and run.stuck(lin, u, residual):
+                return u, pressure, nothing, Outcome.ROUNDING
             if iteration == self.max_iterations:
                 break
             try:

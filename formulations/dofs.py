@@ -53,6 +53,16 @@ class DofMap:
         """True when some displacement is the negative of an unknown."""
         return bool(np.any(self.sign < 0))
 
+    @property
+    def held(self) -> np.ndarray:
+        """(N, 6) bool: displacements held at zero, or at a prescribed value."""
+        return (self.sign == 0).reshape(-1, N_V)
+
+    @property
+    def hinged(self) -> np.ndarray:
+        """(N, 6) bool: displacements of both faces of a component held midway between them."""
+        return np.repeat((self.sign < 0).reshape(-1, 3, 2).any(axis=2), 2, axis=1)
+
     def expand(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6) from the unknowns (n,)."""
         return (self.sign * np.append(u, 0.0)[self.number]).reshape(-1, N_V)

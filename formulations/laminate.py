@@ -7,15 +7,29 @@ No geometry of the surface and no element may enter here. Stresses are second Pi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 SECTIONS = ("constant-s33", "nonsymmetric", "full-3d")
 
 # Voigt order of a ply: 11, 22, 12 in the plane; 33; then 13, 23.
-_PLANE, _NORMAL, _SHEAR = slice(0, 3), 3, slice(4, 6)
+PLANE, NORMAL, SHEAR = slice(0, 3), 3, slice(4, 6)
+
+
+class Layer(Protocol):
+    """What a laminate asks of a ply; a new kind of ply is a frozen record with these two."""
+
+    @property
+    def thickness(self) -> float:
+        """Thickness [mm]."""
+        ...
+
+    def stiffness(self) -> np.ndarray:
+        """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -70,16 +84,16 @@ class Ply:
             compliance[i, j] = compliance[j, i] = value
         compliance[2, 2] = compliance[4, 4] = 1 / self.G_LT
         compliance[5, 5] = 1 / self.G_TT
-        turn = _strain_rotation(self.angle)
+        turn = strain_rotation(self.angle)
         return turn.T @ np.linalg.inv(compliance) @ turn
 
 
-def _strain_rotation(angle: float) -> np.ndarray:
+def strain_rotation(angle: float) -> np.ndarray:
     """Strains in fibre axes from strains in shell axes, Voigt order 11, 22, 12, 33, 13, 23, engineering shears."""
     c, s = math.cos(angle), math.sin(angle)
     turn = np.eye(6)
-    turn[_PLANE, _PLANE] = [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
-    turn[_SHEAR, _SHEAR] = [[c, s], [-s, c]]
+    turn[PLANE, PLANE] = [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+    turn[SHEAR, SHEAR] = [[c, s], [-s, c]]
     return turn
 
 
@@ -87,11 +101,11 @@ def _strain_rotation(angle: float) -> np.ndarray:
 class Laminate:
     """Plies stacked from d_minus outwards; d_minus [mm] is the offset of the inner face from the reference surface."""
 
-    plies: tuple[Ply, ...]
+    plies: tuple[Layer, ...]
     d_minus: float
 
     @classmethod
-    def single(cls, ply: Ply) -> Laminate:
+    def single(cls, ply: Layer) -> Laminate:
         """One ply about its middle surface."""
         return cls((ply,), -0.5 * ply.thickness)
 
@@ -124,16 +138,16 @@ class Laminate:
         through = 0.0  # int b_3333, or int 1/b_3333
         for ply, one, two in self._thickness_moments():
             b = ply.stiffness()
-            reduced = b[_PLANE, _PLANE] - np.outer(b[_PLANE, _NORMAL], b[_NORMAL, _PLANE]) / b[_NORMAL, _NORMAL]
-            plane = b[_PLANE, _PLANE] if section == "full-3d" else reduced
+            reduced = b[PLANE, PLANE] - np.outer(b[PLANE, NORMAL], b[NORMAL, PLANE]) / b[NORMAL, NORMAL]
+            plane = b[PLANE, PLANE] if section == "full-3d" else reduced
             D[:6, :6] += np.kron(plane, two)
-            D[6:10, 6:10] += np.kron(b[_SHEAR, _SHEAR], two)
+            D[6:10, 6:10] += np.kron(b[SHEAR, SHEAR], two)
             if section == "constant-s33":
-                coupling += np.kron(b[_NORMAL, _PLANE] / b[_NORMAL, _NORMAL], one)
-                through += ply.thickness / b[_NORMAL, _NORMAL]
+                coupling += np.kron(b[NORMAL, PLANE] / b[NORMAL, NORMAL], one)
+                through += ply.thickness / b[NORMAL, NORMAL]
             else:
-                coupling += np.kron(b[_NORMAL, _PLANE], one)
-                through += ply.thickness * b[_NORMAL, _NORMAL]
+                coupling += np.kron(b[NORMAL, PLANE], one)
+                through += ply.thickness * b[NORMAL, NORMAL]
         if section == "constant-s33":
             row = np.append(coupling, self.thickness)
             in_plane_and_normal = [*range(6), 10]
@@ -145,7 +159,22 @@ class Laminate:
                 D[:6, 10] = coupling
         return D
 
-    def _thickness_moments(self) -> Iterator[tuple[Ply, np.ndarray, np.ndarray]]:
+    def initial_resultants(self, stresses: Sequence[Sequence[float]]) -> np.ndarray:
+        """H0 (11,) [N/mm] of initial stresses (S11, S22, S12) [MPa] in the shell axes, one triple a ply.
+
+        H0^p = sum_k S_k int N^p da3, the work of S on the face strains; transverse shears and E33 carry none.
+        The strains are linear between the faces, also in their quadratic part: N0 adds N0 h^2/4 to the bending
+        stiffness where a continuum adds N0 h^2/12. Raises ValueError unless there is one finite triple a ply.
+        """
+        S = np.asarray(stresses, float)
+        if S.shape != (len(self.plies), 3) or not np.all(np.isfinite(S)):
+            raise ValueError(f"initial stresses must be (S11, S22, S12) of {len(self.plies)} plies, got {stresses}")
+        H0 = np.zeros(11)
+        for stress, (_, one, _) in zip(S, self._thickness_moments(), strict=True):
+            H0[:6] += np.kron(stress, one)
+        return H0
+
+    def _thickness_moments(self) -> Iterator[tuple[Layer, np.ndarray, np.ndarray]]:
         """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""
         h, bottom = self.thickness, 0.0
         for ply in self.plies:

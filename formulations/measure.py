@@ -117,6 +117,17 @@ class QuadraticMeasure:
         return 0.5 * self._table
 
 
+def strain_change(measure: StrainMeasure, start: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """E(start + q) - E(start), (..., 11).
+
+    Of a quadratic measure dE/dq half-way times q, which is the same but loses no digits where q is far smaller than
+    ``start``; of any other measure the difference.
+    """
+    if isinstance(measure, QuadraticMeasure):
+        return np.matmul(measure.gradient(start + 0.5 * q), q[..., None])[..., 0]
+    return measure.strain(start + q) - measure.strain(start)
+
+
 def quadratic_measure(
     name: str, terms: Terms, *, reference: str, rigid_body_law: RigidBodyLaw, kinematics: Kinematics = FULL
 ) -> QuadraticMeasure:

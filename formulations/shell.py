@@ -31,7 +31,8 @@ NEWTONS = ("plain", "mixed")
 class Linearisation:
     """Residual r(u) (n,) = internal - external force [N], tangent dr/du (n, n) CSC [N/mm], force scale [N].
 
-    ``scale`` is the larger norm of the internal and the external force: residuals are judged relative to it.
+    ``scale`` is the larger norm of the internal and the external force (with prescribed displacements the internal
+    force counts on all displacements, reactions included): residuals are judged relative to it.
     ``remember(du)`` returns the memory to pass on after the step du (None where nothing is remembered).
     """
 
@@ -98,8 +99,12 @@ class Discretisation:
 
     def gather(self, element_vectors: np.ndarray) -> np.ndarray:
         """Sum element vectors (E, 24) into forces (n,) on the unknowns."""
-        full = np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=self.grid.n_nodes * N_V)
-        return self.map.gather(full)
+        return self.map.gather(self.nodal(element_vectors))
+
+    def nodal(self, element_vectors: np.ndarray) -> np.ndarray:
+        """Sum element vectors (E, 24) into nodal forces (N, 6), those on held displacements included."""
+        n = self.grid.n_nodes * N_V
+        return np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
@@ -157,7 +162,9 @@ class ShellModel:
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
     geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
     thickness_strain: "projected" (the paper) or "nodal"; membrane: "compatible" (the paper) or "relaxed"; see
-    :class:`formulations.element.MixedElement`.  couples: follow the directors of their nodes.
+    :class:`formulations.element.MixedElement`.  couples: follow the directors of their nodes.  prescribed (N, 6):
+    values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError when one is free.
+    A step of them starts wholly in the elements at the support: large ones may lead to another equilibrium, so --steps.
     """
 
     discretisation: Discretisation
@@ -170,6 +177,7 @@ class ShellModel:
     thickness_strain: str = "projected"
     membrane: str = "compatible"
     couples: Couples | None = None
+    prescribed: np.ndarray | None = None
     _element: MixedElement = field(init=False, repr=False)
     _dead: np.ndarray = field(init=False, repr=False)
 
@@ -179,23 +187,23 @@ class ShellModel:
         if self.discretisation.geometry.kinematics != self.measure.kinematics:
             object.__setattr__(self, "discretisation", self.discretisation.leaving_out(self.measure.kinematics))
         shell = self.discretisation
+        if self.prescribed is not None and np.any(self.prescribed[~shell.map.held] != 0):
+            raise ValueError("a prescribed displacement must be held")
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
         element = MixedElement.build(
             self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain, self.membrane
         )
-        constant = element.linear_initial_force(shell.geometry)
-        if self.pressure is not None and not self.pressure.follower:
-            constant = constant + self.pressure.dead_force(shell.geometry)
-        dead = shell.gather(constant)
         object.__setattr__(self, "_element", element)
+        dead = shell.gather(self._dead_contributions())
         object.__setattr__(self, "_dead", dead if self.forces is None else dead + self.forces)
 
     def scaled(self, factor: float) -> ShellModel:
-        """The same shell under ``factor`` times its pressure, forces and couples."""
+        """The same shell under ``factor`` times its pressure, forces, couples and prescribed displacements."""
         pressure = None if self.pressure is None else replace(self.pressure, value=factor * self.pressure.value)
         forces = None if self.forces is None else factor * self.forces
         couples = None if self.couples is None else self.couples.scaled(factor)
-        return replace(self, pressure=pressure, forces=forces, couples=couples)
+        prescribed = None if self.prescribed is None else factor * self.prescribed
+        return replace(self, pressure=pressure, forces=forces, couples=couples, prescribed=prescribed)
 
     def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
         """Residual, tangent and what to remember at the free displacements u (n,).
@@ -205,10 +213,11 @@ class ShellModel:
         force, external, tangent = self.element_contributions(u, memory)
         internal = self.discretisation.gather(force)
         outside = self._dead if external is None else self._dead + self.discretisation.gather(external)
+        inside = internal if self.prescribed is None else self.discretisation.nodal(force)
         return Linearisation(
             residual=internal - outside,
             tangent=self.discretisation.assemble(tangent),
-            scale=float(max(norm(internal, check_finite=False), norm(outside, check_finite=False))),
+            scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
             remember=lambda du: self._predict(u, du),
         )
 
@@ -221,6 +230,23 @@ class ShellModel:
         """Mode resultants H (E, 22) [N/mm]; the first 11 are the element means in the order of the strains."""
         strains = self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
         return self._element.resultants(strains)
+
+    def displacements(self, u: np.ndarray) -> np.ndarray:
+        """All face displacements (N, 6), the prescribed ones included."""
+        v = self.discretisation.expand(u)
+        return v if self.prescribed is None else v + self.prescribed
+
+    def reactions(self, u: np.ndarray) -> np.ndarray:
+        """Forces (N, 6) of the supports on the shell in equilibrium at u [N], in the local frames; 0 where free.
+
+        A hinge midway between the faces acts on both alike. Nodal forces put on a support itself are not counted.
+        """
+        force, external, _ = self.element_contributions(u, None)
+        total = force - self._dead_contributions() - (0.0 if external is None else external)
+        shell = self.discretisation
+        nodal = shell.nodal(total)
+        on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
+        return np.where(shell.map.held, nodal, np.where(shell.map.hinged, on_hinges, 0.0))
 
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Element forces, external element forces that follow (or None), element tangents."""
@@ -238,12 +264,20 @@ class ShellModel:
             self.couples.follower_force(self.discretisation.grid, v, external, tangent)
         return force, external, tangent
 
+    def _dead_contributions(self) -> np.ndarray:
+        """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""
+        geometry = self.discretisation.geometry
+        constant = self._element.linear_initial_force(geometry)
+        if self.pressure is not None and not self.pressure.follower:
+            constant = constant + self.pressure.dead_force(geometry)
+        return constant
+
     def _predict(self, u: np.ndarray, du: np.ndarray) -> np.ndarray | None:
         """H* = D (E(u) + B(u) du), (E, 22), for the mixed Newton."""
         if self.newton == "plain":
             return None
-        v, dv = self._element_vectors(u), self._element_vectors(du)
+        v, dv = self._element_vectors(u), self.discretisation.expand(du).ravel()[self.discretisation.dofs]
         return self._element.resultants(self._element.mode_strains(self.discretisation.geometry, v, dv))
 
     def _element_vectors(self, u: np.ndarray) -> np.ndarray:
-        return self.discretisation.expand(u).ravel()[self.discretisation.dofs]
+        return self.displacements(u).ravel()[self.discretisation.dofs]

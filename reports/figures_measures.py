@@ -1,10 +1,9 @@
-"""Pictures of the strain measures: strains under rotation, errors over the load; each returns SVG text."""
+"""Picture of the strain measures: errors over the load; returns SVG text."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
 import pandas as pd
 
 from reports.drawing import BLACK, SERIES, canvas, style, to_svg
@@ -17,25 +16,6 @@ def _looks(measures: set[str]) -> dict[str, tuple[str, str]]:
     names = sorted(measures | {"exact"})
     colours = [colour for colour in SERIES if colour != BLACK]
     return {name: (colours[i % len(colours)], LINES[i // len(colours)]) for i, name in enumerate(names)}
-
-
-def strain_sweep(sweep: pd.DataFrame) -> str:
-    """Strain over the angle of a rigid rotation, one panel a motion; the exact answer is zero."""
-    cases = list(dict.fromkeys(zip(sweep["surface"], sweep["motion"], strict=True)))
-    looks = _looks(set(sweep["measure"]))
-    with style():
-        figure, panels = canvas(len(cases), height=4.0)
-        for axes, (surface, motion) in zip(panels, cases, strict=True):
-            rows = sweep[(sweep["surface"] == surface) & (sweep["motion"] == motion)]
-            for name, (colour, line) in looks.items():
-                one = rows[rows["measure"] == name]
-                axes.plot(np.degrees(one["theta_rad"]), one["strain"], color=colour, linestyle=line, label=name)
-            axes.set(title=f"{surface}, {motion}", xlabel="rotation [deg]", xlim=(0, 360))
-            axes.set_xticks([0, 90, 180, 270, 360])
-        panels[0].set_ylabel("strain left by the rotation [-]")
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper center", ncols=5)
-        return to_svg(figure)
 
 
 def errors_over_load(errors: Mapping[str, pd.DataFrame], words: Mapping[str, str]) -> str:

@@ -29,3 +29,5 @@ EXPECTED_TO_FAIL = {
 }
 DELTA = 20.0  # mm, the travel of the printed table
 CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page
+CONVERGENCE = "convergence {ladder} {mesh} {element}"
+LADDER_ELEMENT = "paper"  # the element of the convergence page

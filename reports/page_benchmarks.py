@@ -11,12 +11,13 @@ import pandas as pd
 from reports import figures_benchmarks, labels
 from reports.convergence import extrapolated, order_against, self_order
 from reports.markdown import Part, commands, fixed, joined, percent, picture, prose, table
+from reports.navigation import links
 from reports.newton_steps import newton_part
 from reports.schema import TYRES, Cell, Store
 
-INTRODUCTION = prose("""# Benchmarks without contact
+INTRODUCTION = prose(f"""# Benchmarks without contact
 
-[All results](index.md) · [The tyre](tyre.md)
+{links("benchmarks.md")}
 
 Two shells that bend through large rotations, each on three meshes. *Order* is the exponent p of an error that falls
 like h^p: against a reference from the errors of two meshes, and *own* from the differences of all three, which needs

@@ -6,9 +6,12 @@ import math
 from collections.abc import Iterable
 
 from reports import labels
+from reports.ladders import read_ladders
 from reports.maps import at_delta
 from reports.markdown import Part, commands, digits, fixed, machine, percent, prose, scientific, table
 from reports.page_benchmarks import BENCHMARKS, limit
+from reports.page_convergence import WITHIN, split
+from reports.page_locking import worst_energy
 from reports.printed import FILE, HALF, compare, on_printed_nodes, printed_map
 from reports.schema import Cell, Store
 from reports.tyre_algorithms import relative_difference, set_difference
@@ -34,7 +37,11 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [The tyre](tyre.md): an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and
   against three-dimensional solids.
 - [Benchmarks without contact](benchmarks.md): large bending against exact and published values.
-- [Strain measures](measures.md): what rigid motions leave in each, and up to which load each is enough.""")
+- [Convergence](convergence.md): every scene on three meshes or more, its order, its limit, and its error split into
+  that of the mesh and that of the model.
+- [Strain measures](measures.md): up to which load each is enough.
+- [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
+- [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.""")
 
 
 def _list(names: Iterable[str]) -> str:
@@ -74,7 +81,8 @@ def _unusual(cell: Cell) -> list[str]:
 
 
 def _findings(store: Store) -> str:
-    return "\n".join(["## Findings", "", f"1. {_linear(store)}", f"2. {_newton(store)}", f"3. {_agreement(store)}"])
+    found = (_linear(store), _newton(store), _agreement(store), _convergence(store))
+    return "\n".join(["## Findings", "", *(f"{i}. {text}" for i, text in enumerate(found, start=1))])
 
 
 def _linear(store: Store) -> str:
@@ -111,6 +119,17 @@ def _agreement(store: Store) -> str:
     )
 
 
+def _convergence(store: Store) -> str:
+    rungs = read_ladders(store)
+    good = sum(rung.sequence.asymptotic for rung in rungs)
+    parts = [split(rung, reference) for rung in rungs if rung.sequence.asymptotic for reference in rung.references]
+    within = sum(part.verdict == WITHIN for part in parts)
+    return (
+        f"**Mesh against model.** {good} of {len(rungs)} sequences of meshes are in their asymptotic range. Their "
+        f"extrapolated values are within the uncertainties in {within} of {len(parts)} comparisons with references."
+    )
+
+
 def _limitations(store: Store) -> str:
     paper = store.cell(labels.PAPER)
     printed = printed_map(store.reference_table(FILE, ["row_label"]))
@@ -137,8 +156,17 @@ def _limitations(store: Store) -> str:
   the mesh of the paper and by up to {percent(fine, sign=False)} on the finer one.
 - The extrapolated {hemisphere.quantities[quantity].partition(" [")[0]} of the hemisphere is {percent(off)} from the
   published value.
+- {_locking(store)}
 - These pages cover one shell element in static equilibrium, and a rigid, frictionless plane as the only obstacle. Times
   are single runs.""")
+
+
+def _locking(store: Store) -> str:
+    shell, thinness, n, ratio = worst_energy(store)
+    return (
+        f"Coarse meshes of very thin doubly curved shells that bend freely [still lock](locking.md): of the energy of "
+        f"the {shell} with free ends at h/R = {thinness:g}, {n} x {n} elements find {percent(ratio, 0, False)}."
+    )
 
 
 def _machine(store: Store) -> str:

@@ -1,4 +1,4 @@
-"""The page of the strain measures: what rigid motions leave, up to which load each is enough, element options."""
+"""The page of the strain measures: up to which load each is enough, and the options of the element."""
 
 from __future__ import annotations
 
@@ -8,21 +8,17 @@ import numpy as np
 import pandas as pd
 
 from reports import figures_measures, labels
-from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, percent, picture, prose, scientific, table
+from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, percent, picture, prose, table
+from reports.navigation import links
 from reports.schema import Store
 
-INTRODUCTION = prose("""# Strain measures
+INTRODUCTION = prose(f"""# Strain measures
 
-[All results](index.md) · [The tyre](tyre.md) · [Benchmarks without contact](benchmarks.md)
+{links("measures.md")}
 
 All measures run on the same element, section, loads and solver. Only their coefficients differ, so a difference on this
-page is the measure's and nothing else's.""")
-CLASSICAL = (
-    ("cylinder", "translation"),
-    ("plate", "out of plane"),
-    ("plate", "drilling"),
-    ("cylinder", "about the axis"),
-)
+page is the measure's and nothing else's. What each leaves under [rigid motions](rigid-body.md) has a page of its
+own.""")
 LEVELS = (0.01, 0.05)
 
 
@@ -46,43 +42,7 @@ SCENES = (
 
 def measures_page(store: Store) -> Part:
     """The whole page."""
-    return joined([Part(INTRODUCTION), rigid_part(store), enough_part(store), element_part(store)])
-
-
-def rigid_part(store: Store) -> Part:
-    """What rigid motions leave: four classical motions, the laws they are held to, a full turn."""
-    data = store.table("rigid_body")
-    names = list(dict.fromkeys(data["measure"]))
-    rows = []
-    for name in names:
-        own = data[data["measure"] == name]
-        told = own.dropna(subset=["declared"])
-        found = [float(own.query("surface == @s and motion == @m")["strain"].iloc[0]) for s, m in CLASSICAL]
-        miss = float((told["strain"] - told["declared"]).abs().max())
-        rows.append([name, *(_strain(value) for value in found), f"{len(told)} of {len(own)}", scientific(miss)])
-    theta = float(data["theta_rad"].max())
-    donnell = data.query("measure == 'donnell' and surface == 'cylinder' and motion == 'translation'").iloc[0]
-    text = prose(f"""## Rigid motion
-
-A rigid motion strains nothing. The table gives the strain that each measure leaves on the outer face of a small
-sample all the same: after a translation of a cylinder by 0.3 radii, and after rotations by {fixed(theta, 2)} rad.
-Every measure declares what it leaves as a closed form; a Donnell that passes would be as wrong as an exact measure
-that fails. The last two columns say for how many of the cases (4 surfaces, 4 motions) a law is declared and how far
-the measured strain is from it at most.
-
-Why Donnell fails: with the slope -v3,a alone in place of the rotation, a curved shell that is merely translated has
-a slope. Here that leaves a membrane strain of {scientific(float(donnell["strain"]), 2)} and a largest strain, in
-transverse shear, of {fixed(float(donnell["largest"]), 3)}.""")
-    header = ["measure", *(f"{motion}, {surface}" for surface, motion in CLASSICAL), "laws", "off the law by at most"]
-    grid = table("Strain left by rigid motions [-]", header, rows)
-    name = "measures-rotation.svg"
-    sweep = figures_measures.strain_sweep(store.table("rotation_sweep"))
-    shown = picture(name, "Strain left by a rigid rotation over a full turn, by measure")
-    return Part("\n\n".join([text, grid, shown]), {name: sweep})
-
-
-def _strain(value: float) -> str:
-    return "0" if abs(value) < 1e-12 else f"{value + 0.0:.4e}"
+    return joined([Part(INTRODUCTION), enough_part(store), element_part(store)])
 
 
 def enough_part(store: Store) -> Part:

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from reports.markdown import Part, joined
+from reports.navigation import links
 from reports.schema import Store
 from reports.tyre_algorithms import algorithms_part, costs_part
 from reports.tyre_meshes import meshes_part
 from reports.tyre_paper import paper_part
 from reports.tyre_printed import printed_part
 
-INTRODUCTION = """# The tyre
+INTRODUCTION = f"""# The tyre
 
-[All results](index.md) · [Benchmarks without contact](benchmarks.md)
+{links("tyre.md")}
 
 Angles: ψ runs along the meridian and is zero at the outer equator, φ runs around the axis and is zero where the plane
 touches first. Pressures are contact pressures, positive in compression. `DIR` in a command is any new directory.

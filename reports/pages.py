@@ -13,8 +13,11 @@ from reports.compare import differences
 from reports.files import write_texts
 from reports.markdown import Part
 from reports.page_benchmarks import benchmarks_page
+from reports.page_convergence import convergence_page
 from reports.page_index import index_page
+from reports.page_locking import locking_page
 from reports.page_measures import measures_page
+from reports.page_rigid_body import rigid_body_page
 from reports.page_tyre import tyre_page
 from reports.schema import Store, load_store
 
@@ -22,7 +25,10 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "index.md": index_page,
     "tyre.md": tyre_page,
     "benchmarks.md": benchmarks_page,
+    "convergence.md": convergence_page,
     "measures.md": measures_page,
+    "rigid-body.md": rigid_body_page,
+    "locking.md": locking_page,
 }
 FIGURES = "figures"
 

@@ -40,7 +40,16 @@ TABLE_COLUMNS = {
 }
 STORE_COLUMNS = {
     "rigid_body": ("measure", "surface", "motion", "theta_rad", "component", "strain", "declared", "largest"),
-    "rotation_sweep": ("measure", "surface", "motion", "theta_rad", "strain"),
+    "small_motions": ("measure", "surface", "motion", "amount", "strain", "declared", "largest"),
+    "rotation_sweep": ("measure", "surface", "motion", "theta_rad", "strain", "declared"),
+    "thickness_locking": ("load", "section", "nu", "elements", "stiffness_ratio", "law"),
+    "shear_locking": ("l_over_h", "elements", "ratio", "two_node", "fully_integrated"),
+    "curved_beam": ("h_over_R", "elements", "ratio"),
+    "membrane_locking": (
+        *("surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"),
+        *("yardstick_reduced", "yardstick_unreduced"),
+    ),
+    "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
 }
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 

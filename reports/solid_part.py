@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports import labels
-from reports.convergence import fitted_order
+from reports.convergence import FORMAL, fitted_order
 from reports.markdown import Part, commands, digits, fixed, percent, prose, table
 from reports.schema import Cell, Store
 
 SOLID = "isotropic_tyre_3d_solid.csv"
 SOLID_COLUMNS = ("delta_mm", "force_N_ngsolve")
-ORDER = 2.0  # of a force whose patch grows node by node
 FACES = ("inner", "outer")
 
 
@@ -46,7 +45,7 @@ class Sequence3:
 
     def _limit(self, first: int) -> float:
         coarse, fine = self.values[first : first + 2]
-        return fine + (fine - coarse) / ((self.sizes[first] / self.sizes[first + 1]) ** ORDER - 1.0)
+        return fine + (fine - coarse) / ((self.sizes[first] / self.sizes[first + 1]) ** FORMAL - 1.0)
 
 
 def solid_part(store: Store) -> Part:
@@ -89,17 +88,18 @@ def _sequence(cells: Sequence[Cell], values: Sequence[float]) -> Sequence3:
 
 
 def _introduction(solids: Sequence[Cell], shells: Sequence[Cell]) -> str:
-    s = solids[-1].result["settings"]
+    s, options = (cells[-1].result["settings"] for cells in (solids, shells))
     return prose(f"""## Shell against solid
 
 The same isotropic tyre (E = {s["E_MPa"]:g} MPa, ν = {s["nu"]:g}, one layer of {s["ply_thickness_mm"]:g} mm, pressure
-{s["p0_MPa"]:g} MPa that follows the inner face) as a shell and as a solid of quadratic hexahedra, under the same plane
+{s["p0_MPa"]:g} MPa that follows the inner face) as a shell (thickness strain {options["thickness_strain"]}, membrane
+{options["membrane"]}) and as a solid of quadratic hexahedra, under the same plane
 by the same contact algorithm. On no two meshes do they differ by the model alone, so each body is extrapolated first.
 The difference of the finest shell ({shells[-1].result["mesh"]}) from the solid is then the sum of the shell's mesh part
 and the model part, what one director and the constant S33 of the shell are worth.
 
 A patch grows by whole nodes, so its force converges irregularly: the order that three meshes show scatters, or does not
-exist (a dash). The limits below are extrapolated from the two finer meshes with the order {ORDER:g}; "known
+exist (a dash). The limits below are extrapolated from the two finer meshes with the order {FORMAL:g}; "known
 to" adds up how far the limits of both bodies have moved since the two coarser meshes. A model part smaller than that
 is not told from zero. Pressures at single nodes are not compared: those of quadratic faces scatter from corners to
 midpoints.""")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -17,34 +17,24 @@ import pandas as pd
 
 from formulations.element import MEMBRANES, THICKNESS_STRAINS
 from formulations.measures import MEASURES
-from studies.rigid_body import rigid_body_table, rotation_sweep
+from studies import convergence_cells
+from studies.cell import Cell
+from studies.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
+from studies.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
+from studies.scenes.element import PRESETS
 from studies.solve import resolve, solve
-from studies.store import SCHEMA, plain, write_json, write_table, write_text
+from studies.store import SCHEMA, plain, write_json, write_table_once, write_text
 
 SOURCES = ("formulations", "contact", "studies")
 
 
-@dataclass(frozen=True)
-class Cell:
-    """A labelled request: ``label`` is what the report asks for, ``options`` are those of ``footprint solve``."""
-
-    label: str
-    scene: str
-    options: dict[str, Any] = field(default_factory=dict)
-    settings: dict[str, str] = field(default_factory=dict)
-
-    @property
-    def command(self) -> str:
-        """The command that reproduces the cell."""
-        words = [f"--{key} {value}" for key, value in self.options.items()]
-        words += [f"--set {key}={value}" for key, value in self.settings.items()]
-        return " ".join(["footprint solve", self.scene, *words, "--out DIR"])
+_PAPER = {"element": "paper"}
 
 
 def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
-    return Cell(label, "tyre", options, settings or {})
+    return Cell(label, "tyre", options, {**_PAPER, **(settings or {})})
 
 
 _TO_20 = {"delta_mm": "20"}
@@ -83,13 +73,18 @@ SOLID = (
     _tyre("isotropic coarse", _ISOTROPIC, mesh="28x26"),
 )
 BENCHMARKS = (
-    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}) for n in (16, 32, 64)),
-    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}) for n in (16, 32, 64)),
+    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}, _PAPER) for n in (16, 32, 64)),
+    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}, _PAPER) for n in (16, 32, 64)),
     *(
-        Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1"})
+        Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1", **_PAPER})
         for newton in ("mixed", "plain")
     ),
-    Cell("hemisphere twenty steps plain", "hemisphere", {"newton": "plain", "steps": 20}, {"load_fraction": "1"}),
+    Cell(
+        "hemisphere twenty steps plain",
+        "hemisphere",
+        {"newton": "plain", "steps": 20},
+        {"load_fraction": "1", **_PAPER},
+    ),
 )
 _GROWING = {
     "tyre": ("20x20", {"delta_mm": ",".join(str(d) for d in range(1, 21))}),
@@ -110,14 +105,30 @@ MEASURED = (
         for n in (8, 16, 32)
     ),
 )
+CONVERGENCE = tuple(cell for element in PRESETS for cell in convergence_cells.cells({"element": element}, element))
 CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
     "benchmarks": BENCHMARKS,
     "measures": MEASURED,
     "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
-    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED),
+    "convergence": CONVERGENCE,
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE),
 }
-TABLES: dict[str, Callable[[], pd.DataFrame]] = {"rigid_body": rigid_body_table, "rotation_sweep": rotation_sweep}
+TABLES: dict[str, Callable[[], pd.DataFrame]] = {
+    "rigid_body": rigid_body_table,
+    "small_motions": small_motions,
+    "rotation_sweep": rotation_sweep,
+    "thickness_locking": thickness_locking,
+    "shear_locking": shear_locking,
+    "curved_beam": curved_beam,
+    "membrane_locking": membrane_locking,
+    "ladders": convergence_cells.ladder_table,
+}
+TABLES_OF: dict[str, Sequence[str]] = {
+    "measures": ("rigid_body", "small_motions", "rotation_sweep"),
+    "convergence": ("ladders",),
+    "report": tuple(TABLES),
+}
 
 
 def identity(cell: Cell) -> str:
@@ -161,8 +172,9 @@ def run(
         for scene in sorted({cell.scene for cell in cells})
         for reference in SCENES[scene].references
     ]
-    for table_name, make in TABLES.items():
-        write_table(store / "tables" / f"{table_name}.csv", make())
+    for table_name in TABLES_OF.get(name, ()):
+        progress(len(cells), len(cells), f"table {table_name}")
+        write_table_once(store / "tables" / f"{table_name}.csv", f"{SCHEMA} {_source_hash()}", TABLES[table_name])
     for table in sorted(DATA.glob("*.csv")):
         write_text(store / "references" / table.name, table.read_text(encoding="utf-8"))
     write_json(store / "references.json", {"references": references})

@@ -6,7 +6,7 @@ surface, derivatives of its components by 8th-order differences.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,6 +28,8 @@ SAMPLES: dict[str, tuple[Surface, tuple[float, float], float]] = {
     "sphere": (sphere(2.0), (0.0, 0.7), 2.0),
     "torus": (torus(3.0, 1.0), (0.0, 0.7), 4.0),
 }
+AMOUNTS = (0.2, 0.1, 0.05)
+SWEPT = (("plate", "out of plane"), ("plate", "drilling"), ("cylinder", "about the axis"), ("sphere", "out of plane"))
 
 
 @dataclass(frozen=True)
@@ -68,8 +70,8 @@ def residual_strains(
 
     values = (
         components(a1, a2),
-        _slope(lambda t: components(a1 + t, a2)),
-        _slope(lambda t: components(a1, a2 + t)),
+        central_difference(lambda t: components(a1 + t, a2)),
+        central_difference(lambda t: components(a1, a2 + t)),
     )
     geometry = surface.geometry(a1, a2)
     coefficients = gradient_coefficients(geometry, *faces, measure.kinematics)
@@ -77,9 +79,10 @@ def residual_strains(
     return np.asarray((measure.strain(q) * shear_row_factors(geometry, *faces, measure.kinematics))[0])
 
 
-def _slope(f: Callable[[float], np.ndarray]) -> np.ndarray:
-    differences = [weight * (f(j * STEP) - f(-j * STEP)) for j, weight in CENTRAL_8]
-    return np.asarray(np.sum(differences, axis=0) / STEP)
+def central_difference(f: Callable[[float], np.ndarray | float], step: float = STEP) -> np.ndarray:
+    """df/dt at t = 0, error of the order step^8."""
+    differences = [weight * (np.asarray(f(j * step)) - np.asarray(f(-j * step))) for j, weight in CENTRAL_8]
+    return np.asarray(np.sum(differences, axis=0) / step)
 
 
 def motions(surface: str, theta: float, slide: float) -> dict[str, Motion]:
@@ -125,38 +128,48 @@ def rigid_body_table(theta: float = 0.5, slide: float = 0.3) -> pd.DataFrame:
     every surface, because its q depends on R alone.
     """
     rows = []
-    for name, measure in MEASURES.items():
-        for surface, (shape, point, _) in SAMPLES.items():
+    for measure in MEASURES.values():
+        for surface in SAMPLES:
             for motion, m in motions(surface, theta, slide).items():
-                E = residual_strains(measure, shape, point, m.rotation, m.translation)
-                found = float(E[STRAINS.index(m.strain)])
-                rows.append(
-                    {
-                        "measure": name,
-                        "surface": surface,
-                        "motion": motion,
-                        "theta_rad": 0.0 if motion == "translation" else theta,
-                        "component": m.strain,
-                        "strain": found,
-                        "declared": m.declared(measure),
-                        "largest": float(np.max(np.abs(E))),
-                    }
-                )
+                row = _left(measure, surface, motion, m)
+                rows.append({**row, "theta_rad": 0.0 if motion == "translation" else theta, "slide": slide})
+    return pd.DataFrame(rows)
+
+
+def small_motions(amounts: Sequence[float] = AMOUNTS) -> pd.DataFrame:
+    """The same under motions that halve, from which rates and coefficients are fitted.
+
+    amount: an angle [rad], of a translation a share of the length of the sample.
+    """
+    rows = []
+    for amount in amounts:
+        for measure in MEASURES.values():
+            for surface in SAMPLES:
+                for motion, m in motions(surface, amount, amount).items():
+                    rows.append({**_left(measure, surface, motion, m), "amount": amount})
     return pd.DataFrame(rows)
 
 
 def rotation_sweep(points: int = 73) -> pd.DataFrame:
-    """Strains on the outer face over a full turn: plate about a tangent and its normal, cylinder about its axis."""
+    """Strains on the outer face over a full turn, beside the declared ones: the cases SWEPT."""
     rows = []
-    cases = (("plate", "out of plane"), ("plate", "drilling"), ("cylinder", "about the axis"))
     for theta in np.linspace(0, 2 * np.pi, points):
-        for surface, motion in cases:
+        for surface, motion in SWEPT:
             m = motions(surface, float(theta), 0.0)[motion]
-            shape, point, _ = SAMPLES[surface]
-            for name, measure in MEASURES.items():
-                E = residual_strains(measure, shape, point, m.rotation, m.translation)
-                found = float(E[STRAINS.index(m.strain)])
-                rows.append(
-                    {"measure": name, "surface": surface, "motion": motion, "theta_rad": theta, "strain": found}
-                )
+            rows += [{**_left(measure, surface, motion, m), "theta_rad": theta} for measure in MEASURES.values()]
     return pd.DataFrame(rows)
+
+
+def _left(measure: StrainMeasure, surface: str, motion: str, m: Motion) -> dict[str, object]:
+    """What one motion leaves at the sample point of one surface."""
+    shape, point, _ = SAMPLES[surface]
+    E = residual_strains(measure, shape, point, m.rotation, m.translation)
+    return {
+        "measure": measure.name,
+        "surface": surface,
+        "motion": motion,
+        "component": m.strain,
+        "strain": float(E[STRAINS.index(m.strain)]),
+        "declared": m.declared(measure),
+        "largest": float(np.max(np.abs(E))),
+    }

@@ -30,6 +30,22 @@ def write_table(path: Path, table: pd.DataFrame) -> None:
     write_by(path, lambda temporary: table.to_csv(temporary, index=False))
 
 
+def write_table_once(path: Path, identity: str, make: Callable[[], pd.DataFrame]) -> bool:
+    """Make and write a table unless the one that is there has this identity; returns whether it was made now.
+
+    The identity stands beside the table, with the suffix .id. It goes first and comes last, so that a table without
+    one, or with another, is made anew whenever it was stopped.
+    """
+    beside = path.with_suffix(".id")
+    if path.exists() and beside.exists() and beside.read_text(encoding="utf-8") == identity:
+        return False
+    table = make()
+    beside.unlink(missing_ok=True)
+    write_table(path, table)
+    write_text(beside, identity)
+    return True
+
+
 def write_by(path: Path, writer: Callable[[Path], object]) -> None:
     """Let ``writer`` fill a temporary file beside ``path``, then rename it; nothing is left behind on failure."""
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.optimize import nnls
 
-from contact.problem import ContactProblem
+from contact.algorithms import ALGORITHMS
+from contact.problem import ContactProblem, ContactSolution
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
 from formulations.measures import MEASURES
@@ -102,13 +105,16 @@ def make_shell(
     laminate: Laminate = SKEW_LAMINATE,
     *,
     fixed: np.ndarray | None = None,
+    hinged: np.ndarray | None = None,
+    interpolation: str = "curvilinear",
     measure: str = "exact",
     **model: object,
 ) -> ShellModel:
-    """A shell on the grid, free everywhere unless ``fixed`` (N, 6) says otherwise."""
+    """A shell on the grid, free everywhere unless ``fixed`` (N, 6) or ``hinged`` (N, 3) say otherwise."""
     if fixed is None:
         fixed = np.zeros((grid.n_nodes, 6), bool)
-    return ShellModel(Discretisation.build(surface, grid, laminate, fixed), MEASURES[measure], **model)
+    discretisation = Discretisation.build(surface, grid, laminate, fixed, hinged, interpolation=interpolation)
+    return ShellModel(discretisation, MEASURES[measure], **model)
 
 
 def nodal_components(
@@ -245,6 +251,25 @@ def random_quadratic(rng: np.random.Generator, kind: str, m: int = 6) -> Quadrat
     return Quadratic(K, rng.normal(size=n), G, rng.uniform(-0.3, 0.6, m), rng.uniform(0.5, 2, m))
 
 
+def solve(name: str, problem: ContactProblem, n: int, epsilon: float = math.inf, **options) -> ContactSolution:
+    """From rest; skips with the algorithm's own reason where it does not apply."""
+    algorithm = ALGORITHMS[name](epsilon=epsilon, **options)
+    reason = algorithm.supports(problem)
+    if reason is not None:
+        pytest.skip(f"{name}: {reason}")
+    return algorithm.solve(problem, ContactSolution.at_rest(n, len(problem.weights)))
+
+
+def by_nnls(data: Quadratic, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
+    """u and p from the dual: min 1/2 mu.S.mu + c.mu, mu >= 0, S = G K^-1 G^T + 1/(epsilon W)."""
+    flexibility = np.linalg.solve(data.K, data.G.T)
+    S = data.G @ flexibility + np.diag(1 / (epsilon * data.w))
+    c = data.g0 + data.G @ np.linalg.solve(data.K, data.f)
+    root_of_S = np.linalg.cholesky(S)
+    mu, _ = nnls(root_of_S.T, -np.linalg.solve(root_of_S, c))
+    return np.linalg.solve(data.K, data.f) + flexibility @ mu, mu / data.w
+
+
 class Contacts:
     """Small contact problems and the parts to build others from."""
 
@@ -252,6 +277,8 @@ class Contacts:
     Quadratic = Quadratic
     linear_mechanics = staticmethod(linear_mechanics)
     random_quadratic = staticmethod(random_quadratic)
+    solve = staticmethod(solve)
+    by_nnls = staticmethod(by_nnls)
 
 
 @pytest.fixture(scope="session")

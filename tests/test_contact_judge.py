@@ -148,6 +148,15 @@ def test_rounding_excuses_itself_and_nothing_above() -> None:
     assert Verdict(equilibrium=math.nan, rounding=1.0, **clean).failures() == ["equilibrium"]
 
 
+def test_rounding_above_its_cap_is_excused_by_what_it_moves() -> None:
+    clean = {"penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
+    assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=1e-10, **clean).failures() == []
+    assert Verdict(equilibrium=2e-4, rounding=1e-3, correction=0.0, **clean).failures() == ["equilibrium"]
+    assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=1e-8, **clean).failures() == ["equilibrium"]
+    assert Verdict(equilibrium=2e-6, rounding=1e-6, correction=0.0, **clean).failures() == ["equilibrium"]
+    assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=math.nan, **clean).failures() == ["equilibrium"]
+
+
 def test_rounding_floor_bounds_the_rounding_of_a_stiff_residual(contacts, rng) -> None:
     """K u evaluated in double against extended precision: within the floor, and the floor is no blank cheque."""
     if np.finfo(np.longdouble).eps >= np.finfo(float).eps:

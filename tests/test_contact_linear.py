@@ -194,3 +194,48 @@ def test_candidates_that_share_an_unknown_are_refused(contacts, rng) -> None:
     with pytest.raises(ValueError, match="share an unknown"):
         run.step(lin, u, np.zeros(6), np.array([True, True, False, False, False, False]))
     run.step(lin, u, np.zeros(6), np.array([False, True, True, False, False, False]))  # apart they are no trouble
+
+
+@pytest.mark.parametrize("others", [[], [0]])
+def test_a_candidate_without_an_unknown_is_refused_by_name(contacts, rng, others) -> None:
+    """A node held by its supports that the foundation reaches: a clear sentence, not a division by zero."""
+    data = contacts.random_quadratic(rng, "inclined")
+    data.G[2] = 0.0
+    run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.zeros(6, bool)
+    active[[2, *others]] = True
+    with pytest.raises(ValueError, match="contact candidate 2 has no unknown"):
+        run.step(run.linearise(u, None), u, np.zeros(6), active)
+
+
+@pytest.mark.parametrize("epsilon", [1e2, 1e4, math.inf])
+@pytest.mark.parametrize("held", ["nothing", "only to others", "by minus the foundation"])
+def test_a_pivot_that_the_mechanics_does_not_hold(contacts, solver, epsilon, held) -> None:
+    """K_kk = 0, a whole row and column of zeros, K_kk = -epsilon G_k^2 w: regular saddle points, solved like others."""
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        data = contacts.random_quadratic(rng, "definite")
+        k = np.flatnonzero(data.G[0])[0]
+        K = data.K.copy()
+        if held == "nothing":
+            K[k], K[:, k] = 0.0, 0.0
+        K[k, k] = 0.0
+        if held == "by minus the foundation":
+            K[k, k] = -min(epsilon, 1e4) * data.G[0, k] ** 2 * data.w[0]
+        data = contacts.Quadratic(K, data.f, data.G, data.g0, data.w)
+        run, u = NewtonRun(data.problem(), epsilon, solver), rng.normal(size=len(data.f))
+        for pressed in (1, 3):
+            active = np.arange(6) < pressed
+            du, pressure = run.step(run.linearise(u, None), u, np.zeros(6), active)
+            exact_du, exact_pressure = dense_step(data, np.diag(data.w), u, active, epsilon, K)
+            np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * (1 + np.max(np.abs(exact_du))))
+            size = 1 + np.max(np.abs(exact_pressure))
+            np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
+
+
+def test_a_pressure_that_acts_on_nothing_is_singular(contacts, rng) -> None:
+    """Must fail beside must pass: no stiffness and no contact area, so neither du_k nor p is determined."""
+    data = contacts.random_quadratic(rng, "obstacle")
+    data.w[0] = 0.0
+    run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.array([True] + 5 * [False])
+    with pytest.raises(SingularMatrixError):
+        run.step(run.linearise(u, None), u, np.zeros(6), active)

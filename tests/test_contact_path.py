@@ -63,6 +63,11 @@ def parameters(point) -> list[float]:
     return [t for i, t in enumerate(tried) if i == 0 or t != tried[i - 1]]
 
 
+def events(point) -> list[tuple[float, str]]:
+    """The events and the parameters they happened at."""
+    return [(row["parameter"], row["event"]) for row in point.solution.history if "event" in row]
+
+
 def test_easy_path_takes_the_steps_asked_for(tracking) -> None:
     seen = []
     points = run(tracking, Choosy(), [0.5, 2.0], steps=4, on_substep=seen.append)
@@ -82,9 +87,8 @@ def test_refused_steps_are_cut_until_they_pass(tracking) -> None:
     assert point.solution.u[0] == pytest.approx(1.0, rel=EXACT)
     assert point.substeps == 4
     assert parameters(point.solution) == [1.0, 0.5, 0.25, 0.75, 0.5, 1.0, 0.75, 1.0]
-    events = [(row["parameter"], row["event"]) for row in point.solution.history if "event" in row]
     reason, grown = Outcome.ITERATION_LIMIT.value, "easy step: the next one grows to 0.5"
-    assert events[:4] == [
+    assert events(point)[:4] == [
         (1.0, f"{reason}: step cut to 0.5"),
         (0.5, f"{reason}: step cut to 0.25"),
         (0.25, grown),
@@ -179,3 +183,29 @@ def test_a_path_that_newton_cannot_take_in_one_step(contacts, name, direct) -> N
     assert [p.solution.u[0] for p in points] == pytest.approx(np.tan([0.5, -1.0]), rel=10 * EXACT)
     assert points[0].substeps > 1
     assert any("step cut" in row.get("event", "") for row in points[0].solution.history)
+
+
+def test_an_algorithm_without_a_history_is_cut_and_told_about_all_the_same(tracking) -> None:
+    @dataclass(frozen=True)
+    class Silent(Choosy):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            return replace(super().solve(problem, start), history=())
+
+    (point,) = run(tracking, Silent(reach=0.3), [1.0])
+    loud = run(tracking, Choosy(reach=0.3), [1.0])[0]
+    assert point.outcome is Outcome.CONVERGED
+    assert events(point) == events(loud)
+    (dead,) = run(tracking, Silent(wall=0.0), [1.0])
+    assert dead.outcome is Outcome.STEP_LIMIT
+    assert Outcome.STEP_LIMIT.value in events(dead)[-1][1]
+
+
+def test_nothing_grows_after_the_last_step_to_a_target(tracking) -> None:
+    """Quarters to each target: the last of them is as easy as the others, but no step follows it."""
+    first, second = run(tracking, Choosy(reach=0.3), [1.0, 2.0])
+    for point in (first, second):
+        t, event = events(point)[-1]
+        assert t < point.requested or "cut" in event
+        assert [t for t, event in events(point) if "grows" in event] == pytest.approx(
+            [point.requested - part for part in (0.75, 0.5, 0.25)], rel=EXACT
+        )

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
 
+from formulations.element_geometry import INTERPOLATIONS
 from formulations.grid import Grid
 from formulations.laminate import Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
@@ -22,9 +23,11 @@ E, NU, R = 210.0, 0.3, 2.0
 each_area = pytest.mark.parametrize("area", PRESSURE_AREAS)
 
 
-def pressure_forces(make_shell, surface, grid: Grid, u: np.ndarray | None = None, **pressure) -> np.ndarray:
+def pressure_forces(
+    make_shell, surface, grid: Grid, u: np.ndarray | None = None, interpolation: str = "curvilinear", **pressure
+) -> np.ndarray:
     """Local nodal forces (N, 6) of a pressure alone: the difference of two residuals."""
-    loaded = make_shell(surface, grid, pressure=Pressure(**pressure))
+    loaded = make_shell(surface, grid, interpolation=interpolation, pressure=Pressure(**pressure))
     if u is None:
         u = np.zeros(loaded.discretisation.n_free)
     return (loaded.scaled(0.0).linearise(u).residual - loaded.linearise(u).residual).reshape(-1, 6)
@@ -105,8 +108,9 @@ def vector_area(patch, d: float, field) -> np.ndarray:
     return handedness * total
 
 
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
 def test_follower_pressure_on_a_deformed_patch_has_the_resultant_of_its_boundary(
-    patch, make_shell, nodal_components, skew_laminate, fitted_order
+    patch, make_shell, nodal_components, skew_laminate, fitted_order, interpolation
 ) -> None:
     """The resultant of p n dA depends on the edge of the deformed face alone; the error falls with h^2."""
     p, counts, errors = 0.7, np.array([4, 8, 16]), []
@@ -114,7 +118,8 @@ def test_follower_pressure_on_a_deformed_patch_has_the_resultant_of_its_boundary
     for n in counts:
         grid = patch.grid(n, n, graded=False)
         u = nodal_components(patch.surface, grid, skew_laminate, swirl)
-        force = pressure_forces(make_shell, patch.surface, grid, u, value=p, follower=True, area="face")
+        pressure = {"value": p, "follower": True, "area": "face"}
+        force = pressure_forces(make_shell, patch.surface, grid, u, interpolation, **pressure)
         resultant = np.einsum("ni,nix->x", force[:, 0::2], patch.surface.frame(*grid.nodes.T))
         errors.append(np.linalg.norm(resultant - exact) / np.linalg.norm(exact))
     assert errors[-1] < 0.02

@@ -1,15 +1,13 @@
-"""The element and the shell: potential, residual and tangent, rigid motion, zero-energy modes, mixed Newton, H0."""
+"""The shell: potential, residual and tangent for every option, supports, scaling, mixed and plain Newton."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
-from scipy.linalg import null_space, subspace_angles
 from scipy.sparse.linalg import spsolve
 
 from formulations.element import MEMBRANES, THICKNESS_STRAINS
+from formulations.element_geometry import INTERPOLATIONS
 from formulations.grid import Grid
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import Pressure
@@ -24,17 +22,17 @@ DIFFERENCE = 1e-10  # relative error of a difference without truncation error
 LARGE_STEPS = 2.0 ** -np.arange(4)
 SLOPE = 0.01  # half-width of the interval around the slope 2: the truncation error is exactly c t^2
 ASYMMETRY = 1e-3  # relative: what counts as really non-symmetric
-ELEMENT_ERROR = (1.8, 2.3)  # order of the element's own error under rigid motion
-DEFLECTION = 5e-4  # of the tensioned strip, see its test
-EULER = 0.01  # bracket around the buckling load
-GAP = 1e6  # between the smallest elastic and the largest zero singular value
 SYMMETRIC = [section for section in SECTIONS if section != "nonsymmetric"]
 INITIAL = np.array([0.9, 1.4, -0.5, 0.8, 0.3, 0.6, 0.2, -0.4, 0.5, 0.1, -0.7])
 
-ELEMENTS = {f"{t}-{m}": {"thickness_strain": t, "membrane": m} for t in THICKNESS_STRAINS for m in MEMBRANES}
+ELEMENTS = {
+    f"{t}-{m}-{i}": {"thickness_strain": t, "membrane": m, "interpolation": i}
+    for t in THICKNESS_STRAINS
+    for m in MEMBRANES
+    for i in INTERPOLATIONS
+}
 
 each_section = pytest.mark.parametrize("section", SECTIONS)
-each_element = pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 
 LOADS = {
     "none": {},
@@ -155,148 +153,6 @@ def test_scaled_shell_scales_its_loads_only(curved_patch, rng, make_shell) -> No
         np.testing.assert_allclose(full, shell.linearise(u).residual, rtol=0, atol=ROUNDING * largest(full))
 
 
-# --- the strain modes of the element ------------------------------------------------------------------------------
-
-# xi1^r1 xi2^r2: which of E11-, E11+, E22-, E22+, 2E12-, 2E12+, 2E13-, 2E13+, 2E23-, 2E23+, E33 it carries (the paper)
-PAPER_MODES = {(0, 0): range(11), (0, 1): (0, 1, 6, 7, 10), (1, 0): (2, 3, 8, 9, 10), (1, 1): (10,)}
-
-
-def plate_element_strains(v: np.ndarray, sides: np.ndarray, h: float, points: np.ndarray, measure: str) -> np.ndarray:
-    """Strains (points, 11) of a bilinear plate element from base vectors; v (2, 2, 3, 2): corner, corner, i, face."""
-    xi, one = points.T, np.ones(len(points))
-    N = [np.stack([1 - x, 1 + x]) / 2 for x in xi]
-    dN = [np.stack([-one, one]) / side for side in sides]  # d/dx of (1 -+ xi)/2 with x = side xi/2
-    gradient = np.stack(
-        [np.einsum("ap,bp,abif->pif", dN[0], N[1], v), np.einsum("ap,bp,abif->pif", N[0], dN[1], v)], axis=2
-    )
-    director = np.einsum("ap,bp,abif->pif", *N, v) @ [-1 / h, 1 / h]
-    strains = np.empty((len(points), 11))
-    for face in (0, 1):
-        H = np.concatenate([gradient[..., face], director[..., None]], axis=2)  # displacement gradient (p, 3, 3)
-        E = H + H.swapaxes(1, 2) + (H.swapaxes(1, 2) @ H if measure == "exact" else 0.0)
-        for first, i, j in ((0, 0, 0), (2, 1, 1), (4, 0, 1), (6, 0, 2), (8, 1, 2)):
-            strains[:, first + face] = E[:, i, j] / (2 if i == j else 1)
-        strains[:, 10] = E[:, 2, 2] / 2
-    return strains
-
-
-@each_section
-@pytest.mark.parametrize("measure", ["linear", "exact"])
-def test_energy_of_a_plate_element_is_that_of_its_projected_strains(
-    make_shell, skew_laminate, rng, measure, section
-) -> None:
-    """1/2 int E.D.E of the strains projected on the modes of the paper, all by a 5 x 5 quadrature of its own."""
-    sides = np.array([0.7, 0.4])
-    shell = make_shell(Plate(), Grid.tensor([0.0, 0.7], [0.0, 0.4]), measure=measure, section=section)
-    v = 0.1 * rng.normal(size=(2, 2, 3, 2))
-    t, weight = np.polynomial.legendre.leggauss(5)
-    points = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
-    weights = np.outer(weight, weight).ravel() / 4
-    strains = plate_element_strains(v, sides, skew_laminate.thickness, points, measure)
-    projected = np.zeros_like(strains)
-    for (r1, r2), rows in PAPER_MODES.items():
-        mode = points[:, 0] ** r1 * points[:, 1] ** r2
-        share = (weights * mode) @ strains[:, rows] / (weights @ mode**2)
-        projected[:, rows] += mode[:, None] * share
-    density = np.einsum("pi,ij,pj->p", projected, skew_laminate.stiffness(section), projected) / 2
-    assert shell.energy(v.ravel()) == pytest.approx(sides.prod() * weights @ density, rel=ROUNDING)
-
-
-# --- rigid motion -------------------------------------------------------------------------------------------------
-
-
-def rigidly(rotation, axis, angle: float, shift):
-    """Displacement field of a rigid motion."""
-    R = rotation(np.asarray(axis, float), angle)
-    return lambda x: x @ (R - np.eye(3)).T + shift
-
-
-def test_element_error_under_rigid_rotation_is_of_second_order(
-    curved_patch, make_shell, nodal_components, skew_laminate, rotation, fitted_order
-) -> None:
-    """The measure is exact, the interpolation of components in a turning frame is not."""
-    motion = rigidly(rotation, [0.3, -0.7, 0.5], 1.0, [0.1, 0.2, 0.3])
-    counts, errors = np.array([4, 8, 16]), []
-    for n in counts:
-        grid = curved_patch.grid(n, n, graded=False)
-        u = nodal_components(curved_patch.surface, grid, skew_laminate, motion)
-        errors.append(largest(make_shell(curved_patch.surface, grid).resultants(u)[:, :N_E]))
-    assert ELEMENT_ERROR[0] <= fitted_order(1 / counts, errors) <= ELEMENT_ERROR[1]
-
-
-@pytest.mark.parametrize("angle", [0.5, 2.0, math.pi])
-def test_plate_elements_turn_without_strain(
-    patches, make_shell, nodal_components, skew_laminate, rotation, angle
-) -> None:
-    grid = patches["plate"].grid(3, 4)
-    shell = make_shell(Plate(), grid)
-    u = nodal_components(Plate(), grid, skew_laminate, rigidly(rotation, [0.3, -0.7, 0.5], angle, [1.0, 2.0, 3.0]))
-    size = largest(skew_laminate.stiffness())
-    assert largest(shell.resultants(u)) <= ROUNDING * size
-
-
-@pytest.mark.parametrize("angle", [0.5, 2.0, math.pi])
-def test_linear_plate_elements_strain_as_the_linear_law_says(
-    patches, make_shell, nodal_components, skew_laminate, rotation, angle
-) -> None:
-    """Must fail beside must pass: the mean resultants are those of the strain sym(R - I)."""
-    grid = patches["plate"].grid(3, 4)
-    R = rotation(np.array([0.3, -0.7, 0.5]), angle)
-    u = nodal_components(Plate(), grid, skew_laminate, lambda x: x @ (R - np.eye(3)).T)
-    e = R + R.T - 2 * np.eye(3)
-    strain = np.array([*[e[0, 0] / 2] * 2, *[e[1, 1] / 2] * 2, *[e[0, 1]] * 2, *[e[0, 2]] * 2, *[e[1, 2]] * 2])
-    expected = skew_laminate.stiffness() @ np.append(strain, e[2, 2] / 2)
-    found = make_shell(Plate(), grid, measure="linear").resultants(u)[:, :N_E]
-    np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=0, atol=ROUNDING * largest(expected))
-
-
-def test_internal_forces_of_a_strained_plate_turn_with_it(patches, rng, make_shell, rotation, skew_laminate) -> None:
-    """Objectivity: f(R(x + u) - x) = R f(u) and the energy stays, at strains of order one."""
-    grid = patches["plate"].grid(3, 2)
-    shell = make_shell(Plate(), grid)
-    x = np.stack(shell.discretisation.positions(), axis=1)  # (N, face, 3)
-    u = 0.2 * rng.normal(size=x.shape)
-    R, c = rotation(np.array([0.2, 0.9, -0.4]), 2.3), np.array([1.0, -2.0, 0.5])
-
-    def vector(field: np.ndarray) -> np.ndarray:
-        return field.swapaxes(1, 2).ravel()  # (N, face, i) to v1-, v1+, v2-, ...
-
-    before, after = (vector(field) for field in (u, (x + u) @ R.T + c - x))
-    force = shell.linearise(before).residual.reshape(-1, 3, 2).swapaxes(1, 2)
-    turned = shell.linearise(after).residual
-    np.testing.assert_allclose(turned, vector(force @ R.T), rtol=0, atol=10 * ROUNDING * largest(turned))
-    assert shell.energy(after) == pytest.approx(shell.energy(before), rel=10 * ROUNDING)
-
-
-# --- zero-energy modes --------------------------------------------------------------------------------------------
-
-
-@each_section
-@each_element
-def test_one_free_element_has_exactly_six_zero_modes(patch, make_shell, section, element) -> None:
-    shell = make_shell(patch.surface, patch.grid(1, 1, size=0.3), section=section, **element)
-    values = np.linalg.svd(shell.linearise(np.zeros(24)).tangent.toarray(), compute_uv=False)
-    assert values[17] > GAP * values[18]
-    assert values[17] > 1e-4 * values[0]  # and none of the 18 is almost zero
-
-
-def test_zero_modes_are_the_rigid_motions(patch, make_shell, nodal_components, skew_laminate, fitted_order) -> None:
-    """To rounding on the plate; on curved surfaces the angle between the two spaces falls with the square of size."""
-    basis = np.eye(3)
-    motions = [lambda x, c=c: np.broadcast_to(c, x.shape) for c in basis]
-    motions += [lambda x, c=c: np.cross(c, x) for c in basis]
-    sizes, angles = (0.4, 0.2, 0.1, 0.05), []
-    for size in sizes:
-        grid = patch.grid(1, 1, size)
-        rigid = [nodal_components(patch.surface, grid, skew_laminate, motion) for motion in motions]
-        tangent = make_shell(patch.surface, grid).linearise(np.zeros(24)).tangent.toarray()
-        angles.append(np.sin(subspace_angles(null_space(tangent), np.stack(rigid, axis=1))).max())
-    if isinstance(patch.surface, Plate):
-        assert max(angles) <= 100 * ROUNDING
-    else:
-        assert ELEMENT_ERROR[0] <= fitted_order(sizes, angles) <= ELEMENT_ERROR[1]
-
-
 # --- mixed and plain Newton ---------------------------------------------------------------------------------------
 
 
@@ -367,76 +223,3 @@ def test_mixed_newton_remembers_the_linear_prediction_of_the_resultants(
 def test_unknown_newton_is_refused_with_the_choices(patches, make_shell) -> None:
     with pytest.raises(ValueError, match="'quasi' is not one of " + ", ".join(NEWTONS)):
         make_shell(Plate(), patches["plate"].grid(1, 1), newton="quasi")
-
-
-# --- initial resultants -------------------------------------------------------------------------------------------
-
-
-def test_initial_resultants_are_in_balance_at_rest(patch, make_shell) -> None:
-    shell = make_shell(patch.surface, patch.grid(2, 3), initial=INITIAL)
-    rest = np.zeros(shell.discretisation.n_free)
-    assert largest(shell.linearise(rest).residual) <= ROUNDING
-
-
-def test_dead_forces_that_balance_H0_do_not_turn_with_the_body(
-    patches, make_shell, nodal_components, skew_laminate, rotation
-) -> None:
-    """A prestressed plate turned rigidly: the edge a1 = max carries (R - I)(N11 e1 + N12 e2) times its width."""
-    N11, N12 = 2.0, -0.7
-    initial = np.zeros(N_E)
-    initial[0:2], initial[4:6] = N11 / 2, N12 / 2
-    grid = patches["plate"].grid(3, 2)
-    R = rotation(np.array([0.3, -0.7, 0.5]), 1.1)
-    u = nodal_components(Plate(), grid, skew_laminate, lambda x: x @ (R - np.eye(3)).T)
-    residual = make_shell(Plate(), grid, initial=initial).linearise(u).residual.reshape(-1, 3, 2).sum(axis=2)
-    width = np.ptp(grid.nodes[:, 1])
-    residual = residual.reshape(*grid.node_shape, 3)
-    # what the edges a2 = const leave at the two corners cancels in the sum
-    expected = (R - np.eye(3)) @ np.array([N11, N12, 0.0]) * width
-    np.testing.assert_allclose(residual[-1].sum(axis=0), expected, rtol=0, atol=100 * ROUNDING)
-    assert largest(residual[1:-1, 1:-1]) <= 100 * ROUNDING
-
-
-STRIP, WIDTH, THIN, MODULUS, NU = 10.0, 1.0, 0.1, 1e4, 0.3
-BENDING = MODULUS * THIN**3 / (12 * (1 - NU**2))
-
-
-def strip_tangent(make_shell, n: int, N0: float):
-    """Tangent at rest of a simply supported strip under N11 = N0 in cylindrical bending, with its grid and freedoms."""
-    grid = Grid.tensor(np.linspace(0, STRIP, n + 1), np.linspace(0, WIDTH, 2))
-    fixed = np.zeros((grid.n_nodes, 6), bool)
-    fixed[:, 2:4] = True  # no strain along the width
-    fixed[grid.on_line(0, 0.0), 4:] = fixed[grid.on_line(0, STRIP), 4:] = True
-    fixed[grid.node_at(0.0, 0.0), 0:2] = [True, False]
-    initial = np.zeros(N_E)
-    initial[:2] = N0 / 2
-    laminate = Laminate.single(Ply.isotropic(MODULUS, NU, THIN))
-    shell = make_shell(Plate(), grid, laminate, fixed=fixed, initial=initial)
-    return shell.linearise(np.zeros(shell.discretisation.n_free)).tangent, grid, fixed
-
-
-@pytest.mark.parametrize("stiffness", [5.0, 20.0, 200.0])
-def test_tensioned_strip_deflects_as_a_string_with_bending(make_shell, stiffness) -> None:
-    """D w,1111 - N w,11 = q: w(L/2) = q L^2/8N - (q D/N^2)(1 - 1/cosh(kL/2)), k^2 = N/D; ``stiffness`` is k L.
-
-    Bending takes 37, 2 and 0.02 % of the deflection of a string. What remains is 2 (h/L)^2 = 2e-4 by theory: the
-    strains of the shell are linear between the faces, so H0 adds N h^2/4 to D, where a continuum would add N h^2/12.
-    """
-    N0, n = BENDING * (stiffness / STRIP) ** 2, 80
-    exact = STRIP**2 / (8 * N0) - BENDING / N0**2 * (1 - 1 / math.cosh(stiffness / 2))
-    tangent, grid, fixed = strip_tangent(make_shell, n, N0)
-    forces = np.zeros((grid.n_nodes, 6))
-    forces[:, 4:] = WIDTH * STRIP / n / 4  # q = 1 per area: two nodes across, two faces
-    u = np.zeros(fixed.size)
-    u[~fixed.ravel()] = spsolve(tangent, forces[~fixed])
-    w = u.reshape(-1, 6)[grid.node_at(STRIP / 2, 0.0), 4:]
-    assert w == pytest.approx([exact, exact], rel=DEFLECTION)
-
-
-def test_compressed_strip_buckles_at_the_euler_load(make_shell) -> None:
-    """The smallest eigenvalue of the tangent changes sign at N = -pi^2 D/L^2, within the shear and mesh correction."""
-    euler, smallest = math.pi**2 * BENDING / STRIP**2, []
-    for factor in (1 - EULER, 1 + EULER):
-        tangent, _, _ = strip_tangent(make_shell, 32, -factor * euler)
-        smallest.append(np.linalg.eigvalsh(tangent.toarray()).min())
-    assert smallest[0] > 0 > smallest[1]

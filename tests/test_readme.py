@@ -1,25 +1,35 @@
-"""The tutorial of the README runs, stays short, and does what it says."""
+"""The tutorials of the README run, stay short, and do what they say."""
 
 from __future__ import annotations
 
 import math
 import re
+import sys
+import types
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import quad_vec
 
 from formulations.measures import MEASURES
 from formulations.quantities import N_Q, QUANTITIES, STRAINS
+from studies.conformance import conformance
+from studies.scenes import SCENES
 from studies.solve import resolve, solve
 
 README = Path(__file__).parent.parent / "README.md"
 
 
+def blocks() -> list[str]:
+    """The Python of the README: a measure and a scene."""
+    return re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+
+
 @pytest.fixture
 def tutorial(monkeypatch: pytest.MonkeyPatch) -> str:
-    """The code of the README, executed on a copy of the catalogue; returns it."""
-    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+    """The measure of the README, executed on a copy of the catalogue; returns its code."""
+    code, _ = blocks()
     for name, measure in dict(MEASURES).items():
         monkeypatch.setitem(MEASURES, name, measure)
     monkeypatch.setitem(MEASURES, "no-drilling", None)
@@ -45,6 +55,76 @@ def test_the_new_measure_leaves_its_declared_strain(tutorial: str) -> None:
     assert declared < -0.2
 
 
+def test_the_new_measure_conforms(tutorial: str) -> None:
+    assert not [check for check in conformance(MEASURES["no-drilling"]) if not check.passed]
+
+
 def test_the_new_measure_solves_a_scene(tutorial: str) -> None:
     found = solve(*resolve("tyre", {"delta_mm": "5"}, "12x12", measure="no-drilling"))
     assert found.outcome.converged
+
+
+# --- the scene ----------------------------------------------------------------------------------------------------
+
+MESH = 2e-3  # what the README says of 64 elements
+EXTRAPOLATED = 1e-4  # of two meshes
+
+
+@pytest.fixture
+def scene(monkeypatch: pytest.MonkeyPatch) -> dict:
+    """Names of the README's scene, executed on a copy of the catalogue."""
+    _, code = blocks()
+    assert len([line for line in code.splitlines() if line.strip()]) < 40
+    monkeypatch.setitem(SCENES, "arch", None)
+    names: dict = {"__name__": "arch"}
+    monkeypatch.setitem(sys.modules, "arch", types.ModuleType("arch"))  # dataclasses look their module up
+    exec(code, names)
+    return names
+
+
+def sags(mesh: str, measure: str, fractions: str = "0.01,1", **settings: str) -> list[float]:
+    found = solve(*resolve("arch", {"load_fraction": fractions, **settings}, mesh, measure=measure))
+    assert found.outcome.converged
+    return [step["sag_mm"] for step in found.steps]
+
+
+def curved_beam(scene: dict) -> float:
+    """Sag of the crown by Castigliano: couple M0 and thrust H0 at the crown do no work, nu = 0.
+
+    With the angle t from the crown M = M0 - H0 R (1 - cos t) + (P/2) R sin t, N = H0 cos t + (P/2) sin t,
+    V = H0 sin t - (P/2) cos t; U = int (M^2/EI + N^2/EA + V^2/GA) R dt/2 of each half.
+    """
+    E, R, b, h, P = (scene[name] for name in ("E", "R", "WIDTH", "H", "P"))
+    compliance = np.diag([12 / (E * b * h**3), 1 / (E * b * h), 2 / (E * b * h)])
+
+    def work(t: float) -> np.ndarray:
+        c, s = math.cos(t), math.sin(t)
+        rows = np.array([[1, -R * (1 - c), R * s / 2], [0, c, s / 2], [0, s, -c / 2]])  # of M0, H0, P
+        return R * rows.T @ compliance @ rows
+
+    F, _ = quad_vec(work, 0, scene["ANGLE"])
+    free = np.linalg.solve(F[:2, :2], -F[:2, 2])
+    return 2 * P * (F[2, 2] + F[2, :2] @ free)
+
+
+def test_the_new_scene_meets_the_curved_beam(scene: dict) -> None:
+    exact = curved_beam(scene)
+    (reference,) = SCENES["arch"].references
+    assert reference.value == pytest.approx(exact, rel=1e-5)
+    coarse, fine = (sags(mesh, "linear")[1] for mesh in ("1x32", "1x64"))
+    assert fine == pytest.approx(exact, rel=MESH)
+    assert fine + (fine - coarse) / 3 == pytest.approx(exact, rel=EXTRAPOLATED)
+
+
+def test_the_new_scene_is_linear_only_under_small_loads(scene: dict) -> None:
+    """At a hundredth of the load it is the linear one, at all of it a third more; with either interpolation."""
+    exact = curved_beam(scene)
+    small, full = sags("1x64", "exact")
+    assert small / 0.01 == pytest.approx(exact, rel=2 * MESH)
+    assert full / exact == pytest.approx(1.33, abs=0.01)
+    assert sags("1x64", "exact", "1", interpolation="isoparametric")[0] == pytest.approx(full, rel=MESH)
+
+
+def test_the_new_scene_takes_the_measure_of_the_readme(tutorial: str, scene: dict) -> None:
+    """Without drilling in it the arch is the same: a strip does not drill."""
+    assert sags("1x32", "no-drilling", "1") == pytest.approx(sags("1x32", "exact", "1"), rel=1e-6)

@@ -13,9 +13,9 @@ from studies.solve import Result, resolve, solve
 MESHES = (16, 32, 64)
 
 
-def run(scene: str, n: int, **options: object) -> Result:
+def run(scene: str, n: int, element: str = "paper", **options: object) -> Result:
     mesh = f"{n}x{max(n // 16, 1)}" if scene == "cantilever" else f"{n}x{n}"
-    return solve(*resolve(scene, {"load_fraction": "1"}, mesh, **options))
+    return solve(*resolve(scene, {"load_fraction": "1", "element": element}, mesh, **options))
 
 
 def reference(scene: str, quantity: str, kind: str) -> float:
@@ -39,6 +39,22 @@ def test_cantilever_converges_to_the_elastica(quantity: str) -> None:
     assert found[-1] == pytest.approx(reference("cantilever", quantity, "read"), abs=5e-3)
 
 
+@pytest.mark.parametrize("quantity", ["tip_shortening_mm", "tip_deflection_mm"])
+def test_refined_cantilever_has_the_order_two_and_the_same_limit(quantity: str) -> None:
+    coarse, middle, fine = (run("cantilever", n, "refined").quantities[quantity] for n in MESHES)
+    assert np.log2((middle - coarse) / (fine - middle)) == pytest.approx(2, abs=0.05)
+    by_paper = [run("cantilever", n).quantities[quantity] for n in (64, 128)]  # fine enough for the order 2 to lead
+    assert fine + (fine - middle) / 3 == pytest.approx(by_paper[1] + (by_paper[1] - by_paper[0]) / 3, rel=2e-5)
+
+
+@pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
+def test_refined_hemisphere_is_within_one_per_cent_on_sixteen_elements(quantity: str) -> None:
+    published = reference("hemisphere", quantity, "read")
+    refined, paper = (abs(run("hemisphere", 16, e).quantities[quantity] / published - 1) for e in ("refined", "paper"))
+    assert refined <= 0.01
+    assert paper >= 0.05
+
+
 @pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
 def test_hemisphere_approaches_the_published_value(quantity: str) -> None:
     published = reference("hemisphere", quantity, "read")
@@ -48,7 +64,7 @@ def test_hemisphere_approaches_the_published_value(quantity: str) -> None:
 
 
 def one_step(newton: str) -> tuple[Outcome, float]:
-    scene, request = resolve("hemisphere", {"load_fraction": "1"}, newton=newton)
+    scene, request = resolve("hemisphere", {"load_fraction": "1", "element": "paper"}, newton=newton)
     stage = next(scene.build(request).stages())
     problem_at, start = stage.begin(None)
     found = Semismooth().solve(problem_at(1.0), start)

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from formulations.measures import MEASURES
-from studies.rigid_body import SAMPLES, rigid_body_table, rotation_sweep
+from studies.rigid_body import AMOUNTS, SAMPLES, SWEPT, rigid_body_table, rotation_sweep, small_motions
 
 LAW = 1e-10
 
@@ -51,7 +51,26 @@ def test_the_famous_failures(table: pd.DataFrame) -> None:
 def test_sweep_returns_after_a_full_turn() -> None:
     sweep = rotation_sweep(points=9)
     turn = sweep[sweep["theta_rad"] > 6.28]
-    assert len(turn) == 3 * len(MEASURES)
+    assert len(turn) == len(SWEPT) * len(MEASURES)
     assert turn["strain"].abs().max() <= LAW
-    half = sweep.query("measure == 'von-karman' and motion == 'out of plane'").iloc[4]
+    half = sweep.query("measure == 'von-karman' and surface == 'plate' and motion == 'out of plane'").iloc[4]
     assert half["strain"] == pytest.approx(-2.0, abs=LAW)  # at pi von Karman is as wrong as linear
+
+
+def test_swept_strains_stay_on_their_laws() -> None:
+    told = rotation_sweep(points=9).dropna(subset="declared")
+    assert len(told) == 9 * len(SWEPT) * len(MEASURES)
+    assert (told["strain"] - told["declared"]).abs().max() <= LAW
+
+
+def test_small_motions_fall_at_the_rates_of_the_theory() -> None:
+    """Half of a Donnell translation leaves a quarter, half of a von Karman rotation a sixteenth: theta^4/8."""
+    table = small_motions()
+    assert len(table) == len(AMOUNTS) * len(MEASURES) * len(SAMPLES) * 4
+    for measure, surface, motion, rate in (
+        ("donnell", "cylinder", "translation", 2),
+        ("von-karman", "plate", "out of plane", 4),
+        ("linear", "torus", "about the axis", 2),
+    ):
+        double, single = (pick(table[table["amount"] == amount], measure, surface, motion) for amount in (0.1, 0.05))
+        assert math.log2(double / single) == pytest.approx(rate, abs=0.01)

@@ -22,6 +22,7 @@ ONE_PERCENT = 0.01
 TO_10 = {"delta_mm": "10"}
 GROWTH = {"inner": 4.6256, "outer": 4.3463}  # of the equator by inflation [mm], NGSolve
 SHELL = {
+    "element": "paper",
     **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
     **{"load": "follower", "pressure_area": "face"},
 }

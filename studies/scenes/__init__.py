@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from studies.scene import Scene
 from studies.scenes.cantilever import Cantilever
+from studies.scenes.cap import ShallowSphericalCap
 from studies.scenes.hemisphere import Hemisphere
 from studies.scenes.linear_cylinder import PinchedCylinder
 from studies.scenes.linear_pagano import Pagano
@@ -17,7 +18,7 @@ from studies.scenes.tyre import Tyre
 from studies.scenes.tyre_solid import SolidTyre
 
 FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
-NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS)
+NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap())
 PRESSURISED: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
 LINEAR: tuple[Scene, ...] = (ScordelisLo(), PinchedCylinder(), Pagano())
 SOLID: tuple[Scene, ...] = (SolidTyre(),)

@@ -18,12 +18,13 @@ PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
     "refined": {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "relaxed"},
 }
+SAMPLINGS = tuple(THICKNESS_STRAINS)
 ELEMENT = (
     Setting(
-        "element", "paper", "names the three options that follow", "choice", choices=tuple(PRESETS), presets=PRESETS
+        "element", "refined", "names the three options that follow", "choice", choices=tuple(PRESETS), presets=PRESETS
     ),
     Setting("interpolation", None, "of displacements; else by element", "choice", choices=INTERPOLATIONS),
-    Setting("thickness_strain", None, "where E33 is sampled; else by element", "choice", choices=THICKNESS_STRAINS),
+    Setting("thickness_strain", None, "where E33 is sampled; else by element", "choice", choices=SAMPLINGS),
     Setting("membrane", None, "linear modes of the membrane strain; else by element", "choice", choices=MEMBRANES),
 )
 

@@ -1,0 +1,23 @@
+"""A labelled request: what campaigns are lists of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Cell:
+    """A labelled request: ``label`` is what the report asks for, ``options`` are those of ``footprint solve``."""
+
+    label: str
+    scene: str
+    options: dict[str, Any] = field(default_factory=dict)
+    settings: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def command(self) -> str:
+        """The command that reproduces the cell."""
+        words = [f"--{key} {value}" for key, value in self.options.items()]
+        words += [f"--set {key}={value}" for key, value in self.settings.items()]
+        return " ".join(["footprint solve", self.scene, *words, "--out DIR"])

@@ -1,0 +1,127 @@
+"""Ladders: scenes on three or more meshes, what is read off them, and the cells that climb them.
+
+The same ladders serve every element and every table over all scenes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import pandas as pd
+
+from studies.cell import Cell
+
+LABEL = "convergence {ladder} {mesh} {element}"
+FULL_LOAD = {"load_fraction": "1"}
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """A scene on meshes from coarse to fine; the size of their elements falls as 1 over the first number.
+
+    quantities: what is judged, the first one is the scene's headline. at: the step where they are read, KEY=VALUE;
+    without one, the last step. family: whose picture they are in. settings, measure: as for ``footprint solve``.
+    """
+
+    name: str
+    scene: str
+    family: str
+    meshes: tuple[str, ...]
+    quantities: tuple[str, ...]
+    settings: Mapping[str, str] = field(default_factory=dict)
+    measure: str = "exact"
+    at: str = ""
+
+
+def _halved(n1: int, n2: int, count: int = 4) -> tuple[str, ...]:
+    """``count`` meshes, each halving the elements of the one before."""
+    return tuple(f"{n1 * 2**k}x{n2 * 2**k}" for k in range(count))
+
+
+def _linear(name: str, scene: str, quantities: tuple[str, ...], **settings: str) -> Ladder:
+    return Ladder(name, scene, "linear shells", _halved(8, 8), quantities, settings, measure="linear")
+
+
+_ROTATIONS, _CLOSED, _TYRE = "large rotations", "closed forms", "tyre"
+_TYRE_MESHES = ("28x26", "42x40", "56x54", "84x80")  # all close to the same grading
+_ROOF_MESHES = ("4x4", "8x8", "16x16", "24x24")  # a whole curve each: 32x32 costs three times 24x24
+_ISOTROPIC = {
+    **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
+    **{"load": "follower", "pressure_area": "face"},
+}
+_TIP = ("tip_deflection_mm", "tip_shortening_mm")
+_WALL = ("stretch", "thickness_ratio")
+_RESULTANTS = tuple(f"N_{name}_{place}_N_per_mm" for place in ("crown", "inner") for name in ("phi", "theta"))
+
+LADDERS = (
+    Ladder("cantilever", "cantilever", _ROTATIONS, _halved(32, 2), _TIP, FULL_LOAD),
+    Ladder("sze-moment", "sze-moment", _ROTATIONS, _halved(32, 1), _TIP, {"load_fraction": "0.5"}),
+    Ladder("sze-annulus", "sze-annulus", _ROTATIONS, _halved(5, 40), ("w_B_mm", "w_A_mm"), FULL_LOAD),
+    Ladder("hemisphere", "hemisphere", _ROTATIONS, _halved(16, 16), ("inward_mm", "outward_mm"), FULL_LOAD),
+    Ladder(
+        "sze-pullout",
+        "sze-pullout",
+        _ROTATIONS,
+        ("8x12", "16x24", "24x36", "32x48"),
+        ("w_A_mm", "u_B_mm", "u_C_mm"),
+        FULL_LOAD,
+    ),
+    *(
+        Ladder(
+            f"roof-{letter}", f"roof-{letter}", "hinged roofs", _ROOF_MESHES, ("limit_load_fraction", "limit_w_C_mm")
+        )
+        for letter in "abcdef"
+    ),
+    _linear("scordelis-lo", "scordelis-lo", ("edge_deflection_mm",)),
+    _linear("pinched-cylinder", "pinched-cylinder", ("deflection_mm",), shear_correction="1000"),
+    *(_linear(f"pagano-S{S}", "pagano", ("w_bar", "sigma_x_bar"), S=f"{S}") for S in (10, 100)),
+    *(
+        Ladder(f"pressurised-cylinder-{ends}", "pressurised-cylinder", _CLOSED, _halved(2, 4), _WALL, settings)
+        for ends in ("fixed", "open")
+        for settings in [{**FULL_LOAD, "ends": ends}]
+    ),
+    Ladder("pressurised-sphere", "pressurised-sphere", _CLOSED, _halved(2, 2), _WALL, FULL_LOAD),
+    Ladder(
+        "pressurised-torus",
+        "pressurised-torus",
+        _CLOSED,
+        ("32x1", "64x1", "128x1", "256x1"),  # one element around the axis: nothing varies there
+        _RESULTANTS,
+    ),
+    Ladder("tyre", "tyre", _TYRE, _TYRE_MESHES, ("force_N", "centre_pressure_MPa"), {"delta_mm": "20"}),
+    Ladder(
+        "tyre-isotropic",
+        "tyre",
+        _TYRE,
+        _TYRE_MESHES,
+        ("force_N", "centre_pressure_MPa"),
+        _ISOTROPIC,
+        at="delta_mm=10",
+    ),
+)
+
+
+def cells(element_settings: Mapping[str, str] | None = None, element_label: str = "paper") -> tuple[Cell, ...]:
+    """The cells of all ladders with one element; their labels are those that the pages ask for."""
+    return tuple(
+        Cell(
+            LABEL.format(ladder=ladder.name, mesh=mesh, element=element_label),
+            ladder.scene,
+            {"measure": ladder.measure, "mesh": mesh},
+            {**ladder.settings, **(element_settings or {})},
+        )
+        for ladder in LADDERS
+        for mesh in ladder.meshes
+    )
+
+
+def ladder_table(ladders: Sequence[Ladder] = LADDERS) -> pd.DataFrame:
+    """What the pages have to know of the ladders, a row for each quantity on each mesh, coarse to fine."""
+    rows = [
+        (ladder.name, ladder.scene, ladder.family, quantity, ladder.at, mesh)
+        for ladder in ladders
+        for quantity in ladder.quantities
+        for mesh in ladder.meshes
+    ]
+    return pd.DataFrame(rows, columns=["ladder", "scene", "family", "quantity", "at", "mesh"])

@@ -1,0 +1,209 @@
+"""A store made up here: nothing is solved, and every law, order and reference is known."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+
+from reports import labels
+from reports.pages import rendered
+from reports.schema import load_store
+from studies import locking, rigid_body
+from studies.campaign import CAMPAIGNS, Cell
+from studies.convergence_cells import LADDERS, Ladder, ladder_table
+from studies.scenes import SCENES
+from studies.scenes.data import DATA
+from studies.solve import resolve
+from studies.store import SCHEMA, write_json, write_table
+
+PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
+KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
+CUT_EVENT = "the residual is no longer finite or has grown without bound: step cut to 0.5"
+LOCKING = 1e-4  # of the made-up hyperboloid: U/U_h - 1 = l^2/5 + LOCKING (l^3/h)^2
+
+
+def contact_table(delta: float) -> pd.DataFrame:
+    """An elliptic patch that grows with delta, symmetric under the half turn only."""
+    psi, phi = (a.ravel() for a in np.meshgrid(PSI, PHI, indexing="ij"))
+    active = (psi / (2 * delta)) ** 2 + (phi / delta) ** 2 < 1
+    pressure = np.where(active, 0.15 + 1e-5 * psi * phi, 0.0)
+    nodes = {"delta_mm": delta, "psi_deg": psi, "phi_deg": phi, "pressure_MPa": pressure}
+    return pd.DataFrame(nodes | {"gap_mm": np.where(active, 0.0, 1.0), "active": active.astype(int)})
+
+
+def profile_table(deltas: list[float]) -> pd.DataFrame:
+    psi = np.linspace(-120.0, 120.0, 25)
+    states = [("unloaded", 0.0, 0.0), ("inflated", 0.0, 1.0), *(("pressed", delta, 1.0) for delta in deltas)]
+    parts = []
+    for state, delta, growth in states:
+        columns: dict[str, Any] = {"state": state, "delta_mm": delta, "psi_deg": psi}
+        for face, radius in (("inner", 50.0), ("outer", 54.8)):
+            columns[f"{face}_radial_mm"] = 200.0 + (radius + growth) * np.cos(np.deg2rad(psi))
+            columns[f"{face}_axial_mm"] = (radius + growth) * np.sin(np.deg2rad(psi))
+        parts.append(pd.DataFrame(columns))
+    return pd.concat(parts)
+
+
+def history_table(cut: bool) -> pd.DataFrame:
+    row = {"stage": "load", "parameter": 1.0, "contact_nodes": 0, "added": 0, "removed": 0}
+    rows = [row | {"iteration": i, "residual": residual} for i, residual in enumerate((1.0, 1e-3, 1e-12))]
+    return pd.DataFrame([rows[0], rows[1] | {"residual": np.inf, "event": CUT_EVENT}, *rows] if cut else rows)
+
+
+def tyre_step(delta: float, measure: str) -> dict[str, Any]:
+    patch = {"contact_nodes": 30, "half_length_mm": 4 * delta, "half_width_mm": 2 * delta}
+    symmetry = {"central_asymmetry": 1e-14, "mirror_asymmetry": 0.1}
+    loads = {"force_N": delta * delta * (5.0 if measure == "exact" else 7.0), "centre_pressure_MPa": 0.15}
+    return {"delta_mm": delta, **loads, **patch, "kkt": KKT, "rounding": 1e-13, **symmetry, "newton_iterations": 5}
+
+
+def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
+    """The references of the scene, approached with second order; between their loads, shares of the last."""
+    kind = "exact" if scene == "cantilever" else "read"
+    error = 1.0 - 0.1 * (16 / n) ** 2
+    known = {(r.quantity, r.at["load_fraction"]): r.value for r in SCENES[scene].references if r.kind == kind}
+    names = dict.fromkeys(name for name, _ in known)
+    values = {name: error * known.get((name, fraction), fraction * known[name, 1.0]) for name in names}
+    return {"load_fraction": fraction, **values, "kkt": KKT, "rounding": 1e-8, "newton_iterations": 4, "substeps": 1}
+
+
+def climbed(ladder: Ladder, n: int) -> dict[str, float]:
+    """Second order towards the first reference of each quantity that has one for this ladder, else towards 1."""
+    wanted = {"measure": ladder.measure, "load_fraction": "1", **ladder.settings}
+    if ladder.at:
+        wanted |= dict([ladder.at.split("=")])
+
+    def holds(at: Mapping[str, float | str]) -> bool:
+        known = {key: value for key, value in at.items() if key in wanted}
+        return all(str(value) == wanted[key] or value == _number(wanted[key]) for key, value in known.items())
+
+    values = {}
+    for quantity in ladder.quantities:
+        found = [r.value for r in SCENES[ladder.scene].references if r.quantity == quantity and holds(r.at)]
+        coarsest = int(ladder.meshes[0].split("x")[0])
+        values[quantity] = (found or [1.0])[0] * (1 - 0.1 * (coarsest / n) ** 2)
+    return values
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def membrane_table() -> pd.DataFrame:
+    """All shells of the second order, the free hyperboloid with the third-order locking on top."""
+    rows = []
+    for surface in ("cylinder", "hyperboloid"):
+        for end in ("free", "clamped"):
+            for membrane in ("compatible", "relaxed"):
+                for h in locking.THINNESS:
+                    for n in locking.MESHES:
+                        excess = 0.2 / n**2
+                        excess += LOCKING * (n**-3 / h) ** 2 if (surface, end) == ("hyperboloid", "free") else 0.0
+                        ratio = 1 / (1 + excess)
+                        known = surface == "cylinder" and h == locking.YARDSTICK_THINNESS
+                        yardsticks = (0.5, 0.9) if known else (np.nan, np.nan)
+                        rows.append((surface, end, membrane, h, n, ratio, np.sqrt(1 - ratio), *yardsticks))
+    names = ["surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"]
+    return pd.DataFrame(rows, columns=[*names, "yardstick_reduced", "yardstick_unreduced"])
+
+
+def write_tables(directory: Path) -> None:
+    tables = {
+        "rigid_body": rigid_body.rigid_body_table(),
+        "small_motions": rigid_body.small_motions(),
+        "rotation_sweep": rigid_body.rotation_sweep(points=5),
+        "thickness_locking": locking.thickness_locking(meshes=(4, 8)),
+        "shear_locking": locking.shear_locking(),
+        "curved_beam": locking.curved_beam(),
+        "membrane_locking": membrane_table(),
+        "ladders": ladder_table(),
+    }
+    for name, table in tables.items():
+        write_table(directory / f"{name}.csv", table)
+
+
+def write_cell(cell: Cell, directory: Path) -> None:
+    _, request = resolve(cell.scene, cell.settings, **cell.options)
+    settings = dict(request.settings)
+    quantities = {"inflated_equator_inner_mm": 1.0, "inflated_equator_outer_mm": 0.9}
+    ladder = next((ladder for ladder in LADDERS if cell.label.startswith(f"convergence {ladder.name} ")), None)
+    if ladder is not None:
+        quantities = climbed(ladder, request.mesh[0])
+        if ladder.scene == "tyre":
+            step = tyre_step(float(ladder.at.partition("=")[2] or 20.0), "exact")
+        else:
+            step = static_step("cantilever", 16, float(ladder.settings.get("load_fraction", 1)))
+        steps = [{**step, **quantities}]
+    elif cell.scene.startswith("tyre"):
+        deltas = [float(delta) for delta in settings["delta_mm"]]
+        steps = [tyre_step(delta, request.measure) for delta in deltas]
+        write_table(directory / "contact.csv", pd.concat([contact_table(delta) for delta in deltas]))
+        write_table(directory / "profile.csv", profile_table(deltas))
+    else:
+        steps = [static_step(cell.scene, request.mesh[0], f) for f in settings["load_fraction"]]
+    write_table(directory / "history.csv", history_table(cut=cell.label in labels.EXPECTED_TO_FAIL))
+    result = {
+        **{name: getattr(request, name) for name in ("scene", "measure", "contact", "newton", "model")},
+        "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
+        "settings": {**settings, "steps": request.steps},
+        **{"outcome": "converged", "reason": "converged", "steps": steps},
+        "quantities": quantities,
+        "counters": {"dofs": 10, "newton_iterations": 9, "factorisations": 9, "assemblies": 9, "set_changes": 2},
+        "timing_s": {"total": 1.25, "build": 0.1, "assembly": 0.5, "factorisation": 0.5, "solve": 0.1, "contact": 0.05},
+        "provenance": {"version": "0", "commit": "unknown", "packages": {"numpy": "2"}, "machine": {"cores": 2}},
+    }
+    write_json(directory / "result.json", result)
+
+
+@pytest.fixture(scope="session")
+def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A whole report campaign."""
+    root = tmp_path_factory.mktemp("store")
+    rows = []
+    for i, cell in enumerate(CAMPAIGNS["report"]):
+        write_cell(cell, root / "cells" / str(i))
+        rows.append({"label": cell.label, "id": str(i), "scene": cell.scene, "command": cell.command})
+    references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
+    shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
+    write_json(root / "references.json", {"references": references})
+    write_tables(root / "tables")
+    write_json(root / "campaign.json", {"schema": SCHEMA, "campaign": "report", "cells": rows})
+    return root
+
+
+@pytest.fixture(scope="session")
+def files(store: Path) -> dict[str, str]:
+    return rendered(load_store(store))
+
+
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pictures are built but not turned to SVG, which takes most of the time of a page."""
+    monkeypatch.setattr(Figure, "savefig", lambda self, file, **options: file.write(b"<svg/>"))
+
+
+@pytest.fixture
+def own_store(store: Path, tmp_path: Path) -> Path:
+    """A copy that a test may damage."""
+    return Path(shutil.copytree(store, tmp_path / "store"))
+
+
+@pytest.fixture
+def out(files: dict[str, str], tmp_path: Path) -> Path:
+    """The pages as committed."""
+    for name, text in files.items():
+        path = tmp_path / "pages" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return tmp_path / "pages"

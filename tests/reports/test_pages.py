@@ -1,0 +1,197 @@
+"""The pages of a store made up here: written whole, compared, damaged; nothing is solved."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports import labels
+from reports.figures import draw_result
+from reports.navigation import TITLES
+from reports.pages import PAGES, check_pages, compare_pages, rendered, write_pages
+from reports.printed import FILE
+from reports.schema import StoreError, load_store
+from studies.campaign import CAMPAIGNS
+from studies.store import write_json
+
+
+def edit_json(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
+    data = json.loads(path.read_text(encoding="utf-8"))
+    change(data)
+    write_json(path, data)
+
+
+def replace_in(path: Path, old: str, new: str) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+
+
+def drop_cell(root: Path, label: str) -> None:
+    def drop(index: dict[str, Any]) -> None:
+        index["cells"] = [row for row in index["cells"] if row["label"] != label]
+
+    edit_json(root / "campaign.json", drop)
+
+
+DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
+    "no store": (lambda root: shutil.rmtree(root), "no such directory"),
+    "no index": (lambda root: (root / "campaign.json").unlink(), "campaign.json: missing"),
+    "schema": (lambda root: edit_json(root / "campaign.json", lambda d: d.update(schema=99)), "schema 99"),
+    "cell missing": (lambda root: (root / "cells/3/result.json").unlink(), "cells/3/result.json: missing"),
+    "cell corrupt": (lambda root: (root / "cells/3/result.json").write_text("{"), "result.json: cannot be read"),
+    "not a record": (lambda root: (root / "cells/3/result.json").write_text("[]"), "expected a record"),
+    "key": (lambda root: edit_json(root / "cells/3/result.json", lambda d: d.pop("steps")), "result.json: lacks steps"),
+    "step": (
+        lambda root: edit_json(root / "cells/3/result.json", lambda d: d["steps"][0].pop("force_N")),
+        "result.json: lacks force_N",
+    ),
+    "table missing": (lambda root: (root / "cells/0/contact.csv").unlink(), "contact.csv: missing"),
+    "table empty": (lambda root: (root / "cells/0/contact.csv").write_text(""), "contact.csv: cannot be read"),
+    "column": (lambda root: (root / "cells/0/contact.csv").write_text("a,b\n1,2\n"), "lacks the columns delta_mm"),
+    "reference": (lambda root: (root / "references" / FILE).unlink(), f"{FILE}: missing"),
+    "no ladders": (lambda root: (root / "tables/ladders.csv").unlink(), "ladders.csv: missing"),
+    "no locking": (lambda root: (root / "tables/membrane_locking.csv").unlink(), "membrane_locking.csv: missing"),
+    "column of a table": (
+        lambda root: (root / "tables/small_motions.csv").write_text("measure\nexact\n"),
+        "small_motions.csv: lacks the columns surface",
+    ),
+    "rung": (
+        lambda root: drop_cell(root, "convergence roof-a 8x8 paper"),
+        "no cell 'convergence roof-a 8x8 paper', which the pages need",
+    ),
+    "label": (
+        lambda root: edit_json(root / "campaign.json", lambda d: d["cells"].pop(0)),
+        "no cell 'paper', which the pages need",
+    ),
+}
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(("damage", "says"), DAMAGES.values(), ids=list(DAMAGES))
+def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
+    own_store: Path, tmp_path: Path, damage: Callable[[Path], object], says: str
+) -> None:
+    damage(own_store)
+    with pytest.raises(StoreError) as caught:
+        write_pages(own_store, tmp_path / "out")
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_pages_are_the_same_bytes_every_time(store: Path, files: dict[str, str], tmp_path: Path) -> None:
+    written = write_pages(store, tmp_path)
+    assert [path.relative_to(tmp_path).as_posix() for path in written] == list(files)
+    assert set(PAGES) == set(TITLES) == {name for name in files if name.endswith(".md")}
+    for path, text in zip(written, files.values(), strict=True):
+        assert path.read_bytes() == text.encode(), path.name
+    assert not list(tmp_path.rglob(".part-*"))
+
+
+def test_every_page_links_to_every_other(files: dict[str, str]) -> None:
+    for name in TITLES:
+        linked = {other for other in TITLES if f"]({other})" in files[name]}
+        assert linked >= set(TITLES) - {name}
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_committed_pages_agree_with_their_store(store: Path, out: Path) -> None:
+    """Pictures are not compared."""
+    assert check_pages(store, out) == []
+    assert f"{out / 'nowhere'}: no page to compare" in check_pages(store, out / "nowhere")
+
+
+def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(files: dict[str, str]) -> None:
+    pages = "\n".join(text for name, text in files.items() if name.endswith(".md"))
+    for name in files:
+        if name.endswith(".svg"):
+            assert f"]({name})" in pages
+    assert pages.count("](figures/") == sum(name.endswith(".svg") for name in files)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
+    """All fail but the one without which there is no page; what was never reached is not in the store."""
+    for i, cell in enumerate(CAMPAIGNS["report"]):
+        if cell.label == labels.PAPER:
+            continue
+        directory = own_store / "cells" / str(i)
+        failed = {"outcome": "cycling", "reason": "press at 20: it cycles", "steps": [], "quantities": {}}
+        edit_json(directory / "result.json", lambda result, failed=failed: result.update(failed))
+        for name in ("contact.csv", "profile.csv"):
+            (directory / name).unlink(missing_ok=True)
+    files = rendered(load_store(own_store))
+    assert f"| all | {len(CAMPAIGNS['report'])} | 1 | 0 | {len(CAMPAIGNS['report']) - 1} |" in files["index.md"]
+    assert f"| {labels.SLOWEST} | not converged: press at 20: it cycles |" in files["index.md"]
+    assert "| cycling: press at 20: it cycles |" in files["tyre.md"]
+    assert not any("nan" in text for name, text in files.items() if name.endswith(".md"))
+
+
+def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Path) -> None:
+    number = next(i for i, cell in enumerate(CAMPAIGNS["report"]) if cell.label == labels.PAPER)
+    path = own_store / "cells" / str(number) / "result.json"
+    edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
+    with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
+        rendered(load_store(own_store))
+
+
+def test_benchmark_rows_and_orders(files: dict[str, str]) -> None:
+    """Two tables of four load fractions, and the second order that the made-up values converge with."""
+    rows = [line for line in files["benchmarks.md"].splitlines() if line.startswith("| outward displacement [mm] |")]
+    assert len(rows) == 8
+    assert all(line.endswith("| 2.00 | 2.00 | 2.00 |") for line in rows[4:])
+
+
+def test_a_changed_digit_is_found_with_page_and_line(files: dict[str, str], out: Path) -> None:
+    text = files["tyre.md"].splitlines()
+    number = next(i for i, line in enumerate(text, start=1) if "2000.00" in line)
+    replace_in(out / "tyre.md", "2000.00", "2000.07")
+    (found,) = compare_pages(files, out)
+    assert found.startswith(f"tyre.md:{number}: committed ")
+    assert "2000.07" in found
+
+
+def test_what_the_machine_decides_is_not_compared(files: dict[str, str], out: Path) -> None:
+    replace_in(out / "tyre.md", "| paper | 1.25 |", "| paper | 7.00 |")
+    replace_in(out / "index.md", "numpy 2", "numpy 3")
+    assert compare_pages(files, out) == []
+
+
+def test_words_are_compared(files: dict[str, str], out: Path) -> None:
+    replace_in(out / "index.md", "planned", "foreseen")
+    (found,) = compare_pages(files, out)
+    assert found.startswith("index.md:")
+
+
+def test_missing_and_surplus_files_are_found(files: dict[str, str], out: Path) -> None:
+    (out / "tyre.md").unlink()
+    (out / "old.md").write_text("old")
+    picture = next(iter(files))
+    (out / picture).unlink()
+    found = compare_pages(files, out)
+    assert [line.split(":")[0] for line in found] == [picture, "tyre.md", "old.md"]
+
+
+def test_comparing_no_page_at_all_is_a_difference(files: dict[str, str], tmp_path: Path) -> None:
+    assert f"{tmp_path}: no page to compare" in compare_pages(files, tmp_path)
+
+
+@pytest.mark.parametrize(("label", "count"), [(labels.BASE, 4), ("hemisphere 16", 1)])
+def test_pictures_of_one_result(own_store: Path, label: str, count: int) -> None:
+    directory = load_store(own_store).cell(label).directory
+    drawn = draw_result(directory)
+    assert len(drawn) == count
+    assert all(path.parent == directory / "figures" and path.read_text().startswith("<?xml") for path in drawn)
+
+
+def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
+    edit_json(own_store / "cells/0/result.json", lambda result: result.update(steps=[]))
+    assert draw_result(own_store / "cells/0") == []
+    with pytest.raises(StoreError, match=r"result\.json: missing"):
+        draw_result(own_store)
