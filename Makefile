@@ -5,18 +5,19 @@ VENV   ?= .venv
 STORE  ?= .footprint/store
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
-# one BLAS thread per process: the matrices are small, and two test processes share two cores
+JOBS   ?= 2
+# one BLAS thread per process: the matrices are small, and JOBS processes share the cores
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: report test lint check bench clean
 
 report: $(READY)
-	$(BIN)/footprint run report --store $(STORE)
+	$(BIN)/footprint run report --store $(STORE) --jobs $(JOBS)
 	$(BIN)/footprint report --store $(STORE)
 
 test: $(READY)
-	$(BIN)/pytest -n 2 -m "not slow"
+	$(BIN)/pytest -n $(JOBS) -m "not slow"
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -25,8 +26,8 @@ lint: $(READY)
 
 # everything: lint, types, all tests, and the committed pages against a fresh report
 check: lint test
-	$(BIN)/pytest -n 2 -m slow
-	$(BIN)/footprint run report --store $(STORE)
+	$(BIN)/pytest -n $(JOBS) -m slow
+	$(BIN)/footprint run report --store $(STORE) --jobs $(JOBS)
 	$(BIN)/footprint report --store $(STORE) --check
 
 bench: $(READY)

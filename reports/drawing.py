@@ -42,10 +42,10 @@ def style() -> AbstractContextManager[None]:
     return mpl.rc_context(STYLE)
 
 
-def canvas(columns: int = 1, width: float = 7.0, height: float = 4.5) -> tuple[Figure, list[Axes]]:
-    """A figure with axes side by side."""
+def canvas(columns: int = 1, width: float = 7.0, height: float = 4.5, rows: int = 1) -> tuple[Figure, list[Axes]]:
+    """A figure with axes side by side, row after row."""
     figure = Figure(figsize=(width, height), layout="constrained")
-    return figure, list(figure.subplots(1, columns, squeeze=False)[0])
+    return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
 
 
 def to_svg(figure: Figure) -> str:

@@ -22,7 +22,8 @@ def errors_over_load(errors: Mapping[str, pd.DataFrame], words: Mapping[str, str
     """Size of the errors over the load, one panel a scene: scene -> table (load, one column a measure)."""
     looks = _looks({name for table in errors.values() for name in table.columns if name != "load"})
     with style():
-        figure, panels = canvas(len(errors), height=4.2)
+        rows = -(-len(errors) // 3)
+        figure, panels = canvas(-(-len(errors) // rows), height=1.2 + 2.8 * rows, rows=rows)
         for axes, (scene, table) in zip(panels, errors.items(), strict=True):
             for name, (colour, line) in looks.items():
                 if name in table:
@@ -31,7 +32,7 @@ def errors_over_load(errors: Mapping[str, pd.DataFrame], words: Mapping[str, str
             for level in (0.01, 0.05):
                 axes.axhline(level, color=BLACK, linewidth=0.8, linestyle=":")
             axes.set(title=scene, xlabel=words[scene], yscale="log", ylim=(1e-5, 2), xlim=(0, None))
-        panels[0].set_ylabel("error against the exact measure [-]")
+        figure.supylabel("error against the exact measure [-]", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=4)
         return to_svg(figure)

@@ -21,7 +21,7 @@ CANTILEVER, HEMISPHERE = "cantilever {n}", "hemisphere {n}"
 ONE_STEP_MIXED, ONE_STEP_PLAIN = "hemisphere one step mixed", "hemisphere one step plain"
 TWENTY_STEPS_PLAIN = "hemisphere twenty steps plain"
 BY_MEASURE = "{scene} by {measure}"
-ELEMENT = "hemisphere {n} {thickness} {membrane}"
+ELEMENT = "hemisphere {n} {interpolation} {thickness} {membrane}"
 ELEMENT_MESHES = (8, 16, 32)
 
 EXPECTED_TO_FAIL = {
@@ -30,4 +30,4 @@ EXPECTED_TO_FAIL = {
 DELTA = 20.0  # mm, the travel of the printed table
 CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page
 CONVERGENCE = "convergence {ladder} {mesh} {element}"
-LADDER_ELEMENT = "paper"  # the element of the convergence page
+LADDER_ELEMENT, OTHER_ELEMENT = "refined", "paper"  # of the convergence page, and what it is compared with

@@ -32,12 +32,12 @@ class Rung:
         return MeshSequence(sizes, tuple(_value(cell, self.quantity, self.at) for cell in self.cells))
 
 
-def read_ladders(store: Store, element: str = labels.LADDER_ELEMENT) -> list[Rung]:
-    """Every quantity of every ladder; raises StoreError when a cell is missing."""
+def read_ladders(store: Store, element: str = labels.LADDER_ELEMENT, *, finest: bool = True) -> list[Rung]:
+    """Every quantity of every ladder, without its ``finest`` mesh if so asked; raises StoreError for a missing cell."""
     table = store.table("ladders")
     found = []
     for (ladder, quantity), rows in table.fillna({"at": ""}).groupby(["ladder", "quantity"], sort=False):
-        first, meshes = rows.iloc[0], tuple(rows["mesh"])
+        first, meshes = rows.iloc[0], tuple(rows["mesh"])[: None if finest else -1]
         cells = tuple(
             store.cell(labels.CONVERGENCE.format(ladder=ladder, mesh=mesh, element=element)) for mesh in meshes
         )

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from reports.convergence import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
+from reports.element_choice import element_choice_part
 from reports.figures_convergence import Curve, mesh_errors
 from reports.ladders import Rung, families, read_ladders
 from reports.markdown import NOTHING, Part, commands, fixed, folded, joined, percent, picture, prose, table
@@ -17,8 +18,8 @@ INTRODUCTION = prose(f"""# Convergence
 
 {links("convergence.md")}
 
-Every scene on three or more meshes. An order is the p of an error c h^p, fitted through three successive meshes; it
-needs no reference. A sequence is *asymptotic* when it is monotone and its last two orders agree within
+Every scene on three or more meshes with the default element, `element=refined`. An order is the p of an error c h^p,
+fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its last two orders agree within
 {SAME_ORDER:g}; with three meshes there is one order only, and it must be within {SAME_ORDER:g} of the {FORMAL:g} of a
 bilinear element. The extrapolated value is Richardson's with the last order, and its uncertainty is the mesh error of
 the finest mesh times {SAFE:g}, outside the asymptotic range times {UNSAFE:g}. A dash stands where there is no
@@ -62,7 +63,8 @@ def convergence_page(store: Store) -> Part:
     """The whole page."""
     rungs = read_ladders(store)
     lines = commands(cell.command for rung in rungs for cell in rung.cells)
-    return joined([Part(INTRODUCTION), _orders(rungs), _pictures(rungs), _parts(rungs), Part(lines)])
+    measured = (_orders(rungs), _pictures(rungs), _parts(rungs), Part(lines))
+    return joined([Part(INTRODUCTION), *measured, element_choice_part(store)])
 
 
 def _orders(rungs: list[Rung]) -> Part:

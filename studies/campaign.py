@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+import multiprocessing
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from formulations.element import MEMBRANES, THICKNESS_STRAINS
+from formulations.element_geometry import INTERPOLATIONS
 from formulations.measures import MEASURES
 from studies import convergence_cells
 from studies.cell import Cell
@@ -23,10 +27,10 @@ from studies.locking import curved_beam, membrane_locking, shear_locking, thickn
 from studies.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.scenes.element import PRESETS
 from studies.solve import resolve, solve
 from studies.store import SCHEMA, plain, write_json, write_table_once, write_text
 
+Task = tuple[str, Callable[[], object]]
 SOURCES = ("formulations", "contact", "studies")
 
 
@@ -90,6 +94,9 @@ _GROWING = {
     "tyre": ("20x20", {"delta_mm": ",".join(str(d) for d in range(1, 21))}),
     "hemisphere": ("16x16", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
     "cantilever": ("32x2", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+    "sze-pullout": ("12x18", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+    "roof-a": ("8x8", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 15))}),
+    "shallow-cap": ("32x4", {"load_fraction": ",".join(f"{i / 40:g}" for i in range(2, 23))}),
 }
 MEASURED = (
     *(
@@ -98,14 +105,19 @@ MEASURED = (
         for measure in MEASURES
     ),
     *(
-        Cell(f"hemisphere {n} {thickness} {membrane}", "hemisphere", {"mesh": f"{n}x{n}"}, settings)
+        Cell(f"hemisphere {n} {' '.join(options.values())}", "hemisphere", {"mesh": f"{n}x{n}"}, settings)
+        for interpolation in INTERPOLATIONS
         for thickness in THICKNESS_STRAINS
         for membrane in MEMBRANES
-        for settings in [{"load_fraction": "1", "thickness_strain": thickness, "membrane": membrane}]
+        for options in [{"interpolation": interpolation, "thickness_strain": thickness, "membrane": membrane}]
+        for settings in [{"load_fraction": "1", **options}]
         for n in (8, 16, 32)
     ),
 )
-CONVERGENCE = tuple(cell for element in PRESETS for cell in convergence_cells.cells({"element": element}, element))
+CONVERGENCE = (
+    *convergence_cells.cells({"element": "refined"}, "refined"),
+    *convergence_cells.cells({"element": "paper"}, "paper", finest=False),
+)
 CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
     "benchmarks": BENCHMARKS,
@@ -138,6 +150,7 @@ def identity(cell: Cell) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
+@cache
 def _source_hash() -> str:
     root = Path(__file__).parent.parent
     digest = hashlib.sha256()
@@ -151,18 +164,24 @@ def run(
     name: str,
     store: Path,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+    jobs: int = 1,
 ) -> int:
-    """Solve what is missing, then write the index and the references of the scenes; returns the cells solved now."""
+    """Solve what is missing, then write the index and the references of the scenes; returns the cells solved now.
+
+    ``jobs``: processes that solve side by side, a cell or a table each.
+    """
     cells = CAMPAIGNS[name]
     ids = [identity(cell) for cell in cells]
-    solved = 0
-    for done, (cell, cell_id) in enumerate(zip(cells, ids, strict=True)):
-        progress(done, len(cells), cell.label)
-        directory = store / "cells" / cell_id
-        if not (directory / "result.json").exists():
-            scene, request = resolve(cell.scene, cell.settings, **cell.options)
-            solve(scene, request).write(directory)
-            solved += 1
+    directories = {cell_id: store / "cells" / cell_id for cell_id in ids}
+    missing = {
+        cell_id: cell
+        for cell_id, cell in zip(ids, cells, strict=True)
+        if not (directories[cell_id] / "result.json").exists()
+    }
+    tasks: list[Task] = [(f"table {table}", partial(_make_table, table, store)) for table in TABLES_OF.get(name, ())]
+    tasks += [(cell.label, partial(_solve_cell, cell, directories[cell_id])) for cell_id, cell in missing.items()]
+    for done, label in enumerate(_finished(tasks, jobs), start=len(cells) - len(missing)):
+        progress(min(done, len(cells)), len(cells), label)
     rows = [
         {"label": cell.label, "id": cell_id, "scene": cell.scene, "command": cell.command}
         for cell, cell_id in zip(cells, ids, strict=True)
@@ -172,12 +191,37 @@ def run(
         for scene in sorted({cell.scene for cell in cells})
         for reference in SCENES[scene].references
     ]
-    for table_name in TABLES_OF.get(name, ()):
-        progress(len(cells), len(cells), f"table {table_name}")
-        write_table_once(store / "tables" / f"{table_name}.csv", f"{SCHEMA} {_source_hash()}", TABLES[table_name])
     for table in sorted(DATA.glob("*.csv")):
         write_text(store / "references" / table.name, table.read_text(encoding="utf-8"))
     write_json(store / "references.json", {"references": references})
     write_json(store / "campaign.json", {"schema": SCHEMA, "campaign": name, "cells": rows})
     progress(len(cells), len(cells), "done")
-    return solved
+    return len(missing)
+
+
+def _solve_cell(cell: Cell, directory: Path) -> None:
+    scene, request = resolve(cell.scene, cell.settings, **cell.options)
+    solve(scene, request).write(directory)
+
+
+def _make_table(name: str, store: Path) -> None:
+    write_table_once(store / "tables" / f"{name}.csv", f"{SCHEMA} {_source_hash()}", TABLES[name])
+
+
+def _finished(tasks: Sequence[Task], jobs: int) -> Iterator[str]:
+    """Do the tasks; the name of each as it is done. The first failure, or an interruption, drops those not begun."""
+    if jobs == 1:
+        for label, task in tasks:
+            task()
+            yield label
+        return
+    # spawned, not forked: the caller may have threads
+    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+        labels = {pool.submit(task): label for label, task in tasks}
+        try:
+            for future in as_completed(labels):
+                future.result()
+                yield labels[future]
+        except BaseException:
+            pool.shutdown(wait=False, cancel_futures=True)
+            raise

@@ -14,6 +14,7 @@ from typing import NoReturn
 
 OK, FAILED, WRONG_USE, NOT_CONVERGED = 0, 1, 2, 3
 PAGES = Path("reports/pages")
+MOST_JOBS = 64
 
 
 class _Parser(argparse.ArgumentParser):
@@ -63,6 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("run", help="solve the missing cells of a campaign")
     command.add_argument("campaign")
     command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.add_argument("--jobs", type=int, default=1, help="processes side by side, default 1")
     command.set_defaults(command=_run)
 
     command = commands.add_parser("report", help="write the pages of a store")
@@ -152,12 +154,15 @@ def _run(options: argparse.Namespace) -> int:
 
     if options.campaign not in CAMPAIGNS:
         raise UsageError(f"campaign {options.campaign!r} must be one of {', '.join(CAMPAIGNS)}")
+    if not 1 <= options.jobs <= MOST_JOBS:
+        raise UsageError(f"jobs = {options.jobs} must be a whole number in [1, {MOST_JOBS}]")
     with Progress() as bar:
         task = bar.add_task(options.campaign)
         solved = run(
             options.campaign,
             options.store,
             lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label),
+            options.jobs,
         )
     print(f"{options.campaign}: {solved} of {len(CAMPAIGNS[options.campaign])} cells solved now")
     return OK

@@ -102,17 +102,20 @@ LADDERS = (
 )
 
 
-def cells(element_settings: Mapping[str, str] | None = None, element_label: str = "paper") -> tuple[Cell, ...]:
-    """The cells of all ladders with one element; their labels are those that the pages ask for."""
+def cells(element_settings: Mapping[str, str], element_label: str, *, finest: bool = True) -> tuple[Cell, ...]:
+    """The cells of all ladders with one element; their labels are those that the pages ask for.
+
+    ``finest``: with the last mesh of each ladder, which costs more than all others together.
+    """
     return tuple(
         Cell(
             LABEL.format(ladder=ladder.name, mesh=mesh, element=element_label),
             ladder.scene,
             {"measure": ladder.measure, "mesh": mesh},
-            {**ladder.settings, **(element_settings or {})},
+            {**ladder.settings, **element_settings},
         )
         for ladder in LADDERS
-        for mesh in ladder.meshes
+        for mesh in ladder.meshes[: None if finest else -1]
     )
 
 
