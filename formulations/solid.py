@@ -126,6 +126,15 @@ class SolidMesh:
         shares = np.einsum("g,fg,gn->fn", weights, np.linalg.norm(normal, axis=-1), value)
         return np.bincount(face.ravel(), weights=shares.ravel(), minlength=len(self.x))
 
+    def face_mass(self, face: np.ndarray) -> sparse.csr_matrix:
+        """Consistent matrix (N, N) of int N_r N_s dA on a reference face (F, 9); its row sums are the nodal areas."""
+        value, normal, weights = _face_vectors(self.x, face, self.orientation)
+        area = weights * np.linalg.norm(normal, axis=-1)
+        blocks = np.einsum("fg,gm,gn->fmn", area, value, value)
+        rows, columns = np.repeat(face, 9, axis=1), np.tile(face, (1, 9))
+        shape = (len(self.x), len(self.x))
+        return sparse.coo_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=shape).tocsr()
+
 
 def _face_vectors(x: np.ndarray, face: np.ndarray, orientation: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """N (g, 9), outward area vectors (F, g, 3) per reference square, and weights (g,) of a face."""

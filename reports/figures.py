@@ -13,7 +13,7 @@ import pandas as pd
 from reports import figures_benchmarks, figures_tyre
 from reports.files import write_texts
 from reports.maps import along_meridian, at_delta, deltas, pressure_map
-from reports.schema import Cell, load_cell
+from reports.schema import TYRES, Cell, load_cell
 
 BOOKKEEPING = {
     *("newton_iterations", "factorisations", "assemblies", "set_changes", "substeps", "rounding", "kkt", "limit_point")
@@ -25,7 +25,7 @@ def draw_result(directory: Path) -> list[Path]:
     cell = load_cell(directory, directory.name)
     if not cell.steps:
         return []
-    pictures = tyre_pictures(cell) if cell.scene == "tyre" else {"load-displacement.svg": _load_displacement(cell)}
+    pictures = tyre_pictures(cell) if cell.scene in TYRES else {"load-displacement.svg": _load_displacement(cell)}
     return write_texts(directory / "figures", pictures)
 
 

@@ -13,7 +13,7 @@ from reports.convergence import extrapolated, order_against, self_order
 from reports.markdown import Part, commands, fixed, joined, percent, picture, prose, table
 from reports.navigation import links
 from reports.newton_steps import newton_part
-from reports.schema import Cell, Store
+from reports.schema import TYRES, Cell, Store
 
 INTRODUCTION = prose(f"""# Benchmarks without contact
 
@@ -169,7 +169,7 @@ def _pictures(store: Store, benchmark: Benchmark) -> Part:
 
 def _equilibrium(store: Store) -> str:
     """How many reported states the judge finds in equilibrium."""
-    steps = [step for cell in store.cells.values() if cell.scene != "tyre" for step in cell.steps]
+    steps = [step for cell in store.cells.values() if cell.scene not in TYRES for step in cell.steps]
     passed = sum(step["kkt"]["equilibrium"] <= max(EQUILIBRIUM, step["rounding"]) for step in steps)
     return (
         f"## Equilibrium\n\nThe judge finds {passed} of the {len(steps)} reported states in equilibrium to "

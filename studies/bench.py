@@ -14,6 +14,7 @@ from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from contact.semismooth import Semismooth
 from formulations.shell import ShellModel
+from studies.scenes.tyre import Tyre
 from studies.solve import resolve
 
 
@@ -38,8 +39,8 @@ class IterationCost:
 
 def bench(mesh: str = "42x40", delta_mm: float = 20.0, repeats: int = 9) -> IterationCost:
     """Bring the paper's tyre into contact, then repeat one iteration of mixed semismooth Newton from that state."""
-    scene, request = resolve("tyre", {"delta_mm": f"{delta_mm:g}"}, mesh)
-    model = scene.build(request)
+    _, request = resolve("tyre", {"delta_mm": f"{delta_mm:g}"}, mesh)
+    model = Tyre().build(request)
     state: ContactSolution | None = None
     for stage in model.stages():
         problem_at, start = stage.begin(state)

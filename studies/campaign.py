@@ -71,6 +71,11 @@ TYRE = (
     _tyre("isotropic", _ISOTROPIC),
     _tyre("isotropic fine", _ISOTROPIC, mesh="84x80"),
 )
+SOLID = (
+    *(Cell(f"solid {mesh}", "tyre-solid", {"mesh": mesh}) for mesh in ("14x18", "28x36", "56x72")),  # each is nested
+    Cell("solid penalty", "tyre-solid", {"mesh": "28x36"}, {"epsilon": "20"}),  # as in the reference by NGSolve
+    _tyre("isotropic coarse", _ISOTROPIC, mesh="28x26"),
+)
 BENCHMARKS = (
     *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}, _PAPER) for n in (16, 32, 64)),
     *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}, _PAPER) for n in (16, 32, 64)),
@@ -117,8 +122,9 @@ CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
     "benchmarks": BENCHMARKS,
     "measures": MEASURED,
+    "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
     "convergence": CONVERGENCE,
-    "report": (*TYRE, *BENCHMARKS, *MEASURED, *CONVERGENCE),
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE),
 }
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "rigid_body": rigid_body_table,

@@ -54,7 +54,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--contact", default="semismooth")
     command.add_argument("--newton", default="mixed", help="plain or mixed")
     command.add_argument("--mesh", help="N1xN2")
-    command.add_argument("--model", default="auto", help="auto or full")
+    command.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
     command.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
     command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
     command.add_argument("--out", type=Path, required=True, metavar="DIR")

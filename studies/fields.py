@@ -1,4 +1,4 @@
-"""fields.vtu: the shell as one layer of hexahedra between its two faces, for ParaView and its like."""
+"""fields.vtu: shells as one layer of hexahedra between their faces, solids as they are, for ParaView and its like."""
 
 from __future__ import annotations
 
@@ -9,6 +9,18 @@ import numpy as np
 
 from formulations.quantities import STRAINS
 from formulations.shell import ShellModel
+from formulations.solid import SolidModel
+
+# a triquadratic hexahedron in VTK's order (vtkTriQuadraticHexahedron): corners, edges, faces, centre; 0, 1, 2 along
+# each axis
+_VTK_27 = np.array(
+    [
+        *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
+        *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
+        *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
+        *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
+    ]
+)
 
 
 def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> None:
@@ -39,3 +51,19 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
         cell_data={name: [resultants[:, i].copy()] for i, name in enumerate(names)},
     )
     meshio.write(path, mesh, file_format="vtu")
+
+
+def write_solid_fields(path: Path, solid: SolidModel, u: np.ndarray, pressure: np.ndarray) -> None:
+    """Write the reference nodes of a solid with displacement [mm] and the pressure (N,) [MPa] on its outer face.
+
+    Cells: triquadratic hexahedra with the number of their ply, from inside to outside.
+    """
+    mesh = solid.mesh
+    order = _VTK_27 if mesh.orientation > 0 else _VTK_27[:, [1, 0, 2]]  # a hexahedron of positive volume
+    fields = meshio.Mesh(
+        points=mesh.x,
+        cells=[("hexahedron27", mesh.elements[:, order @ (9, 3, 1)])],
+        point_data={"displacement": solid.expand(u), "pressure": pressure},
+        cell_data={"ply": [mesh.ply.astype(float)]},
+    )
+    meshio.write(path, fields, file_format="vtu")

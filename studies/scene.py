@@ -9,7 +9,8 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import Any, Protocol
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import pandas as pd
@@ -18,6 +19,7 @@ from contact.arc_length import ArcLength
 from contact.bordered import ArcPoint, Linearise
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
+from studies.fields import write_fields
 
 Value = float | int | str | tuple[float, ...]
 
@@ -146,17 +148,36 @@ class SceneModel(Protocol):
     """A scene built for one request."""
 
     @property
-    def shell(self) -> ShellModel:
-        """The loaded shell."""
+    def n_unknowns(self) -> int:
+        """Number of unknowns."""
         ...
 
     def stages(self) -> Iterator[Stage]:
         """The paths to follow, in order."""
         ...
 
-    def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Contact pressure (N,) at the grid's nodes."""
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """Write the fields of a state for ParaView and its like."""
         ...
+
+
+class ShellSceneModel:
+    """What the models of all shell scenes share."""
+
+    shell: ShellModel
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of unknowns."""
+        return self.shell.discretisation.n_free
+
+    def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
+        """Contact pressure (N,) at the grid's nodes; zero where nothing is touched."""
+        return np.zeros(self.shell.discretisation.grid.n_nodes)
+
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """One layer of hexahedra between the two faces."""
+        write_fields(path, self.shell, state.u, self.outer_pressure(state))
 
 
 @dataclass(frozen=True)
@@ -207,4 +228,18 @@ class Scene(Protocol):
 
     def build(self, request: Request) -> SceneModel:
         """Check what ranges alone cannot and build; raises UsageError."""
+        ...
+
+
+@runtime_checkable
+class SettlingScene(Protocol):
+    """A scene with more than the full model, or to which a part of the request does not apply."""
+
+    @property
+    def models(self) -> tuple[str, ...]:
+        """The choices of --model; the first one is "auto"."""
+        ...
+
+    def settle(self, request: Request) -> Request:
+        """The request as it will be solved, its model chosen; raises UsageError on what does not apply."""
         ...

@@ -24,8 +24,7 @@ from contact.path import follow
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
-from studies.fields import write_fields
-from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, UsageError, Value
+from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
 from studies.scenes import SCENES
 from studies.store import write_by, write_json, write_table
 
@@ -51,7 +50,7 @@ def resolve(
         ("measure", request.measure, MEASURES),
         ("contact", request.contact, ALGORITHMS),
         ("newton", request.newton, NEWTONS),
-        ("model", request.model, MODELS),
+        ("model", request.model, scene.models if isinstance(scene, SettlingScene) else MODELS),
     ):
         if value not in choices:
             raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
@@ -61,7 +60,7 @@ def resolve(
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
     if "epsilon" in known and "epsilon" not in settings:
         settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
-    return scene, replace(request, model="full")
+    return scene, scene.settle(request) if isinstance(scene, SettlingScene) else replace(request, model="full")
 
 
 def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> dict[str, Value]:
@@ -126,11 +125,8 @@ class Result:
         tables = {name: pd.concat(parts, ignore_index=True) for name, parts in self.tables.items()}
         for name, table in {**tables, "history": pd.DataFrame(self.history)}.items():
             write_table(directory / f"{name}.csv", table)
-        state = self.last or ContactSolution.at_rest(self.model.shell.discretisation.n_free, 0)
-        write_by(
-            directory / "fields.vtu",
-            lambda path: write_fields(path, self.model.shell, state.u, self.model.outer_pressure(state)),
-        )
+        state = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0)
+        write_by(directory / "fields.vtu", lambda path: self.model.write_fields(path, state))
         write_json(directory / "result.json", self.as_json())
 
 
@@ -141,7 +137,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
     result = Result(request, model)
     built = time.perf_counter()
     algorithm = _algorithm(request)
-    result.counters["dofs"] = model.shell.discretisation.n_free
+    result.counters["dofs"] = model.n_unknowns
     _run_stages(model, algorithm, request.steps, result, progress)
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     result.timing = {"total": time.perf_counter() - start, "build": built - start, **times}

@@ -14,7 +14,8 @@ from formulations.measures import MEASURES
 from studies.campaign import CAMPAIGNS, Cell, identity
 from studies.cli import main
 from studies.scene import Setting, UsageError
-from studies.scenes.tyre import asymmetries, half_extent, tyre_lines
+from studies.scenes.tyre import tyre_lines
+from studies.scenes.tyre_press import asymmetries, half_extent
 from studies.store import write_by, write_json
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5"]

@@ -15,9 +15,11 @@ from studies.scenes.sze_annulus import SlitAnnulus
 from studies.scenes.sze_moment import RolledCantilever
 from studies.scenes.sze_pullout import PullOut
 from studies.scenes.tyre import Tyre
+from studies.scenes.tyre_solid import SolidTyre
 
 FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
 NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap())
 PRESSURISED: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
 LINEAR: tuple[Scene, ...] = (ScordelisLo(), PinchedCylinder(), Pagano())
-SCENES: dict[str, Scene] = {scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR)}
+SOLID: tuple[Scene, ...] = (SolidTyre(),)
+SCENES: dict[str, Scene] = {scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR, *SOLID)}

@@ -14,7 +14,7 @@ from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.loads import Couples, Pressure
 from formulations.measures import MEASURES
 from formulations.shell import Discretisation, ShellModel
-from studies.scene import ArcStage, Observation, Request, Setting, Stage
+from studies.scene import ArcStage, Observation, Request, Setting, ShellSceneModel, Stage
 
 LOAD_FRACTIONS = Setting(
     "load_fraction",
@@ -82,7 +82,7 @@ def loaded_shell(
 
 
 @dataclass(frozen=True, eq=False)
-class StaticModel:
+class StaticModel(ShellSceneModel):
     """One path of the load fraction; ``measure_at(shell, u)`` reads the displacements {name_unit: value}."""
 
     shell: ShellModel
@@ -92,10 +92,6 @@ class StaticModel:
     def stages(self) -> Iterator[Stage]:
         """The load path from rest."""
         yield Stage("load", self._begin, tuple(self.fractions), self._observe)
-
-    def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Zero: nothing is touched."""
-        return np.zeros(self.shell.discretisation.grid.n_nodes)
 
     def _begin(self, previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
         return self.problem_at, ContactSolution.at_rest(self.shell.discretisation.n_free, 0)

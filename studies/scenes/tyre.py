@@ -1,35 +1,33 @@
 """The pneumatic tyre of the 2004 paper: an angle-ply torus, inflated, then pressed by a rigid plane.
 
-a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-clamp are held. The plane has the normal
-e_x, touches the inflated tyre at (psi, phi) = (0, 0), and moves inwards by delta counted from that first touch.
+a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-clamp are held. The plane is that of
+:mod:`studies.scenes.tyre_press`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
-from contact.foundation import Candidates, RigidPlane, against_plane
-from contact.judge import judge
-from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
+from contact.foundation import Candidates
+from contact.problem import ContactSolution
 from formulations.grid import Grid, graded_lines
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import ShellModel
 from formulations.surface import torus
-from studies.scene import SOLVER, Observation, Reference, Request, SceneModel, Setting, Stage, UsageError, Value
+from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, UsageError, Value
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell
+from studies.scenes.tyre_press import PressedTyre, Wall
 
-NORMAL = np.array([1.0, 0.0, 0.0])
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
 
-_ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa": 1.77, "nu_LT": 0.46, "nu_TT": 0.95}
+ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa": 1.77, "nu_LT": 0.46, "nu_TT": 0.95}
 
 SETTINGS = (
     Setting("gamma_deg", 52.0, "cord angle from the meridian; the plies alternate in sign", low=-90, high=90),
@@ -44,7 +42,7 @@ SETTINGS = (
     Setting("section", "constant-s33", "law of the thickness stretch", "choice", choices=SECTIONS),
     Setting("plies", 4, "number of plies", "int", 1, 64),
     Setting("ply_thickness_mm", 1.2, "thickness of a ply", low=0, high=50, open_low=True),
-    *(Setting(key, None, f"of a ply, {value:g}", low=0, open_low=True) for key, value in _ORTHOTROPIC.items()),
+    *(Setting(key, None, f"of a ply, {value:g}", low=0, open_low=True) for key, value in ORTHOTROPIC.items()),
     Setting("E_MPa", None, "modulus of an isotropic tyre, with nu", low=0, open_low=True),
     Setting(
         "nu", None, "Poisson ratio of an isotropic tyre, with E_MPa", low=-1, high=0.5, open_low=True, open_high=True
@@ -89,38 +87,23 @@ class Tyre:
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Add the paper's elastic constants, unless the tyre is isotropic; raises UsageError on a mixture."""
         isotropic = [key for key in ("E_MPa", "nu") if key in settings]
-        given = [key for key in _ORTHOTROPIC if key in settings]
+        given = [key for key in ORTHOTROPIC if key in settings]
         if not isotropic:
-            return {**settings, **{key: settings.get(key, value) for key, value in _ORTHOTROPIC.items()}}
+            return {**settings, **{key: settings.get(key, value) for key, value in ORTHOTROPIC.items()}}
         if len(isotropic) == 1 or given:
-            raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(_ORTHOTROPIC)}")
+            raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(ORTHOTROPIC)}")
         return dict(settings)
 
-    def build(self, request: Request) -> SceneModel:
+    def build(self, request: Request) -> TyreModel:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
         settings = request.settings
-        try:
-            laminate = _laminate(settings)
-        except ValueError as error:
-            raise UsageError(str(error)) from None
-        R1, R0, clamp = (_number(settings, key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
-        if not laminate.thickness < R1:
-            raise UsageError(
-                f"thickness plies*ply_thickness_mm = {laminate.thickness:g} mm must be below R1_mm = {R1:g} mm"
-            )
-        if not R0 - R1 + (R1 + laminate.thickness) * np.cos(np.deg2rad(clamp)) > 0 or not R0 >= R1:
-            raise UsageError(f"R0_mm = {R0:g} is too small: the wall at clamp_deg = {clamp:g} would cross the axis")
+        laminate, R1, R0, clamp = checked_wall(settings)
         grid = Grid.tensor(*tyre_lines(request.mesh, clamp), periodic=True)
         edges = np.concatenate([grid.on_line(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[edges] = True
-        pressure = Pressure(
-            _number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"])
-        )
         discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed)
-        shell = loaded_shell(discretisation, request, section=str(settings["section"]), pressure=pressure)
-        deltas = settings["delta_mm"]
-        assert isinstance(deltas, tuple)
+        shell = loaded_shell(discretisation, request, section=str(settings["section"]), pressure=inflation(settings))
         free = np.setdiff1d(np.arange(grid.n_nodes), edges)
         area = "mid" if settings["pressure_area"] == "mid" else "outer"
         candidates = Candidates(
@@ -131,7 +114,7 @@ class Tyre:
             if settings["coupling"] == "consistent"
             else None,
         )
-        return TyreModel(shell, candidates, free, deltas)
+        return TyreModel.of(shell, candidates, free, travels(settings))
 
 
 def tyre_lines(mesh: tuple[int, int], clamp_deg: float) -> tuple[np.ndarray, np.ndarray]:
@@ -150,36 +133,72 @@ def tyre_lines(mesh: tuple[int, int], clamp_deg: float) -> tuple[np.ndarray, np.
     return np.deg2rad(psi), np.deg2rad(phi)
 
 
-def _number(settings: Mapping[str, Value], key: str) -> float:
+def checked_wall(settings: Mapping[str, Value]) -> tuple[Laminate, float, float, float]:
+    """Laminate, R1, R0 [mm] and clamp [deg]; raises UsageError on impossible geometry or plies."""
+    try:
+        laminate = _laminate(settings)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    R1, R0, clamp = (number(settings, key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
+    if not laminate.thickness < R1:
+        raise UsageError(
+            f"thickness plies*ply_thickness_mm = {laminate.thickness:g} mm must be below R1_mm = {R1:g} mm"
+        )
+    if not R0 - R1 + (R1 + laminate.thickness) * np.cos(np.deg2rad(clamp)) > 0 or not R0 >= R1:
+        raise UsageError(f"R0_mm = {R0:g} is too small: the wall at clamp_deg = {clamp:g} would cross the axis")
+    return laminate, R1, R0, clamp
+
+
+def inflation(settings: Mapping[str, Value]) -> Pressure:
+    """The pressure inside."""
+    return Pressure(number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"]))
+
+
+def travels(settings: Mapping[str, Value]) -> tuple[float, ...]:
+    """The values of delta [mm]."""
+    deltas = settings["delta_mm"]
+    assert isinstance(deltas, tuple)
+    return deltas
+
+
+def number(settings: Mapping[str, Value], key: str) -> float:
+    """A setting that is one number."""
     value = settings[key]
     assert isinstance(value, float | int)
     return float(value)
 
 
 def _laminate(settings: Mapping[str, Value]) -> Laminate:
-    thickness, plies = _number(settings, "ply_thickness_mm"), int(_number(settings, "plies"))
+    thickness, plies = number(settings, "ply_thickness_mm"), int(number(settings, "plies"))
     if "E_MPa" in settings:
-        ply = Ply.isotropic(_number(settings, "E_MPa"), _number(settings, "nu"), thickness)
+        ply = Ply.isotropic(number(settings, "E_MPa"), number(settings, "nu"), thickness)
         return Laminate((ply,) * plies, d_minus=0.0)
-    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (_number(settings, key) for key in _ORTHOTROPIC)
-    gamma = np.deg2rad(_number(settings, "gamma_deg"))
+    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (number(settings, key) for key in ORTHOTROPIC)
+    gamma = np.deg2rad(number(settings, "gamma_deg"))
     angles = [(-1) ** k * gamma for k in range(plies)]
     return Laminate(tuple(Ply(E_L, E_T, G_LT, G_TT, nu_LT, nu_TT, a, thickness) for a in angles), d_minus=0.0)
 
 
 @dataclass(frozen=True, eq=False)
-class TyreModel:
-    """The stages of the tyre: inflation without contact, then the travel of the plane."""
+class TyreModel(ShellSceneModel, PressedTyre):
+    """The stages of the tyre as a shell."""
 
     shell: ShellModel
-    candidates: Candidates
     nodes: np.ndarray  # grid node of each candidate
-    deltas: Sequence[float]
 
-    def stages(self) -> Iterator[Stage]:
-        """Inflation by a pressure factor, then the plane by delta [mm]."""
-        yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
-        yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
+    @classmethod
+    def of(cls, shell: ShellModel, candidates: Candidates, nodes: np.ndarray, deltas: Sequence[float]) -> TyreModel:
+        """All of the tyre is solved."""
+        grid = shell.discretisation.grid
+        candidate = np.full(grid.n_nodes, -1)
+        candidate[nodes] = np.arange(len(nodes))
+
+        def faces(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            (inner, outer), (du, dv) = shell.discretisation.positions(), shell.discretisation.cartesian(u)
+            return inner + du, outer + dv
+
+        wall = Wall(grid.nodes, grid.node_shape, candidate, 1, faces)
+        return cls(shell, wall, candidates, deltas, shell, nodes)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,); zero during inflation."""
@@ -187,102 +206,3 @@ class TyreModel:
         if len(solution.pressure):
             pressure[self.nodes] = solution.pressure
         return pressure
-
-    def _begin_inflation(
-        self, previous: ContactSolution | None
-    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
-        n = self.shell.discretisation.n_free
-        return lambda t: without_contact(self.shell.scaled(t).linearise, n), ContactSolution.at_rest(n, 0)
-
-    def _begin_press(
-        self, previous: ContactSolution | None
-    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
-        assert previous is not None
-        m = len(self.nodes)
-        first_touch = float(np.max(self.candidates.positions(previous.u) @ NORMAL))
-        start = ContactSolution(previous.u, np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
-
-        def at(delta: float) -> ContactProblem:
-            return against_plane(self.shell.linearise, self.candidates, RigidPlane(NORMAL, first_touch - delta))
-
-        return at, start
-
-    def _observe_inflation(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
-        inner, outer = self.shell.discretisation.cartesian(state.u)
-        crown = self.shell.discretisation.grid.node_at(0.0, 0.0)
-        growth = {"inflated_equator_inner_mm": inner[crown, 0], "inflated_equator_outer_mm": outer[crown, 0]}
-        profiles = [self._profile("unloaded", 0.0, np.zeros_like(state.u)), self._profile("inflated", 0.0, state.u)]
-        return Observation(None, {k: float(v) for k, v in growth.items()}, {"profile": pd.concat(profiles)})
-
-    def _observe_press(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
-        grid = self.shell.discretisation.grid
-        shape = grid.node_shape
-        pressure = self.outer_pressure(state)
-        active = np.zeros(grid.n_nodes, bool)
-        active[self.nodes] = state.active
-        x = self.shell.discretisation.positions()[1] + self.shell.discretisation.cartesian(state.u)[1]
-        row, column = shape[0] // 2, int(grid.node_at(0.0, 0.0)) % shape[1]
-        along_phi = half_extent(x[:, 1].reshape(shape)[row], active.reshape(shape)[row])
-        along_psi = half_extent(x[:, 2].reshape(shape)[:, column], active.reshape(shape)[:, column])
-        headline = {
-            "force_N": float(np.sum(problem.nodal_forces(state.pressure))),
-            "centre_pressure_MPa": float(pressure.reshape(shape)[row, column]),
-            "contact_nodes": int(state.active.sum()),
-            "half_length_mm": along_phi,
-            "half_width_mm": along_psi,
-        }
-        verdict = judge(problem, state.u, state.pressure)
-        step = {
-            "delta_mm": delta,
-            **headline,
-            "kkt": verdict.kkt,
-            "rounding": verdict.rounding,
-            **asymmetries(pressure.reshape(shape)),
-        }
-        gap = problem.gap(state.u)
-        a1, a2 = np.rad2deg(grid.nodes[self.nodes]).T
-        nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2, "pressure_MPa": state.pressure, "gap_mm": gap}
-        nodes |= {"active": state.active.astype(int)}
-        nodes |= {f"{axis}_mm": x[self.nodes, i] for i, axis in enumerate("xyz")}
-        tables = {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
-        return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
-
-    def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
-        """Both faces of the meridian phi = 0."""
-        shell = self.shell.discretisation
-        line = shell.grid.on_line(1, 0.0)
-        columns = {"state": state, "delta_mm": delta, "psi_deg": np.rad2deg(shell.grid.nodes[line, 0])}
-        for face, x, du in zip(("inner", "outer"), shell.positions(), shell.cartesian(u), strict=True):
-            columns |= {f"{face}_radial_mm": (x + du)[line, 0], f"{face}_axial_mm": (x + du)[line, 2]}
-        return pd.DataFrame(columns)
-
-
-def half_extent(coordinate: np.ndarray, active: np.ndarray) -> float:
-    """Half extent of the patch along a grid line through its centre, by deformed coordinates [mm].
-
-    The rim is taken half-way between the last node in contact and the first one out of it, on both sides.
-    """
-    touching = np.flatnonzero(active)
-    if len(touching) == 0:
-        return 0.0
-    first, last = touching[0], touching[-1]
-    low = 0.5 * (coordinate[first] + coordinate[max(first - 1, 0)])
-    high = 0.5 * (coordinate[last] + coordinate[min(last + 1, len(coordinate) - 1)])
-    return float(0.5 * abs(high - low))
-
-
-def asymmetries(pressure: np.ndarray) -> dict[str, float]:
-    """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak.
-
-    central: max |p(psi, phi) - p(-psi, -phi)|; mirror: the larger of the two maxima over one sign changed.
-    """
-    peak = float(pressure.max())
-    if peak <= 0:
-        return {"central_asymmetry": 0.0, "mirror_asymmetry": 0.0}
-    turned = (-np.arange(pressure.shape[1])) % pressure.shape[1]  # phi -> -phi on the periodic line
-    psi, phi = pressure[::-1], pressure[:, turned]
-    mirror = max(np.max(np.abs(pressure - psi)), np.max(np.abs(pressure - phi)))
-    return {
-        "central_asymmetry": float(np.max(np.abs(pressure - phi[::-1])) / peak),
-        "mirror_asymmetry": float(mirror / peak),
-    }

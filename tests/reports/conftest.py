@@ -151,7 +151,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
         else:
             step = static_step("cantilever", 16, float(ladder.settings.get("load_fraction", 1)))
         steps = [{**step, **quantities}]
-    elif cell.scene == "tyre":
+    elif cell.scene.startswith("tyre"):
         deltas = [float(delta) for delta in settings["delta_mm"]]
         steps = [tyre_step(delta, request.measure) for delta in deltas]
         write_table(directory / "contact.csv", pd.concat([contact_table(delta) for delta in deltas]))

@@ -1,0 +1,175 @@
+"""The stages every tyre goes through, shell or solid: inflation, then the travel of a plane; and what is read off.
+
+The plane has the normal e_x, touches the inflated tyre at (psi, phi) = (0, 0), and moves inwards by delta counted from
+that first touch. What the wall is made of does not enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol, Self
+
+import numpy as np
+import pandas as pd
+
+from contact.foundation import Candidates, RigidPlane, against_plane
+from contact.judge import judge
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
+from studies.scene import Observation, Stage
+
+NORMAL = np.array([1.0, 0.0, 0.0])
+
+
+class Body(Protocol):
+    """A loaded body, shell or solid."""
+
+    def scaled(self, factor: float) -> Self:
+        """The same under ``factor`` times its loads."""
+        ...
+
+    def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
+        """Residual, tangent and memory at u."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """Both faces of the WHOLE tyre on one tensor grid, however small the part of it that is solved.
+
+    angles (N, 2): psi, phi [rad], psi slowest; shape: N = shape[0] shape[1], psi symmetric about its middle, phi
+    periodic.  candidate (N,): the contact candidate that the node is or mirrors, -1 for none.  parts: how many equal
+    parts the tyre is made of, 1 when all of it is solved.  faces(u): deformed inner and outer face (N, 3) [mm].
+    """
+
+    angles: np.ndarray
+    shape: tuple[int, int]
+    candidate: np.ndarray
+    parts: int
+    faces: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+    @property
+    def crown(self) -> int:
+        """The node (0, 0)."""
+        return int(np.argmin(np.max(np.abs(self.angles), axis=1)))
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """Values of the candidates (m,) at all nodes (N,); zero where there is none."""
+        return np.append(values, np.zeros(1, values.dtype))[self.candidate]
+
+
+@dataclass(frozen=True, eq=False)
+class PressedTyre:
+    """The stages of a tyre: inflation without contact, then the travel of the plane."""
+
+    body: Body
+    wall: Wall
+    candidates: Candidates
+    deltas: Sequence[float]
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of unknowns."""
+        return int(self.candidates.operator.shape[1])
+
+    def stages(self) -> Iterator[Stage]:
+        """Inflation by a pressure factor, then the plane by delta [mm]."""
+        yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
+        yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
+
+    def _begin_inflation(
+        self, previous: ContactSolution | None
+    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        n = self.n_unknowns
+        return lambda t: without_contact(self.body.scaled(t).linearise, n), ContactSolution.at_rest(n, 0)
+
+    def _begin_press(
+        self, previous: ContactSolution | None
+    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        assert previous is not None
+        m = len(self.candidates.reference)
+        first_touch = float(np.max(self.candidates.positions(previous.u) @ NORMAL))
+        start = ContactSolution(previous.u, np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
+
+        def at(delta: float) -> ContactProblem:
+            return against_plane(self.body.linearise, self.candidates, RigidPlane(NORMAL, first_touch - delta))
+
+        return at, start
+
+    def _observe_inflation(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
+        rest = np.zeros_like(state.u)
+        inner, outer = (x[self.wall.crown, 0] for x in self.wall.faces(state.u))
+        inner_0, outer_0 = (x[self.wall.crown, 0] for x in self.wall.faces(rest))
+        growth = {"inflated_equator_inner_mm": inner - inner_0, "inflated_equator_outer_mm": outer - outer_0}
+        profiles = [self._profile("unloaded", 0.0, rest), self._profile("inflated", 0.0, state.u)]
+        return Observation(None, {k: float(v) for k, v in growth.items()}, {"profile": pd.concat(profiles)})
+
+    def _observe_press(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
+        wall = self.wall
+        pressure = wall.spread(state.pressure).reshape(wall.shape)
+        active = wall.spread(state.active).reshape(wall.shape)
+        x = wall.faces(state.u)[1]
+        row, column = divmod(wall.crown, wall.shape[1])
+        headline = {
+            "force_N": wall.parts * float(np.sum(problem.nodal_forces(state.pressure))),
+            "centre_pressure_MPa": float(pressure[row, column]),
+            "contact_nodes": int(active.sum()),
+            "half_length_mm": half_extent(x[:, 1].reshape(wall.shape)[row], active[row]),
+            "half_width_mm": half_extent(x[:, 2].reshape(wall.shape)[:, column], active[:, column]),
+        }
+        verdict = judge(problem, state.u, state.pressure)
+        step = {
+            "delta_mm": delta,
+            **headline,
+            "kkt": verdict.kkt,
+            "rounding": verdict.rounding,
+            **asymmetries(pressure),
+        }
+        gap = problem.gap(state.u)
+        seen = np.flatnonzero(wall.candidate >= 0)
+        own = wall.candidate[seen]
+        a1, a2 = np.rad2deg(wall.angles[seen]).T
+        nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
+        nodes |= {"pressure_MPa": state.pressure[own], "gap_mm": gap[own], "active": state.active[own].astype(int)}
+        nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
+        tables = {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
+        return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
+
+    def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
+        """Both faces of the meridian phi = 0."""
+        line = np.arange(self.wall.crown % self.wall.shape[1], len(self.wall.angles), self.wall.shape[1])
+        columns = {"state": state, "delta_mm": delta, "psi_deg": np.rad2deg(self.wall.angles[line, 0])}
+        for face, x in zip(("inner", "outer"), self.wall.faces(u), strict=True):
+            columns |= {f"{face}_radial_mm": x[line, 0], f"{face}_axial_mm": x[line, 2]}
+        return pd.DataFrame(columns)
+
+
+def half_extent(coordinate: np.ndarray, active: np.ndarray) -> float:
+    """Half extent of the patch along a grid line through its centre, by deformed coordinates [mm].
+
+    The rim is taken half-way between the last node in contact and the first one out of it, on both sides.
+    """
+    touching = np.flatnonzero(active)
+    if len(touching) == 0:
+        return 0.0
+    first, last = touching[0], touching[-1]
+    low = 0.5 * (coordinate[first] + coordinate[max(first - 1, 0)])
+    high = 0.5 * (coordinate[last] + coordinate[min(last + 1, len(coordinate) - 1)])
+    return float(0.5 * abs(high - low))
+
+
+def asymmetries(pressure: np.ndarray) -> dict[str, float]:
+    """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak.
+
+    central: max |p(psi, phi) - p(-psi, -phi)|; mirror: the larger of the two maxima over one sign changed.
+    """
+    peak = float(pressure.max())
+    if peak <= 0:
+        return {"central_asymmetry": 0.0, "mirror_asymmetry": 0.0}
+    turned = (-np.arange(pressure.shape[1])) % pressure.shape[1]  # phi -> -phi on the periodic line
+    psi, phi = pressure[::-1], pressure[:, turned]
+    mirror = max(np.max(np.abs(pressure - psi)), np.max(np.abs(pressure - phi)))
+    return {
+        "central_asymmetry": float(np.max(np.abs(pressure - phi[::-1])) / peak),
+        "mirror_asymmetry": float(mirror / peak),
+    }

@@ -1,0 +1,165 @@
+"""The section "Shell against solid" on a store made up here: what is put into it comes out as mesh and model parts."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from reports import labels
+from reports.convergence import fitted_order
+from reports.figures import draw_result
+from reports.schema import StoreError, load_cell, load_store
+from reports.solid_part import Sequence3, cancellation, solid_part
+from studies.campaign import CAMPAIGNS, Cell
+from studies.scenes import SCENES
+from studies.scenes.data import DATA
+from studies.solve import resolve
+from studies.store import SCHEMA, write_json, write_text
+
+FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
+GROWTH = {"inner": 4.6, "outer": 4.3}  # mm
+MODEL, EQUATOR = 1.01, 0.98  # limit of the shell over that of the solid
+SOFT = 0.999
+KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
+
+
+def write_cell(cell: Cell, directory: Path) -> None:
+    """Values that approach their limits with second order: the solid from above, the shell from below."""
+    _, request = resolve(cell.scene, cell.settings, **cell.options)
+    solid = cell.scene == "tyre-solid"
+    error = (1.0 if solid else -1.0) * 10.0 / request.mesh[0] ** 2
+    body = (1.0 if solid else MODEL) * (SOFT if cell.label == labels.SOLID_PENALTY else 1.0)
+    step = {"centre_pressure_MPa": 0.15, "contact_nodes": 30, "half_length_mm": 40.0, "half_width_mm": 20.0}
+    step |= {"kkt": KKT, "rounding": 1e-13, "central_asymmetry": 0.0, "mirror_asymmetry": 0.0, "newton_iterations": 5}
+    quantities = {
+        f"inflated_equator_{face}_mm": growth * (1.0 if solid else EQUATOR) * (1 + error)
+        for face, growth in GROWTH.items()
+    }
+    result = {
+        **{name: getattr(request, name) for name in ("scene", "measure", "contact", "newton", "model")},
+        "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
+        "settings": {**request.settings, "steps": request.steps},
+        **{"outcome": "converged", "reason": "converged", "quantities": quantities},
+        "steps": [{"delta_mm": d, "force_N": F * body * (1 + error), **step} for d, F in FORCE.items()],
+        **{"counters": {}, "timing_s": {}, "provenance": {}},
+    }
+    write_json(directory / "result.json", result)
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Path:
+    rows = []
+    for i, cell in enumerate(CAMPAIGNS["solid"]):
+        write_cell(cell, tmp_path / "cells" / str(i))
+        rows.append({"label": cell.label, "id": str(i), "scene": cell.scene, "command": cell.command})
+    references = [{"scene": name, **asdict(r)} for name in ("tyre", "tyre-solid") for r in SCENES[name].references]
+    write_json(tmp_path / "references.json", {"references": references})
+    write_json(tmp_path / "campaign.json", {"schema": SCHEMA, "campaign": "solid", "cells": rows})
+    name = "isotropic_tyre_3d_solid.csv"
+    write_text(tmp_path / "references" / name, (DATA / name).read_text(encoding="utf-8"))
+    return tmp_path
+
+
+def edit(store: Path, label: str, change: Callable[[dict[str, Any]], object]) -> None:
+    path = load_store(store).cell(label).directory / "result.json"
+    data = json.loads(path.read_text(encoding="utf-8"))
+    change(data)
+    write_json(path, data)
+
+
+def rows(text: str, title: str) -> dict[str, list[str]]:
+    """The rows of a table by their first entry."""
+    lines = text.split(f"**{title}**\n\n")[1].split("\n\n")[0].splitlines()[2:]
+    cells = [[entry.strip() for entry in line.strip("|").split("|")] for line in lines]
+    return {first: rest for first, *rest in cells}
+
+
+def test_parts_of_the_difference_are_those_that_were_put_in(store: Path) -> None:
+    text = solid_part(load_store(store)).text
+    forces = rows(text, "Force [N] on three meshes")
+    assert list(forces) == ["5", "10", "15", "20"]
+    assert forces["10"][3:5] == ["500.00", "2.0"]
+    assert forces["10"][8:11] == ["505.00", "2.0", "523.76"]
+    solid, shell, model, known, other, ours = rows(text, "What the difference of the forces is made of")["10"]
+    assert (solid, shell) == (f"{1000 / 56**2:+.2f} %", f"{-1000 / 84**2:+.2f} %")
+    assert (model, known) == ("+1.00 %", "0.00 %")
+    assert (other, ours) == (f"{100 * (500 / 523.76 - 1):+.2f} %", f"{100 * (505 / 523.76 - 1):+.2f} %")
+    growth = rows(text, "What the difference of the growth is made of")
+    assert {face: row[2] for face, row in growth.items()} == {"inner": "-2.00 %", "outer": "-2.00 %"}
+    assert "-0.10 % at 20 mm" in text
+    assert text.count("footprint solve tyre-solid") == len(labels.SOLID_MESHES) + 1
+
+
+def test_an_irregular_sequence_has_no_order_and_says_how_far_its_limit_is_known(store: Path) -> None:
+    edit(store, labels.SOLID.format(mesh="28x36"), lambda result: result["steps"][1].update(force_N=499.0))
+    text = solid_part(load_store(store)).text
+    assert rows(text, "Force [N] on three meshes")["10"][4] == "–"
+    parts = rows(text, "What the difference of the forces is made of")
+    assert float(parts["10"][3].split()[0]) > 0.5
+    assert parts["15"][3] == "0.00 %"
+
+
+def test_a_travel_that_was_not_reached_is_a_dash(store: Path) -> None:
+    edit(store, labels.ISOTROPIC_FINE, lambda result: result["steps"].pop())
+    text = solid_part(load_store(store)).text
+    forces = rows(text, "Force [N] on three meshes")["20"]
+    assert forces[7:10] == ["–"] * 3
+    assert rows(text, "What the difference of the forces is made of")["20"][1:4] == ["–"] * 3
+
+
+def test_a_missing_cell_is_one_line(store: Path) -> None:
+    index = json.loads((store / "campaign.json").read_text())
+    index["cells"] = [row for row in index["cells"] if row["label"] != labels.SOLID_PENALTY]
+    write_json(store / "campaign.json", index)
+    with pytest.raises(StoreError, match="no cell 'solid penalty', which the pages need"):
+        solid_part(load_store(store))
+
+
+def test_steps_of_a_solid_are_checked_as_those_of_a_tyre(store: Path) -> None:
+    edit(store, labels.SOLID.format(mesh="14x18"), lambda result: result["steps"][0].pop("force_N"))
+    with pytest.raises(StoreError, match="lacks force_N"):
+        load_store(store)
+
+
+def test_limit_and_spread_of_a_sequence() -> None:
+    sizes = (1 / 28, 1 / 42, 1 / 84)
+    exact = Sequence3(sizes, tuple(3.0 + 5.0 * h**2 for h in sizes))
+    assert exact.limit == pytest.approx(3.0, rel=1e-12)
+    assert exact.spread <= 1e-12
+    assert exact.order == pytest.approx(2.0, abs=1e-9)
+    assert exact.mesh == pytest.approx(5.0 / 84**2 / 3.0, rel=1e-9)
+    cubic = Sequence3(sizes, tuple(3.0 + 5.0 * h**3 for h in sizes))
+    assert cubic.order == pytest.approx(3.0, abs=1e-9)
+    assert abs(cubic.limit / 3.0 - 1) < cubic.spread
+
+
+@pytest.mark.parametrize("order", [0.7, 2.0, 4.0])
+def test_an_order_through_three_unequal_meshes(order: float) -> None:
+    sizes = (1.0, 0.6, 0.35)
+    assert fitted_order(sizes, [2.0 - h**order for h in sizes]) == pytest.approx(order, abs=1e-9)
+
+
+def test_orders_through_unequal_meshes_that_mean_nothing_are_not_given() -> None:
+    sizes = (1.0, 0.5, 0.25)
+    assert fitted_order(sizes, (1.0, 2.0, 1.5)) is None
+    assert fitted_order(sizes, (1.0, 2.0, 4.0)) is None  # diverges
+    assert fitted_order(sizes, (1.0, 2.0, float("nan"))) is None
+
+
+def test_cancellation_at_the_equator_by_hand() -> None:
+    settings = {"R1_mm": 50.0, "R0_mm": 250.0, "plies": 1, "ply_thickness_mm": 4.8, "nu": 0.45}
+    assert cancellation(settings) == pytest.approx(26.2 / (26.2 - 0.45 * 46.961), rel=1e-3)
+    assert cancellation(settings | {"nu": 0.0}) == 1.0
+
+
+def test_a_solved_solid_is_drawn_as_a_tyre(tmp_path: Path) -> None:
+    from studies.solve import solve
+
+    solve(*resolve("tyre-solid", {"delta_mm": "10"}, "8x10")).write(tmp_path)
+    assert load_cell(tmp_path, "solid").converged
+    assert len(draw_result(tmp_path)) == 4
