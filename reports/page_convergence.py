@@ -13,6 +13,7 @@ from reports.ladders import Rung, families, read_ladders
 from reports.markdown import NOTHING, Part, commands, fixed, folded, joined, percent, picture, prose, table
 from reports.navigation import links
 from reports.schema import Store
+from reports.solid_part import solid_part
 
 INTRODUCTION = prose(f"""# Convergence
 
@@ -64,7 +65,7 @@ def convergence_page(store: Store) -> Part:
     rungs = read_ladders(store)
     lines = commands(cell.command for rung in rungs for cell in rung.cells)
     measured = (_orders(rungs), _pictures(rungs), _parts(rungs), Part(lines))
-    return joined([Part(INTRODUCTION), *measured, element_choice_part(store)])
+    return joined([Part(INTRODUCTION), *measured, solid_part(store), element_choice_part(store)])
 
 
 def _orders(rungs: list[Rung]) -> Part:
