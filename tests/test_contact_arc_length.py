@@ -86,3 +86,11 @@ def test_a_curve_that_never_gets_there_says_so(contacts) -> None:
     (limit,) = [p for p in trace.points if p.limit]
     assert limit.u[0] == pytest.approx(1.0, abs=LIMIT)
     assert limit.factor == pytest.approx(1 / math.e, abs=LIMIT_LOAD)
+
+
+def test_a_march_without_an_iteration_does_not_leave_rest(contacts) -> None:
+    linearise, load = truss(contacts)
+    trace = ArcLength(0.02, max_iterations=0).trace(linearise, load, [TARGET])
+    assert trace.outcome is Outcome.STEP_LIMIT
+    assert "arc length after t = 0" in trace.reason
+    assert len(trace.points) == 1
