@@ -62,7 +62,7 @@ def solid_part(store: Store) -> Part:
     for face in FACES:
         name = f"inflated_equator_{face}_mm"
         computed = float(store.references_of("tyre-solid", name, "computed")[0]["value"])
-        values = ([cell.result["quantities"][name] for cell in cells] for cells in (solids, shells))
+        values = ([cell.result["quantities"].get(name, math.nan) for cell in cells] for cells in (solids, shells))
         solid, shell = map(_sequence, (solids, shells), values)
         growth[face] = (solid, shell, computed)
     meshes = [cell.result["mesh"] for cell in (*solids, *shells)]

@@ -205,6 +205,31 @@ def test_run_is_resumed_not_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyP
     assert json.loads((store / "campaign.json").read_text())["cells"][0]["label"] == "c2"
 
 
+def test_cells_solved_side_by_side_are_those_solved_one_by_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(CAMPAIGNS, "small", [Cell(f"c{n}", "cantilever", {"mesh": f"{n}x1"}) for n in (2, 4, 6)])
+
+    def finished(jobs: str) -> dict[str, object]:
+        store = tmp_path / jobs
+        assert main(["run", "small", "--store", str(store), "--jobs", jobs]) == 0
+        results = {path.parent.name: json.loads(path.read_text()) for path in store.glob("cells/*/result.json")}
+        return {name: (result["quantities"], result["counters"]) for name, result in results.items()}
+
+    one_by_one = finished("1")
+    assert len(one_by_one) == 3
+    assert finished("2") == one_by_one
+    assert main(["run", "small", "--store", str(tmp_path / "3"), "--jobs", "0"]) == 2
+    assert "jobs = 0 must be a whole number in [1, 64]" in capsys.readouterr().err
+
+
+def test_a_cell_that_fails_stops_the_campaign_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    impossible = Cell("odd", "tyre", {"mesh": "7x7"})  # refused by the scene, not by a range
+    monkeypatch.setitem(CAMPAIGNS, "small", [impossible, Cell("c2", "cantilever", {"mesh": "2x1"})])
+    assert main(["run", "small", "--store", str(tmp_path), "--jobs", "2"]) == 2
+    assert not (tmp_path / "campaign.json").exists()
+
+
 def test_identity_follows_what_decides_the_result() -> None:
     base = Cell("a", "cantilever", {"mesh": "4x1"})
     assert identity(base) == identity(Cell("another label", "cantilever", {"mesh": "4x1"}))

@@ -78,13 +78,16 @@ def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
 
 
 def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
-    made = cells()
+    made = cells({"element": "paper"}, "paper")
     assert len({cell.label for cell in made}) == len(made) == sum(len(ladder.meshes) for ladder in LADDERS)
     assert len({identity(cell) for cell in made}) == len(made)
     other = cells({"thickness_strain": "nodal"}, "other")
     hemisphere = next(cell for cell in other if cell.label == "convergence hemisphere 16x16 other")
     assert hemisphere.settings == {"load_fraction": "1", "thickness_strain": "nodal"}
     assert [cell.label.rsplit(" ", 1)[0] for cell in other] == [cell.label.rsplit(" ", 1)[0] for cell in made]
+    fewer = {cell.label for cell in cells({"element": "paper"}, "paper", finest=False)}
+    left_out = {f"convergence {ladder.name} {ladder.meshes[-1]} paper" for ladder in LADDERS}
+    assert {cell.label for cell in made} - fewer == left_out
 
 
 def test_the_ladder_table_tells_the_pages_what_to_read() -> None:
