@@ -123,8 +123,12 @@ def _solve(options: argparse.Namespace) -> int:
     _print_table(result.as_json())
     if options.plot:
         from reports.figures import draw_result
+        from reports.schema import StoreError
 
-        draw_result(options.out)
+        try:
+            draw_result(options.out)
+        except StoreError as error:
+            raise UsageError(str(error)) from None
     if result.outcome.converged:
         return OK
     print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
