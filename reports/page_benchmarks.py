@@ -19,7 +19,8 @@ INTRODUCTION = prose(f"""# Benchmarks without contact
 
 {links("benchmarks.md")}
 
-Two shells that bend through large rotations, each on three meshes. *Order* is the exponent p of an error that falls
+Two shells that bend through large rotations, each on three meshes, with the element of the paper (`element=paper`; the
+default one is [better](convergence.md#which-element)). *Order* is the exponent p of an error that falls
 like h^p: against a reference from the errors of two meshes, and *own* from the differences of all three, which needs
 no reference. *Extrapolated* is Richardson's limit with the own order. A dash stands where an order has no meaning: the
 error changes its sign, or is below the uncertainty of the reference.""")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable
 
 from reports import labels
+from reports.element_choice import choices
 from reports.ladders import read_ladders
 from reports.maps import at_delta
 from reports.markdown import Part, commands, digits, fixed, machine, percent, prose, scientific, table
@@ -81,7 +82,7 @@ def _unusual(cell: Cell) -> list[str]:
 
 
 def _findings(store: Store) -> str:
-    found = (_linear(store), _newton(store), _agreement(store), _convergence(store))
+    found = (_linear(store), _newton(store), _agreement(store), _convergence(store), _element(store))
     return "\n".join(["## Findings", "", *(f"{i}. {text}" for i, text in enumerate(found, start=1))])
 
 
@@ -104,6 +105,14 @@ def _newton(store: Store) -> str:
         f"step, plain Newton {counts[1]} in {plain.result['settings']['steps']} steps; the tyre takes {counts[2]} with "
         f"`{fast.result['contact']}`, against {counts[3]} with `{slow.result['contact']}` and plain Newton."
     )
+
+
+def _element(store: Store) -> str:
+    found = choices(store)
+    counts = [sum(choice.verdict == word for choice in found) for word in ("better", "equal", "worse")]
+    return prose(f"""**Which element.** On the coarsest mesh of each scene the default element is nearer to the limit
+than the element of the paper for {counts[0]} of {len(found)} quantities, equal for {counts[1]} and worse for
+{counts[2]}; see [which element](convergence.md#which-element).""")
 
 
 def _agreement(store: Store) -> str:

@@ -15,7 +15,8 @@ INTRODUCTION = f"""# The tyre
 {links("tyre.md")}
 
 Angles: ψ runs along the meridian and is zero at the outer equator, φ runs around the axis and is zero where the plane
-touches first. Pressures are contact pressures, positive in compression. `DIR` in a command is any new directory.
+touches first. Pressures are contact pressures, positive in compression. The element is that of the paper throughout
+(`element=paper`). `DIR` in a command is any new directory.
 
 1. [The paper's tyre under a plane](#the-papers-tyre-under-a-plane)
 2. [The printed table](#the-printed-table) and its [symmetry](#symmetry)
