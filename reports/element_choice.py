@@ -12,15 +12,18 @@ from reports.markdown import NOTHING, Part, commands, percent, prose, table
 from reports.schema import Store
 
 ENOUGH = 0.01  # the error that a mesh is wanted for
-EQUAL = 1e-3  # two errors this close, or both below it, are equal
+EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart
 
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """One quantity by both elements on the same meshes: relative errors against the common limit, coarse to fine."""
+    """One quantity by both elements on the same meshes: relative errors against the common limit, coarse to fine.
+
+    uncertainty: relative, of the limit.
+    """
 
     rung: Rung
-    limit: float
+    uncertainty: float
     default: np.ndarray
     paper: np.ndarray
 
@@ -30,7 +33,7 @@ class Choice:
         default, paper = abs(self.default[0]), abs(self.paper[0])
         if np.isnan(default) or np.isnan(paper):
             return "not solved by both"
-        if max(default, paper) <= EQUAL or abs(default - paper) <= EQUAL:
+        if abs(default - paper) <= max(EQUAL, self.uncertainty):
             return "equal"
         return "better" if default < paper else "worse"
 
@@ -55,11 +58,13 @@ def choices(store: Store) -> list[Choice]:
         known = [s for s in (default.sequence, paper.sequence) if s.limit is not None and s.uncertainty is not None]
         if not known:
             continue
-        limit = min(known, key=lambda s: s.uncertainty or 0.0).limit
+        best = min(known, key=lambda s: s.uncertainty or 0.0)
+        limit, uncertainty = best.limit, best.uncertainty
         assert limit is not None
+        assert uncertainty is not None
         count = len(paper.meshes)
         errors = [np.array(rung.sequence.values[:count]) / limit - 1 for rung in (default, paper)]
-        found.append(Choice(default, limit, *errors))
+        found.append(Choice(default, abs(uncertainty / limit), *errors))
     return found
 
 
@@ -83,10 +88,11 @@ def element_choice_part(store: Store) -> Part:
 The element of the paper (`element=paper`) against the default (`element=refined`), which samples the thickness strain
 at the nodes and relaxes the linear membrane modes of curved elements. Both have the same unknowns and the same limit;
 errors are relative to that limit, which is taken from the sequence whose limit is the more certain. On the coarsest
-mesh the default is better for {counts["better"]} quantities, equal within {percent(EQUAL, 1, sign=False)} for
-{counts["equal"]}, and worse for {counts["worse"]}{": " + "; ".join(worse) if worse else ""}. *Elements for
-{percent(ENOUGH, 0, sign=False)}*: from which the error stays below, interpolated; a dash where it is so on every mesh
-or on none. *Iterations*: of Newton's method over the whole path on the second mesh.""")
+mesh the default is better for {counts["better"]} quantities, equal within {percent(EQUAL, 1, sign=False)} or within the
+uncertainty of the limit for {counts["equal"]}, and worse for
+{counts["worse"]}{": " + "; ".join(worse) if worse else ""}. *Elements for {percent(ENOUGH, 0, sign=False)}*: from which
+the error stays below, interpolated; a dash where it is so on every mesh or on none. *Iterations*: of Newton's method
+over the whole path on the second mesh.""")
     header = ["scene", "quantity", "default is", "meshes", "coarsest: paper / default", "second", "third"]
     header += [f"elements for {percent(ENOUGH, 0, sign=False)}", "iterations"]
     lines = commands(cell.command for c in found for cell in c.rung.cells[: len(c.paper)])

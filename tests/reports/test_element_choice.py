@@ -13,9 +13,9 @@ from reports.ladders import Rung
 MESHES = ("10x10", "20x20", "40x40", "80x80")
 
 
-def choice(default: list[float], paper: list[float]) -> Choice:
+def choice(default: list[float], paper: list[float], uncertainty: float = 0.0) -> Choice:
     rung = Rung("made up", "none", "w_mm", MESHES, (), {}, ())
-    return Choice(rung, 1.0, np.array(default), np.array(paper))
+    return Choice(rung, uncertainty, np.array(default), np.array(paper))
 
 
 @pytest.mark.parametrize(
@@ -30,6 +30,11 @@ def choice(default: list[float], paper: list[float]) -> Choice:
 )
 def test_verdict_is_that_of_the_coarsest_mesh(default: float, paper: float, verdict: str) -> None:
     assert choice([default, 0.0, 0.0], [paper, 0.0, 0.0]).verdict == verdict
+
+
+def test_what_the_limit_does_not_tell_apart_is_equal() -> None:
+    assert choice([-0.05], [0.02], uncertainty=0.029).verdict == "worse"
+    assert choice([-0.05], [0.02], uncertainty=0.031).verdict == "equal"
 
 
 def test_enough_elements_are_interpolated_by_the_order() -> None:
