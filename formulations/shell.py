@@ -226,6 +226,14 @@ class ShellModel:
         strain_energy = self._element.energy(self.discretisation.geometry, self._element_vectors(u))
         return strain_energy - float(self._dead @ u)
 
+    @property
+    def conservative(self) -> bool:
+        """True when :meth:`energy` is the potential of the residual: D symmetric, dead loads, H0 zero."""
+        D = self.discretisation.laminate.stiffness(self.section)
+        symmetric = bool(np.max(np.abs(D - D.T)) <= 1e-12 * np.max(np.abs(D)))
+        follows = self.couples is not None or (self.pressure is not None and self.pressure.follower)
+        return symmetric and not follows and (self.initial is None or not np.any(self.initial))
+
     def resultants(self, u: np.ndarray) -> np.ndarray:
         """Mode resultants H (E, 22) [N/mm]; the first 11 are the element means in the order of the strains."""
         strains = self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
@@ -247,6 +255,21 @@ class ShellModel:
         nodal = shell.nodal(total)
         on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
         return np.where(shell.map.held, nodal, np.where(shell.map.hinged, on_hinges, 0.0))
+
+    def outside_force(self, u: np.ndarray) -> np.ndarray:
+        """Resultant (3,) of loads and supports on the shell at u [N], Cartesian; minus that of a foundation.
+
+        The element forces add up to nothing only as far as the interpolation can translate the shell without strain:
+        "isoparametric" does, "curvilinear" on a curved surface does not. Dead forces on a hinge are not counted.
+        """
+        shell, reactions = self.discretisation, self.reactions(u)
+        _, external, _ = self.element_contributions(u, None)
+        loads = self._dead_contributions() + (0.0 if external is None else external)
+        nodal = shell.nodal(loads) + reactions
+        if self.forces is not None:
+            nodal += np.where(shell.map.hinged, 0.0, shell.expand(self.forces))
+        frame = shell.surface.frame(shell.grid.nodes[:, 0], shell.grid.nodes[:, 1])
+        return np.einsum("nif,nij->j", nodal.reshape(-1, 3, 2), frame)
 
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Element forces, external element forces that follow (or None), element tangents."""
