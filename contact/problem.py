@@ -101,7 +101,8 @@ def excused(residual: float, rounding: float, correction: float) -> bool:
 def without_contact(linearise: Callable[[np.ndarray, object], Linearisation], n: int) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))
-    return ContactProblem(linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0))
+    nowhere = np.zeros((0, 3))
+    return ContactProblem(linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0), directions=lambda u: nowhere)
 
 
 class Outcome(enum.Enum):

@@ -257,18 +257,30 @@ class ShellModel:
         return np.where(shell.map.held, nodal, np.where(shell.map.hinged, on_hinges, 0.0))
 
     def outside_force(self, u: np.ndarray) -> np.ndarray:
-        """Resultant (3,) of loads and supports on the shell at u [N], Cartesian; minus that of a foundation.
+        """Resultant (3,) of loads and supports on the shell at u [N], Cartesian. Dead forces on a hinge do not count.
 
-        The element forces add up to nothing only as far as the interpolation can translate the shell without strain:
-        "isoparametric" does, "curvilinear" on a curved surface does not. Dead forces on a hinge are not counted.
+        In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
         """
-        shell, reactions = self.discretisation, self.reactions(u)
+        reactions = self.reactions(u)
         _, external, _ = self.element_contributions(u, None)
         loads = self._dead_contributions() + (0.0 if external is None else external)
-        nodal = shell.nodal(loads) + reactions
+        nodal = self.discretisation.nodal(loads) + reactions
         if self.forces is not None:
-            nodal += np.where(shell.map.hinged, 0.0, shell.expand(self.forces))
-        frame = shell.surface.frame(shell.grid.nodes[:, 0], shell.grid.nodes[:, 1])
+            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.expand(self.forces))
+        return self._resultant(nodal)
+
+    def spurious_force(self, u: np.ndarray) -> np.ndarray:
+        """What the internal forces of all elements add up to (3,) [N], Cartesian.
+
+        Nothing where the interpolation can translate the shell without strain: "isoparametric", or on a plate. Where
+        components along a curved surface are interpolated it can not, and the sum falls with the square of the mesh.
+        """
+        force, _, _ = self.element_contributions(u, None)
+        return self._resultant(self.discretisation.nodal(force))
+
+    def _resultant(self, nodal: np.ndarray) -> np.ndarray:
+        """Cartesian sum (3,) of forces (N, 6) in the local frames."""
+        frame = self.discretisation.surface.frame(*self.discretisation.grid.nodes.T)
         return np.einsum("nif,nij->j", nodal.reshape(-1, 3, 2), frame)
 
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:

@@ -142,7 +142,17 @@ def _print_table(result: dict[str, object]) -> None:
     steps = result["steps"]
     assert isinstance(steps, list)
     if steps:
-        left_out = {"kkt", "rounding", "factorisations", "assemblies", "set_changes", "substeps"}
+        left_out = {
+            "kkt",
+            "balances",
+            "failures",
+            "diagnosis",
+            "rounding",
+            "factorisations",
+            "assemblies",
+            "set_changes",
+            "substeps",
+        }
         scalars = [{key: value for key, value in step.items() if key not in left_out} for step in steps]
         print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
     counters = result["counters"]

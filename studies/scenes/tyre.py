@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.foundation import Candidates
-from contact.problem import ContactSolution
+from contact.problem import ContactProblem, ContactSolution
 from formulations.grid import Grid, graded_lines
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
@@ -21,7 +21,7 @@ from formulations.surface import torus
 from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, UsageError, Value
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import loaded_shell
+from studies.scenes.statics import loaded_shell, with_balances
 from studies.scenes.tyre_press import PressedTyre, Wall
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
@@ -199,6 +199,10 @@ class TyreModel(ShellSceneModel, PressedTyre):
 
         wall = Wall(grid.nodes, grid.node_shape, candidate, 1, faces)
         return cls(shell, wall, candidates, deltas, shell, nodes)
+
+    def with_balances(self, problem: ContactProblem) -> ContactProblem:
+        """Energy and forces of the inflated shell."""
+        return with_balances(problem, self.shell)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,); zero during inflation."""

@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 
 from contact.foundation import Candidates, RigidPlane, against_plane
-from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
 from studies.scene import Observation, Stage
 
@@ -92,9 +91,14 @@ class PressedTyre:
         start = ContactSolution(previous.u, np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
 
         def at(delta: float) -> ContactProblem:
-            return against_plane(self.body.linearise, self.candidates, RigidPlane(NORMAL, first_touch - delta))
+            plane = RigidPlane(NORMAL, first_touch - delta)
+            return self.with_balances(against_plane(self.body.linearise, self.candidates, plane))
 
         return at, start
+
+    def with_balances(self, problem: ContactProblem) -> ContactProblem:
+        """The problem with what the body lets the judge see beyond the contact conditions."""
+        return problem
 
     def _observe_inflation(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         rest = np.zeros_like(state.u)
@@ -117,14 +121,7 @@ class PressedTyre:
             "half_length_mm": half_extent(x[:, 1].reshape(wall.shape)[row], active[row]),
             "half_width_mm": half_extent(x[:, 2].reshape(wall.shape)[:, column], active[:, column]),
         }
-        verdict = judge(problem, state.u, state.pressure)
-        step = {
-            "delta_mm": delta,
-            **headline,
-            "kkt": verdict.kkt,
-            "rounding": verdict.rounding,
-            **asymmetries(pressure),
-        }
+        step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
         gap = problem.gap(state.u)
         seen = np.flatnonzero(wall.candidate >= 0)
         own = wall.candidate[seen]
