@@ -22,14 +22,15 @@ import pandas as pd
 
 from contact.algorithms import ALGORITHMS
 from contact.diagnosis import diagnose
+from contact.frozen import FrozenStep, freeze
 from contact.judge import judge
-from contact.path import follow
+from contact.path import PathPoint, follow
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
 from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
 from studies.scenes import SCENES
-from studies.store import write_by, write_json, write_table
+from studies.store import plain, write_by, write_json, write_table
 
 MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
@@ -102,6 +103,7 @@ class Result:
     history: list[dict[str, Any]] = field(default_factory=list)
     tables: dict[str, list[pd.DataFrame]] = field(default_factory=dict)
     last: ContactSolution | None = None
+    frozen: Callable[[], FrozenStep] | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""
@@ -169,6 +171,7 @@ def _run_stages(
         tell = partial(_tell, progress, stage.name)
         path = follow(problem_at, 0.0, stage.targets, algorithm, state, steps, tell)
         for point in path:
+            result.frozen = partial(_freeze, problem_at, point, result, stage.name)
             _account(result, stage.name, point.solution.counters, point.solution.history)
             if point.outcome.converged or point.reached != 0.0:
                 result.last = point.solution
@@ -182,6 +185,22 @@ def _run_stages(
             counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
             spent = {**counts, "substeps": point.substeps}
             _record(result, seen, certificate(problem, point.solution, algorithm.epsilon), spent)
+
+
+def _freeze(problem_at: Callable[[float], ContactProblem], point: PathPoint, result: Result, stage: str) -> FrozenStep:
+    """The contact problem at the end of the path, linearised: at its solution, or where the last step set out from.
+
+    Raises UsageError when it has no contact candidates.
+    """
+    parameter = point.requested if point.outcome.converged else float(str(result.history[-1]["parameter"]))
+    problem, state = problem_at(parameter), point.solution
+    if not len(problem.weights):
+        raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")
+    told = result.as_json()
+    origin = {key: told[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
+    origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": point.outcome.value}
+    commit = {key: told["provenance"][key] for key in ("version", "commit")}
+    return freeze(problem, state.u, state.pressure, plain({**origin, **commit}))
 
 
 def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bool:
