@@ -10,7 +10,7 @@ The file is one .npz (a zip of .npy arrays, no pickles) with the arrays
     G_data, G_indices, G_indptr       G (m, n) in CSR [-]
     r (n,) [N], gap (m,) [mm], weights (m,) [mm^2], scale () [N], the size of the forces in balance
     W_data, W_indices, W_indptr       only with consistent coupling: W (m, m) in CSR; else W = diag(weights)
-    meta ()                           text, a JSON object: "format" and "format_version", and where the problem comes from
+    meta ()                           a JSON object as text: format and format_version, and where the problem is from
 """
 
 from __future__ import annotations
