@@ -1,14 +1,31 @@
-"""The judge: recomputes what an answer is worth from (problem, u, pressure) alone and trusts no algorithm."""
+"""The judge: recomputes what an answer is worth from (problem, u, pressure) alone and trusts no algorithm.
+
+What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnosis`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from contact.linear import SingularMatrixError, checked_solve, factorise
-from contact.problem import ROUNDING_ALONE, WORST_ROUNDING, ContactProblem, excused, rounding_floor
+from contact.problem import (
+    ROUNDING_ALONE,
+    WORST_ROUNDING,
+    ContactProblem,
+    Linearisation,
+    excused,
+    rounding_floor,
+)
+
+KKT = ("equilibrium", "penetration", "tension", "complementarity")
+BALANCES = ("energy", "force")
+_INNER = float(np.sqrt(3 / 7)) / 2
+LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
 
 
 @dataclass(frozen=True)
@@ -20,6 +37,9 @@ class Verdict:
     rounding: the equilibrium that rounding alone would explain [-]; it excuses nothing above itself.
     correction: the displacement that the imbalance still asks for over all displacement [-], on the pressed nodes held
     at their gaps; infinite unless it decides, see :func:`contact.problem.excused`.
+    energy: mismatch of the work of all forces with the change of energy, over the largest part [-]; None without a
+    potential.  force: |sum of the forces of the foundation + all others on the body| over the largest [-]; None where
+    the problem does not tell the others.  energy_rounding: the energy mismatch that rounding explains.
     """
 
     equilibrium: float
@@ -28,12 +48,24 @@ class Verdict:
     complementarity: float
     rounding: float
     correction: float = np.inf
+    energy: float | None = None
+    force: float | None = None
+    energy_rounding: float = 0.0
 
     @property
     def kkt(self) -> dict[str, float]:
         """The four residuals by name."""
-        names = ("equilibrium", "penetration", "tension", "complementarity")
-        return {name: getattr(self, name) for name in names}
+        return {name: getattr(self, name) for name in KKT}
+
+    @property
+    def balances(self) -> dict[str, float]:
+        """The balances of energy and force by name, those that the problem can tell."""
+        return {name: getattr(self, name) for name in BALANCES if getattr(self, name) is not None}
+
+    @property
+    def certificate(self) -> dict[str, Any]:
+        """What a result says of itself: {failures, kkt, balances, rounding}; certified when nothing has failed."""
+        return {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
 
     def failures(
         self,
@@ -42,32 +74,51 @@ class Verdict:
         penetration: float = 1e-9,
         tension: float = 0.0,
         complementarity: float = 1e-9,
+        balance: float = 1e-8,
     ) -> list[str]:
         """The names of the residuals above their bounds (NaN counts as above).
 
         The defaults are those of an exact multiplier; a finite epsilon needs wider bounds for penetration, p/epsilon,
-        and complementarity, p^2/epsilon.
+        and complementarity, p^2/epsilon, or an answer judged with its epsilon. ``balance`` bounds energy and force.
         """
         bounds = {
             "equilibrium": np.inf if excused(self.equilibrium, self.rounding, self.correction) else equilibrium,
             "penetration": penetration,
             "tension": tension,
             "complementarity": complementarity,
+            "energy": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
+            "force": max(balance, min(self.rounding, ROUNDING_ALONE)),
         }
-        return [name for name, bound in bounds.items() if not self.kkt[name] <= bound]
+        return [name for name, value in {**self.kkt, **self.balances}.items() if not value <= bounds[name]]
 
 
-def judge(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> Verdict:
-    """Recompute all residuals; raises ValueError when the pressures do not fit the candidates."""
+def judge(
+    problem: ContactProblem,
+    u: np.ndarray,
+    pressure: np.ndarray,
+    *,
+    epsilon: float = np.inf,
+    since: np.ndarray | None = None,
+) -> Verdict:
+    """Recompute all residuals; raises ValueError when the pressures do not fit the candidates.
+
+    epsilon [MPa/mm]: with a finite one the conditions are those of its law, that is of the gap g + p/epsilon.
+    since (n,): state from which the energy is balanced, at the same loads; default the undeformed one.
+    """
     if pressure.shape != problem.weights.shape:
         raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
     lin = problem.linearise(u, None)
-    gap = problem.gap(u)
+    gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
     contact = problem.contact_force(u, pressure)
     scale = max(lin.scale, float(np.linalg.norm(contact))) or 1.0
     imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
     equilibrium = float(np.linalg.norm(imbalance)) / scale
     decides = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
+    energy, energy_rounding = (
+        (None, 0.0)
+        if problem.energy is None
+        else _energy_balance(problem, problem.energy, np.zeros_like(u) if since is None else since, u, contact)
+    )
     return Verdict(
         equilibrium=equilibrium,
         penetration=float(np.max(-gap, initial=0.0)),
@@ -75,7 +126,39 @@ def judge(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray) -> Verdi
         complementarity=float(np.max(np.abs(pressure * gap), initial=0.0)),
         rounding=rounding,
         correction=_correction(problem, lin.tangent, imbalance, u, pressure) if decides else np.inf,
+        energy=energy,
+        force=_force_balance(problem, lin, u, pressure),
+        energy_rounding=energy_rounding,
     )
+
+
+def _energy_balance(
+    problem: ContactProblem,
+    potential: Callable[[np.ndarray], float],
+    since: np.ndarray,
+    u: np.ndarray,
+    contact: np.ndarray,
+) -> tuple[float, float]:
+    """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
+
+    P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
+    pressures, not from r. Exact up to the eighth degree of P; strains quadratic in u make the fourth.
+    """
+    du, way = u - since, [problem.linearise(since + t * (u - since), None) for t, _ in LOBATTO[:-1]]
+    works = [weight * float(lin.residual @ du) for lin, (_, weight) in zip(way, LOBATTO[:-1], strict=True)]
+    works.append(LOBATTO[-1][1] * float(contact @ du))
+    ends = [potential(u), -potential(since)]
+    size = sum(map(abs, works + ends)) or 1.0
+    noise = rounding_floor(way[-1], u) * float(np.linalg.norm(du))
+    return abs(sum(ends) - sum(works)) / size, noise / size
+
+
+def _force_balance(problem: ContactProblem, lin: Linearisation, u: np.ndarray, pressure: np.ndarray) -> float | None:
+    if problem.directions is None or problem.others is None:
+        return None
+    nodal = problem.nodal_forces(pressure)
+    size = max(lin.scale, float(np.sum(np.abs(nodal)))) or 1.0
+    return float(np.linalg.norm(nodal @ problem.directions(u) + problem.others(u))) / size
 
 
 def _correction(

@@ -50,6 +50,10 @@ class ContactProblem:
     linearise(u, memory) -> Linearisation;  gap(u) -> (m,);  gap_jacobian(u) -> (m, n) CSR;  weights (m,) [mm^2];
     coupling: consistent W (m, m), or None for diag(weights);  gap_curvature(u, f) -> (n, n) CSC, the sum over the
     nodes of f_i d2g_i/du2 for nodal contact forces f, or None when the gap is linear in u.
+
+    The rest only lets the judge see more, where there is such a thing: energy(u) -> [N mm], the potential of r, that is
+    r = d energy/du;  directions(u) -> (m, 3), unit vectors in which the foundation pushes the candidates;  others(u) ->
+    (3,) [N], the resultant of all loads and supports on the body, of everything but the foundation.
     """
 
     linearise: Callable[[np.ndarray, object], Linearisation]
@@ -58,6 +62,9 @@ class ContactProblem:
     weights: np.ndarray
     coupling: sparse.csr_matrix | None = None
     gap_curvature: Callable[[np.ndarray, np.ndarray], sparse.csc_matrix] | None = None
+    energy: Callable[[np.ndarray], float] | None = None
+    directions: Callable[[np.ndarray], np.ndarray] | None = None
+    others: Callable[[np.ndarray], np.ndarray] | None = None
 
     def nodal_forces(self, pressure: np.ndarray) -> np.ndarray:
         """Normal forces f = W p (m,) [N] of the foundation on the candidate nodes."""
@@ -94,7 +101,8 @@ def excused(residual: float, rounding: float, correction: float) -> bool:
 def without_contact(linearise: Callable[[np.ndarray, object], Linearisation], n: int) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))
-    return ContactProblem(linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0))
+    nowhere = np.zeros((0, 3))
+    return ContactProblem(linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0), directions=lambda u: nowhere)
 
 
 class Outcome(enum.Enum):

@@ -226,6 +226,14 @@ class ShellModel:
         strain_energy = self._element.energy(self.discretisation.geometry, self._element_vectors(u))
         return strain_energy - float(self._dead @ u)
 
+    @property
+    def conservative(self) -> bool:
+        """True when :meth:`energy` is the potential of the residual: D symmetric, dead loads, H0 zero."""
+        D = self.discretisation.laminate.stiffness(self.section)
+        symmetric = bool(np.max(np.abs(D - D.T)) <= 1e-12 * np.max(np.abs(D)))
+        follows = self.couples is not None or (self.pressure is not None and self.pressure.follower)
+        return symmetric and not follows and (self.initial is None or not np.any(self.initial))
+
     def resultants(self, u: np.ndarray) -> np.ndarray:
         """Mode resultants H (E, 22) [N/mm]; the first 11 are the element means in the order of the strains."""
         strains = self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
@@ -247,6 +255,33 @@ class ShellModel:
         nodal = shell.nodal(total)
         on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
         return np.where(shell.map.held, nodal, np.where(shell.map.hinged, on_hinges, 0.0))
+
+    def outside_force(self, u: np.ndarray) -> np.ndarray:
+        """Resultant (3,) of loads and supports on the shell at u [N], Cartesian. Dead forces on a hinge do not count.
+
+        In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
+        """
+        reactions = self.reactions(u)
+        _, external, _ = self.element_contributions(u, None)
+        loads = self._dead_contributions() + (0.0 if external is None else external)
+        nodal = self.discretisation.nodal(loads) + reactions
+        if self.forces is not None:
+            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.expand(self.forces))
+        return self._resultant(nodal)
+
+    def spurious_force(self, u: np.ndarray) -> np.ndarray:
+        """What the internal forces of all elements add up to (3,) [N], Cartesian.
+
+        Nothing where the interpolation can translate the shell without strain: "isoparametric", or on a plate. Where
+        components along a curved surface are interpolated it can not, and the sum falls with the square of the mesh.
+        """
+        force, _, _ = self.element_contributions(u, None)
+        return self._resultant(self.discretisation.nodal(force))
+
+    def _resultant(self, nodal: np.ndarray) -> np.ndarray:
+        """Cartesian sum (3,) of forces (N, 6) in the local frames."""
+        frame = self.discretisation.surface.frame(*self.discretisation.grid.nodes.T)
+        return np.einsum("nif,nij->j", nodal.reshape(-1, 3, 2), frame)
 
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Element forces, external element forces that follow (or None), element tangents."""

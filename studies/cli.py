@@ -1,4 +1,4 @@
-"""The command line: ``footprint list | solve | run | report | bench``.
+"""The command line: ``footprint list | solve | resolve | run | report | bench``.
 
 Exit codes: 0 fine, 1 a check failed, 2 wrong use (one line), 3 did not converge (result.json is still written).
 Heavy imports wait until a command needs them.
@@ -59,7 +59,15 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
     command.add_argument("--out", type=Path, required=True, metavar="DIR")
     command.add_argument("--plot", action="store_true", help="draw pictures, too")
+    command.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
     command.set_defaults(command=_solve)
+
+    command = commands.add_parser("resolve", help="solve one frozen contact problem again, alone, and judge it")
+    command.add_argument("file", type=Path, metavar="FILE")
+    command.add_argument("--contact", default="semismooth")
+    command.add_argument("--epsilon", type=float, help="regularisation, MPa/mm; default that of the algorithm")
+    command.add_argument("--oracle", action="store_true", help="compare with a quadratic programme by cvxpy")
+    command.set_defaults(command=_resolve)
 
     command = commands.add_parser("run", help="solve the missing cells of a campaign")
     command.add_argument("campaign")
@@ -102,6 +110,7 @@ def _solve(options: argparse.Namespace) -> int:
 
     from studies.scene import UsageError
     from studies.solve import resolve, solve
+    from studies.store import write_by
 
     given: dict[str, str] = {}
     for pair in options.settings:
@@ -120,6 +129,10 @@ def _solve(options: argparse.Namespace) -> int:
     with Console(stderr=True).status("building") as status:
         result = solve(scene, request, lambda text: status.update(f"reached {text}"))
     result.write(options.out)
+    if options.freeze is not None:
+        if result.frozen is None:
+            raise UsageError(f"{options.scene} has no contact to freeze")
+        write_by(options.freeze, result.frozen().write)
     _print_table(result.as_json())
     if options.plot:
         from reports.figures import draw_result
@@ -135,6 +148,19 @@ def _solve(options: argparse.Namespace) -> int:
     return NOT_CONVERGED
 
 
+def _resolve(options: argparse.Namespace) -> int:
+    from studies.resolve import resolve_step
+    from studies.scene import UsageError
+
+    if options.epsilon is not None and not options.epsilon > 0:
+        raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
+    found = resolve_step(options.file, options.contact, options.epsilon, oracle=options.oracle)
+    print("\n".join(found.lines()))
+    if not found.solution.outcome.converged:
+        return NOT_CONVERGED
+    return OK if found.sound else FAILED
+
+
 def _print_table(result: dict[str, object]) -> None:
     """The entries of ``steps``, one line each, what fits a terminal."""
     import pandas as pd
@@ -142,7 +168,17 @@ def _print_table(result: dict[str, object]) -> None:
     steps = result["steps"]
     assert isinstance(steps, list)
     if steps:
-        left_out = {"kkt", "rounding", "factorisations", "assemblies", "set_changes", "substeps"}
+        left_out = {
+            "kkt",
+            "balances",
+            "failures",
+            "diagnosis",
+            "rounding",
+            "factorisations",
+            "assemblies",
+            "set_changes",
+            "substeps",
+        }
         scalars = [{key: value for key, value in step.items() if key not in left_out} for step in steps]
         print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
     counters = result["counters"]

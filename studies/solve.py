@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import importlib.metadata
 import importlib.util
+import math
 import os
 import platform
 import subprocess
@@ -20,13 +21,16 @@ from typing import Any
 import pandas as pd
 
 from contact.algorithms import ALGORITHMS
-from contact.path import follow
-from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from contact.diagnosis import diagnose
+from contact.frozen import FrozenStep, freeze
+from contact.judge import judge
+from contact.path import PathPoint, follow
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
 from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
 from studies.scenes import SCENES
-from studies.store import write_by, write_json, write_table
+from studies.store import plain, write_by, write_json, write_table
 
 MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
@@ -99,6 +103,7 @@ class Result:
     history: list[dict[str, Any]] = field(default_factory=list)
     tables: dict[str, list[pd.DataFrame]] = field(default_factory=dict)
     last: ContactSolution | None = None
+    frozen: Callable[[], FrozenStep] | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""
@@ -166,6 +171,7 @@ def _run_stages(
         tell = partial(_tell, progress, stage.name)
         path = follow(problem_at, 0.0, stage.targets, algorithm, state, steps, tell)
         for point in path:
+            result.frozen = partial(_freeze, problem_at, point, result, stage.name)
             _account(result, stage.name, point.solution.counters, point.solution.history)
             if point.outcome.converged or point.reached != 0.0:
                 result.last = point.solution
@@ -174,9 +180,27 @@ def _run_stages(
                 why = result.history[-1].get("event", "")
                 result.reason = f"{stage.name} at {point.requested:g}: {why}; last converged at {point.reached:g}"
                 return
-            seen = stage.observe(problem_at(point.requested), point.solution, point.requested)
+            problem = problem_at(point.requested)
+            seen = stage.observe(problem, point.solution, point.requested)
             counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
-            _record(result, seen, {**counts, "substeps": point.substeps})
+            spent = {**counts, "substeps": point.substeps}
+            _record(result, seen, certificate(problem, point.solution, algorithm.epsilon), spent)
+
+
+def _freeze(problem_at: Callable[[float], ContactProblem], point: PathPoint, result: Result, stage: str) -> FrozenStep:
+    """The contact problem at the end of the path, linearised: at its solution, or where the last step set out from.
+
+    Raises UsageError when it has no contact candidates.
+    """
+    parameter = point.requested if point.outcome.converged else float(str(result.history[-1]["parameter"]))
+    problem, state = problem_at(parameter), point.solution
+    if not len(problem.weights):
+        raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")
+    told = result.as_json()
+    origin = {key: told[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
+    origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": point.outcome.value}
+    commit = {key: told["provenance"][key] for key in ("version", "commit")}
+    return freeze(problem, state.u, state.pressure, plain({**origin, **commit}))
 
 
 def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bool:
@@ -186,10 +210,15 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
     _account(result, stage.name, trace.counters, trace.history)
     for point in trace.points[1:]:
         result.last = replace(rest, u=point.u)
-        seen = stage.observe(problem_at(point.factor), result.last, point.factor)
-        _record(result, seen, {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)})
+        problem = replace(problem_at(point.factor), energy=None)  # four assemblies more at every point of a curve
+        seen = stage.observe(problem, result.last, point.factor)
+        spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
+        _record(result, seen, certificate(problem, result.last), spent)
     result.quantities |= stage.summarise(trace.points)
-    columns = [{key: value for key, value in step.items() if key != "kkt"} for step in result.steps]
+    columns = [
+        {k: v for k, v in step.items() if k not in ("kkt", "balances", "failures", "diagnosis")}
+        for step in result.steps
+    ]
     result.tables["curve"] = [pd.DataFrame(columns)]
     if not trace.outcome.converged:
         result.outcome = trace.outcome
@@ -197,12 +226,25 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
     return trace.outcome.converged
 
 
-def _record(result: Result, seen: Observation, spent: Mapping[str, int]) -> None:
+def certificate(problem: ContactProblem, state: ContactSolution, epsilon: float = math.inf) -> dict[str, Any]:
+    """What the judge says of a state, by the law of its epsilon: failures by name and their diagnosis, kkt, balances.
+
+    kkt has the true gaps, whatever epsilon.
+    """
+    verdict = judge(problem, state.u, state.pressure)
+    found = verdict.certificate
+    if math.isfinite(epsilon):
+        found["failures"] = judge(problem, state.u, state.pressure, epsilon=epsilon).failures()
+    found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
+    return found
+
+
+def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int]) -> None:
     for name, table in seen.tables.items():
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:
-        result.steps.append({**seen.step, **spent})
+        result.steps.append({**seen.step, **judged, **spent})
 
 
 def _tell(progress: Callable[[str], None], stage: str, reached: float) -> None:

@@ -43,7 +43,11 @@ def test_result_has_the_documented_keys(solved: Path) -> None:
     assert result["outcome"] == "converged"
     assert result["mesh"] == "12x12"
     assert set(result["steps"][0]) >= STEP
-    assert set(result["steps"][0]["kkt"]) == {"equilibrium", "penetration", "tension", "complementarity"}
+    step = result["steps"][0]
+    assert set(step["kkt"]) == {"equilibrium", "penetration", "tension", "complementarity"}
+    assert set(step["balances"]) == {"energy", "force"}
+    assert max(step["balances"].values()) <= 1e-8
+    assert step["failures"] == step["diagnosis"] == []
     assert {"dofs", "newton_iterations", "factorisations", "assemblies"} <= set(result["counters"])
     assert {"total", "assembly", "factorisation"} <= set(result["timing_s"])
     assert set(result["provenance"]) == {"version", "commit", "packages", "machine"}

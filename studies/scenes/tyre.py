@@ -1,7 +1,7 @@
 """The pneumatic tyre of the 2004 paper: an angle-ply torus, inflated, then pressed by a rigid plane.
 
 a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-clamp are held. The plane is that of
-:mod:`studies.scenes.tyre_press`.
+:mod:`studies.scenes.tyre_press`; it may also be a foundation of :mod:`studies.scenes.tyre_foundation`.
 """
 
 from __future__ import annotations
@@ -11,17 +11,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.foundation import Candidates
-from contact.problem import ContactSolution
+from contact.foundation import Candidates, Foundation
+from contact.problem import ContactProblem, ContactSolution
 from formulations.grid import Grid, graded_lines
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import ShellModel
 from formulations.surface import torus
 from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, UsageError, Value
+from studies.scenes import tyre_foundation
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import loaded_shell
+from studies.scenes.statics import loaded_shell, with_balances
 from studies.scenes.tyre_press import PressedTyre, Wall
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
@@ -50,6 +51,7 @@ SETTINGS = (
     Setting("R1_mm", 50.0, "radius of the inner meridian", low=0, high=1e4, open_low=True),
     Setting("R0_mm", 250.0, "radius of the inner equator", low=0, high=1e5, open_low=True),
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
+    *tyre_foundation.SETTINGS,
     *ELEMENT,
     SOLVER,
 )
@@ -86,6 +88,7 @@ class Tyre:
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Add the paper's elastic constants, unless the tyre is isotropic; raises UsageError on a mixture."""
+        settings = tyre_foundation.complete(settings)
         isotropic = [key for key in ("E_MPa", "nu") if key in settings]
         given = [key for key in ORTHOTROPIC if key in settings]
         if not isotropic:
@@ -114,7 +117,7 @@ class Tyre:
             if settings["coupling"] == "consistent"
             else None,
         )
-        return TyreModel.of(shell, candidates, free, travels(settings))
+        return TyreModel.of(shell, candidates, free, travels(settings), tyre_foundation.foundation(settings))
 
 
 def tyre_lines(mesh: tuple[int, int], clamp_deg: float) -> tuple[np.ndarray, np.ndarray]:
@@ -187,7 +190,14 @@ class TyreModel(ShellSceneModel, PressedTyre):
     nodes: np.ndarray  # grid node of each candidate
 
     @classmethod
-    def of(cls, shell: ShellModel, candidates: Candidates, nodes: np.ndarray, deltas: Sequence[float]) -> TyreModel:
+    def of(
+        cls,
+        shell: ShellModel,
+        candidates: Candidates,
+        nodes: np.ndarray,
+        deltas: Sequence[float],
+        foundation: Foundation,
+    ) -> TyreModel:
         """All of the tyre is solved."""
         grid = shell.discretisation.grid
         candidate = np.full(grid.n_nodes, -1)
@@ -198,7 +208,11 @@ class TyreModel(ShellSceneModel, PressedTyre):
             return inner + du, outer + dv
 
         wall = Wall(grid.nodes, grid.node_shape, candidate, 1, faces)
-        return cls(shell, wall, candidates, deltas, shell, nodes)
+        return cls(shell, wall, candidates, deltas, foundation, shell, nodes)
+
+    def with_balances(self, problem: ContactProblem) -> ContactProblem:
+        """Energy and forces of the inflated shell."""
+        return with_balances(problem, self.shell)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,); zero during inflation."""

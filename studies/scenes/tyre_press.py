@@ -1,7 +1,7 @@
-"""The stages every tyre goes through, shell or solid: inflation, then the travel of a plane; and what is read off.
+"""The stages every tyre goes through, shell or solid: inflation, then the travel of a foundation; and what is read off.
 
-The plane has the normal e_x, touches the inflated tyre at (psi, phi) = (0, 0), and moves inwards by delta counted from
-that first touch. What the wall is made of does not enter here.
+The foundation comes along -e_x, touches the inflated tyre at (psi, phi) = (0, 0), and moves inwards by delta counted
+from that first touch. What the wall is made of does not enter here.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ from typing import Protocol, Self
 import numpy as np
 import pandas as pd
 
-from contact.foundation import Candidates, RigidPlane, against_plane
-from contact.judge import judge
+from contact.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
-from studies.scene import Observation, Stage
+from studies.scene import Observation, Stage, UsageError
+from studies.scenes.tyre_foundation import NORMAL
 
-NORMAL = np.array([1.0, 0.0, 0.0])
+OVERLAP = 1e-6  # mm
 
 
 class Body(Protocol):
@@ -60,12 +60,13 @@ class Wall:
 
 @dataclass(frozen=True, eq=False)
 class PressedTyre:
-    """The stages of a tyre: inflation without contact, then the travel of the plane."""
+    """The stages of a tyre: inflation without contact, then the travel of the foundation, at the origin here."""
 
     body: Body
     wall: Wall
     candidates: Candidates
     deltas: Sequence[float]
+    foundation: Foundation
 
     @property
     def n_unknowns(self) -> int:
@@ -73,7 +74,7 @@ class PressedTyre:
         return int(self.candidates.operator.shape[1])
 
     def stages(self) -> Iterator[Stage]:
-        """Inflation by a pressure factor, then the plane by delta [mm]."""
+        """Inflation by a pressure factor, then the foundation by delta [mm]."""
         yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
         yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
 
@@ -88,13 +89,22 @@ class PressedTyre:
     ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
         assert previous is not None
         m = len(self.candidates.reference)
-        first_touch = float(np.max(self.candidates.positions(previous.u) @ NORMAL))
+        inflated = self.candidates.positions(previous.u)
+        first_touch = float(np.max(inflated @ NORMAL))
+        overlap = -float(np.min(self.foundation.moved(first_touch * NORMAL).gap(inflated)))
+        if overlap > OVERLAP:
+            raise UsageError(f"the foundation is too narrow: it overlaps the inflated tyre by {overlap:.3g} mm")
         start = ContactSolution(previous.u, np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
 
         def at(delta: float) -> ContactProblem:
-            return against_plane(self.body.linearise, self.candidates, RigidPlane(NORMAL, first_touch - delta))
+            there = self.foundation.moved((first_touch - delta) * NORMAL)
+            return self.with_balances(against(self.body.linearise, self.candidates, there))
 
         return at, start
+
+    def with_balances(self, problem: ContactProblem) -> ContactProblem:
+        """The problem with what the body lets the judge see beyond the contact conditions."""
+        return problem
 
     def _observe_inflation(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         rest = np.zeros_like(state.u)
@@ -110,21 +120,16 @@ class PressedTyre:
         active = wall.spread(state.active).reshape(wall.shape)
         x = wall.faces(state.u)[1]
         row, column = divmod(wall.crown, wall.shape[1])
+        assert problem.directions is not None
+        inwards = -(problem.directions(state.u) @ NORMAL)
         headline = {
-            "force_N": wall.parts * float(np.sum(problem.nodal_forces(state.pressure))),
+            "force_N": wall.parts * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
             "centre_pressure_MPa": float(pressure[row, column]),
             "contact_nodes": int(active.sum()),
             "half_length_mm": half_extent(x[:, 1].reshape(wall.shape)[row], active[row]),
             "half_width_mm": half_extent(x[:, 2].reshape(wall.shape)[:, column], active[:, column]),
         }
-        verdict = judge(problem, state.u, state.pressure)
-        step = {
-            "delta_mm": delta,
-            **headline,
-            "kkt": verdict.kkt,
-            "rounding": verdict.rounding,
-            **asymmetries(pressure),
-        }
+        step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
         gap = problem.gap(state.u)
         seen = np.flatnonzero(wall.candidate >= 0)
         own = wall.candidate[seen]

@@ -20,6 +20,7 @@ from studies.fields import write_solid_fields
 from studies.scene import Reference, Request, Setting, UsageError, Value
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre import ORTHOTROPIC, Tyre, checked_wall, inflation, number, travels, tyre_lines
+from studies.scenes.tyre_foundation import foundation
 from studies.scenes.tyre_press import PressedTyre, Wall
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
@@ -87,7 +88,8 @@ class SolidTyre:
         coupling = mesh.face_mass(mesh.outer)[nodes][:, nodes] if settings["coupling"] == "consistent" else None
         weights = mesh.face_areas(mesh.outer)[nodes]
         candidates = Candidates(mesh.x[nodes], solid.displacement_operator(nodes), weights, coupling)
-        return SolidTyreModel(solid, whole_wall(solid, nodes, quarter), candidates, travels(settings), nodes)
+        wall, ground = whole_wall(solid, nodes, quarter), foundation(settings)
+        return SolidTyreModel(solid, wall, candidates, travels(settings), ground, nodes)
 
 
 @dataclass(frozen=True, eq=False)
