@@ -150,6 +150,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
             step = tyre_step(float(ladder.at.partition("=")[2] or 20.0), "exact")
         else:
             step = static_step("cantilever", 16, float(ladder.settings.get("load_fraction", 1)))
+            step |= {key: float(value) for key, value in ladder.settings.items() if key == "delta_mm"}
         steps = [{**step, **quantities}]
     elif cell.scene.startswith("tyre"):
         deltas = [float(delta) for delta in settings["delta_mm"]]
