@@ -50,6 +50,10 @@ STORE_COLUMNS = {
         *("surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"),
         *("yardstick_reduced", "yardstick_unreduced"),
     ),
+    "epsilon": (
+        *("case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"),
+        *("nodes_unlike", "condition"),
+    ),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
 }
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
@@ -73,6 +77,11 @@ class Cell:
     def converged(self) -> bool:
         """True when every requested load was reached."""
         return bool(self.result["outcome"] == "converged")
+
+    @property
+    def unsupported(self) -> bool:
+        """True when the algorithm refused the problem; the reason says why."""
+        return bool(self.result["outcome"] == "unsupported")
 
     @property
     def steps(self) -> list[dict[str, Any]]:

@@ -119,6 +119,8 @@ def _solve(options: argparse.Namespace) -> int:
         raise UsageError(f"--out {options.out} is a file, not a directory")
     with Console(stderr=True).status("building") as status:
         result = solve(scene, request, lambda text: status.update(f"reached {text}"))
+    if result.unsupported:
+        raise UsageError(result.unsupported)
     result.write(options.out)
     _print_table(result.as_json())
     if options.plot:
