@@ -31,8 +31,12 @@ class Law:
 
 
 def fitted_law(epsilon: pd.Series, value: pd.Series) -> Law:
-    """The longest run of epsilons over which the local slope is -1, and the least-squares slope over it."""
+    """The longest run of epsilons over which the local slope is -1, and the least-squares slope over it.
+
+    Values that rounding makes, LEVEL and less, do not count.
+    """
     x, y = np.log10(epsilon.to_numpy(float)), value.abs().to_numpy(float)
+    y = np.where(y > LEVEL, y, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):
         straight = np.abs(np.diff(np.log10(y)) / np.diff(x) + 1) <= STRAIGHT
     best, run = (0, 0), 0
@@ -102,22 +106,25 @@ methods do. The error of the force is that of the sum of the contact forces.""")
 
 
 def _laws(data: pd.DataFrame, cases: list[str]) -> str:
-    rows = []
+    rows, ends = [], []
     for case in cases:
         found = findings(data[data["case"] == case])
         laws = [word for law in (found.penetration, found.force) for word in (fixed(law.slope, 3), _range(law))]
-        limits = [_epsilon(found.soft_until), _epsilon(found.level_from), _epsilon(found.breaks_at)]
-        rows.append([case, *laws, *limits])
+        rows.append([case, *laws, _epsilon(found.soft_until), _epsilon(found.level_from)])
+        ends.append([case, _epsilon(found.breaks_at), scientific(found.best_error), f"{found.best:g}"])
     header = ["case", "slope of the penetration", "over ε", "slope of the force error", "over ε"]
     header += [f"error above {percent(SOFT, 0, False)} up to", f"error below {scientific(LEVEL, 0)} from"]
-    header += ["displacement form does not converge from"]
     text = prose("""## Slopes, plateau, break-down
 
 Penetration and force error fall as 1/ε; the slopes are fitted by least squares over the longest run of decades whose
 local slopes are -1. The multiplier form ends on a plateau of rounding and stays there. The displacement form ends
 where ε times the rounding of a gap exceeds what the forces may be out of balance: its pressures lose the digits that
-the condition of its matrix takes.""")
-    return "\n\n".join([text, table("Laws and limits, ε in MPa/mm", header, rows)])
+the condition of its matrix takes. How far ε may go depends on the problem, since the stiffness of the body and the
+size of its pressures stand beside it: the thin strip breaks down first.""")
+    broken = ["case", "does not converge from", "smallest error of a converged force", "at ε"]
+    blocks = [text, table("Laws and limits, ε in MPa/mm", header, rows)]
+    # one decade more or less is a matter of rounding
+    return "\n\n".join([*blocks, machine(table("Break-down of the displacement form, ε in MPa/mm", broken, ends))])
 
 
 def _range(law: Law) -> str:
@@ -130,7 +137,7 @@ def _epsilon(value: float | None) -> str:
 
 def _paper(data: pd.DataFrame, cases: list[str]) -> str:
     """The paper's epsilon on the tyre, and how far it is from either end."""
-    lines = []
+    lines, ends = [], []
     for case in cases:
         own = data[data["case"] == case]
         row = own[(own["form"] == "multiplier") & (own["epsilon"] == PAPER)].iloc[0]
@@ -138,20 +145,25 @@ def _paper(data: pd.DataFrame, cases: list[str]) -> str:
         exact = own[~np.isfinite(own["epsilon"])].iloc[0]
         found = findings(own)
         growth = float(penalised["condition"]) / float(exact["condition"])
-        soft = "nowhere" if found.soft_until is None else _decades(PAPER / found.soft_until)
-        hard = "never" if found.breaks_at is None else _decades(found.breaks_at / PAPER)
+        ends.append(f"- {SIZE.get(case, case)}: {_room(found.breaks_at)}")
         lines.append(
             f"- {SIZE.get(case, case)}: force off by {scientific(abs(row['force_error']))} of itself, "
             f"penetration {scientific(row['penetration_mm'])} mm, {int(row['nodes_unlike'])} nodes unlike the exact "
             f"set, {int(row['iterations'])} iterations against {int(exact['iterations'])}; the matrix of the "
-            f"displacement form has {digits_of(growth)} times the condition of the exact one. Above the soft end: "
-            f"{soft}; below the break-down: {hard}."
+            f"displacement form has {digits_of(growth)} times the condition of the exact one."
         )
-    return "\n".join([f"## The paper's ε = {PAPER:g}\n", *lines])
+    text = prose("""With the multiplier form nothing speaks against a larger ε, or against the exact condition, which
+takes no more iterations. Eliminated, the pressure leaves this room for a harder one:""")
+    heading = f"## The paper's ε = {PAPER:g}"
+    return "\n\n".join([heading, "\n".join(lines), text, machine("\n".join(ends))])
 
 
-def _decades(ratio: float) -> str:
-    return f"{fixed(math.log10(ratio), 0)} decades"
+def _room(breaks_at: float | None) -> str:
+    """Between the paper's epsilon and the break-down."""
+    if breaks_at is None:
+        return "every tested ε converges"
+    decades = math.log10(breaks_at / PAPER)
+    return f"the break-down is {fixed(decades, 0)} decades away" if decades > 0 else "this ε does not converge any more"
 
 
 def digits_of(value: float) -> str:

@@ -154,11 +154,12 @@ def test_ends_of_a_made_up_table(store: Path) -> None:
 
 def test_page_of_epsilon_judges_the_papers_value(store: Path) -> None:
     text = epsilon_page(load_store(store)).text
-    assert row(text, "| tyre | -1.000 |")[5:] == ["0.1", "1e+10", "1e+06"]
+    assert row(text, "| tyre | -1.000 |")[5:] == ["0.1", "1e+10"]
+    assert row(text, "| tyre | 1e+06 |") == ["tyre", "1e+06", "2.0e-08", "100000"]
     judged = next(line for line in text.splitlines() if line.startswith("- the tyre at 20 mm"))
     assert "off by 2.0e-07 of itself, penetration 1.0e-05 mm" in judged
     assert "1e+02 times the condition" in judged
-    assert "soft end: 5 decades; below the break-down: 2 decades" in judged
+    assert "- the tyre at 20 mm: the break-down is 2 decades away" in text
 
 
 def test_a_form_that_never_breaks_down_is_a_dash(own_store: Path) -> None:
@@ -166,7 +167,13 @@ def test_a_form_that_never_breaks_down_is_a_dash(own_store: Path) -> None:
     data = pd.read_csv(path)
     data["outcome"] = "converged"
     write_table(path, data)
-    assert row(epsilon_page(load_store(own_store)).text, "| tyre | -1.000 |")[-1] == "–"
+    text = epsilon_page(load_store(own_store)).text
+    broken = text[text.index("**Break-down") :]
+    assert row(broken, "| tyre |")[1] == "–"
+    assert "- the tyre at 20 mm: every tested ε converges" in text
+    data.loc[data["form"].eq("displacement") & data["epsilon"].ge(1e4), "outcome"] = "rounding"
+    write_table(path, data)
+    assert "- the tyre at 20 mm: this ε does not converge any more" in epsilon_page(load_store(own_store)).text
 
 
 def test_missing_table_is_one_line(own_store: Path) -> None:
