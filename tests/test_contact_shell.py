@@ -35,44 +35,74 @@ def touching(name: str, shell: ShellModel, nodes: np.ndarray, plane: RigidPlane,
     m = len(nodes)
     start = ContactSolution(np.zeros(shell.discretisation.n_free), np.zeros(m), np.full(m, lying), Outcome.CONVERGED)
     solution = algorithm.solve(problem, start)
+    if solution.outcome.name == "REFUSED":  # what only a linearised problem shows
+        pytest.skip(f"{name}: {solution.outcome.value}")
     assert solution.outcome is Outcome.CONVERGED
     verdict = judge(problem, solution.u, solution.pressure)
     assert verdict.failures() == []
     return problem, solution
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
-@pytest.mark.parametrize("section", ["constant-s33", "nonsymmetric", "full-3d"])
-@pytest.mark.parametrize("measure", ["linear", "exact"])
-def test_signorini_patch(make_shell, name, section, measure) -> None:
-    """Uniform pressure on one face of a plate that lies on the other: every node carries its area times p.
+E, NU, H = 20.0, 0.3, 0.5
+OEDOMETRIC = E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
+WIDTHS = np.array([0.35, 0.5, 0.7, 0.55]), np.array([0.2, 0.75, 0.65, 0.1])  # that the nodes of the patch carry
+on_symmetric_and_other_sections = pytest.mark.parametrize("section", ["constant-s33", "nonsymmetric", "full-3d"])
+by_measure = pytest.mark.parametrize("measure", ["linear", "exact"])
 
-    Unequal elements, nu not zero, sides held in the plane: E33 = -p/E_oed and S33 = -p everywhere.
-    """
-    p, E, nu, h = 0.3, 20.0, 0.3, 0.5
+
+def patch_on_a_plane() -> tuple[Grid, Supports, Laminate]:
+    """Unequal elements, sides held in the plane, nu not zero: S33 and E33 are the only ones that work."""
     grid = Grid.tensor(np.array([0.0, 0.7, 1.0, 2.1]), np.array([0.0, 0.4, 1.5, 1.7]))
     supports = Supports.none(grid)
     for axis in (0, 1):
         for end in (grid.nodes[:, axis].min(), grid.nodes[:, axis].max()):
             supports = supports.symmetric(grid.on_line(axis, end), axis)
+    return grid, supports, Laminate((Ply.isotropic(E, NU, H),), -H / 2)
+
+
+# an algorithm that inverts the tangent without contact cannot have a body that lies free
+@pytest.mark.parametrize("name", ["trial-and-error", "semismooth"])
+@on_symmetric_and_other_sections
+@by_measure
+def test_signorini_patch(make_shell, name, section, measure) -> None:
+    """Uniform pressure on one face of a plate that lies on the other: every node carries its area times p."""
+    p = 0.3
+    grid, supports, laminate = patch_on_a_plane()
     fixed, hinged = supports.masks
-    laminate = Laminate((Ply.isotropic(E, nu, h),), -h / 2)
-    shell = make_shell(
-        Plate(), grid, laminate, fixed=fixed, hinged=hinged, measure=measure, section=section, pressure=Pressure(p)
-    )
+    options = {"measure": measure, "section": section, "pressure": Pressure(p)}
+    shell = make_shell(Plate(), grid, laminate, fixed=fixed, hinged=hinged, **options)
     nodes = np.arange(grid.n_nodes)
-    problem, solution = touching(name, shell, nodes, RigidPlane(UP, h / 2), lying=True)
+    problem, solution = touching(name, shell, nodes, RigidPlane(UP, H / 2), lying=True)
     assert solution.active.all()
     np.testing.assert_allclose(solution.pressure, p, rtol=ROUNDING)
-    areas = np.outer(np.array([0.35, 0.5, 0.7, 0.55]), np.array([0.2, 0.75, 0.65, 0.1])).ravel()
-    np.testing.assert_allclose(problem.nodal_forces(solution.pressure), p * areas, rtol=ROUNDING)
+    np.testing.assert_allclose(problem.nodal_forces(solution.pressure), p * np.outer(*WIDTHS).ravel(), rtol=ROUNDING)
     inner, outer = shell.discretisation.expand(solution.u)[:, 4:].T
     np.testing.assert_allclose(outer, 0, atol=ROUNDING)
     np.testing.assert_allclose(inner, inner[0], rtol=ROUNDING)
     assert inner[0] > 0
     if measure == "linear":
-        oedometric = E * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
-        np.testing.assert_allclose(inner, h * p / oedometric, rtol=ROUNDING)
+        np.testing.assert_allclose(inner, H * p / OEDOMETRIC, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize("name", ALGORITHMS)
+@on_symmetric_and_other_sections
+@by_measure
+def test_signorini_patch_pressed_by_a_stamp(make_shell, name, section, measure) -> None:
+    """The other face moved by d: beta = -d/h, p = E_oed d/h, with exact strains -(1 + beta) E_oed (beta + beta^2/2)."""
+    d = 0.02
+    grid, supports, laminate = patch_on_a_plane()
+    nodes = np.arange(grid.n_nodes)
+    fixed, hinged = supports.hold(nodes, (2,), ("inner",)).masks
+    prescribed = np.zeros((grid.n_nodes, 6))
+    prescribed[:, 4] = d
+    options = {"measure": measure, "section": section, "prescribed": prescribed}
+    shell = make_shell(Plate(), grid, laminate, fixed=fixed, hinged=hinged, **options)
+    # without contact nothing would be loaded, and no residual relative to the forces means anything
+    problem, solution = touching(name, shell, nodes, RigidPlane(UP, H / 2), lying=True)
+    beta = -d / H
+    p = -OEDOMETRIC * (beta if measure == "linear" else (1 + beta) * (beta + beta**2 / 2))
+    np.testing.assert_allclose(solution.pressure, p, rtol=ROUNDING)
+    np.testing.assert_allclose(problem.nodal_forces(solution.pressure), p * np.outer(*WIDTHS).ravel(), rtol=ROUNDING)
 
 
 TENSION, GAP = 1.0, 0.01  # N/mm, mm: so shallow that stretching adds 1e-7 to the tension
