@@ -31,3 +31,5 @@ DELTA = 20.0  # mm, the travel of the printed table
 CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page
 CONVERGENCE = "convergence {ladder} {mesh} {element}"
 LADDER_ELEMENT, OTHER_ELEMENT = "refined", "paper"  # of the convergence page, and what it is compared with
+AGREEMENT = r"agreement .*"  # the tyre by all algorithms, loads and sections
+AGREEMENT_REFERENCE = "agreement semismooth {load} {section} exact"

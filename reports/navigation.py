@@ -12,6 +12,9 @@ TITLES: Mapping[str, str] = {
     "measures.md": "Strain measures",
     "rigid-body.md": "Rigid motions",
     "locking.md": "Locking",
+    "contact-agreement.md": "Contact: agreement",
+    "algorithms.md": "Contact: costs",
+    "epsilon.md": "Contact: ε",
 }
 
 

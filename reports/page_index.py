@@ -42,7 +42,10 @@ algorithm. Every sentence with a number in it is computed from the stored result
   that of the mesh and that of the model.
 - [Strain measures](measures.md): up to which load each is enough.
 - [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
-- [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.""")
+- [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.
+- [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
+- [Contact: costs](algorithms.md): their iterations, factorisations and times, and what they refuse.
+- [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.""")
 
 
 def _list(names: Iterable[str]) -> str:
@@ -54,9 +57,10 @@ def _completeness(store: Store) -> str:
     scenes = dict.fromkeys(cell.scene for cell in cells)
     rows = [[scene, *_counts([c for c in cells if c.scene == scene])] for scene in scenes]
     rows.append(["all", *_counts(cells)])
-    header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "not converged"]
+    header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "refused", "not converged"]
     parts = ["## Completeness", table("Cells of the campaign", header, rows)]
-    unusual = [cell for cell in cells if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
+    asked = [cell for cell in cells if not cell.unsupported]  # what an algorithm refuses stands on its own page
+    unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
     if unusual:
         title = "Cells that did not go as asked, or were not expected to"
         parts.append(table(title, ["cell", "what happened", "expected"], (_unusual(cell) for cell in unusual), words=3))
@@ -70,7 +74,9 @@ def _completeness(store: Store) -> str:
 def _counts(cells: list[Cell]) -> list[str]:
     converged = [cell for cell in cells if cell.converged]
     cut = [cell for cell in converged if cell.cuts()]
-    return [str(n) for n in (len(cells), len(converged) - len(cut), len(cut), len(cells) - len(converged))]
+    refused = sum(cell.unsupported for cell in cells)
+    failed = len(cells) - len(converged) - refused
+    return [str(n) for n in (len(cells), len(converged) - len(cut), len(cut), refused, failed)]
 
 
 def _unusual(cell: Cell) -> list[str]:

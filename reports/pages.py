@@ -12,8 +12,11 @@ from reports import labels
 from reports.compare import differences
 from reports.files import write_texts
 from reports.markdown import Part
+from reports.page_agreement import agreement_page
+from reports.page_algorithms import algorithms_page
 from reports.page_benchmarks import benchmarks_page
 from reports.page_convergence import convergence_page
+from reports.page_epsilon import epsilon_page
 from reports.page_index import index_page
 from reports.page_locking import locking_page
 from reports.page_measures import measures_page
@@ -29,6 +32,9 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "measures.md": measures_page,
     "rigid-body.md": rigid_body_page,
     "locking.md": locking_page,
+    "contact-agreement.md": agreement_page,
+    "algorithms.md": algorithms_page,
+    "epsilon.md": epsilon_page,
 }
 FIGURES = "figures"
 

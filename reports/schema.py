@@ -22,13 +22,14 @@ RESULT_KEYS = (
 CELL_KEYS = ("label", "id", "scene", "command")
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
 TYRES = ("tyre", "tyre-solid")
-STEP_KEYS = dict.fromkeys(
-    TYRES,
-    (
-        *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm", "kkt"),
-        *("newton_iterations", "central_asymmetry", "mirror_asymmetry"),
-    ),
+TYRE_STEP_KEYS = (
+    *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm", "kkt"),
+    *("newton_iterations", "central_asymmetry", "mirror_asymmetry"),
 )
+STEP_KEYS: Mapping[str, tuple[str, ...]] = {
+    **dict.fromkeys(TYRES, TYRE_STEP_KEYS),
+    "ring": ("delta_mm", "kkt", "rounding", "newton_iterations", "substeps"),
+}
 STATIC_STEP_KEYS = ("load_fraction", "kkt", "rounding", "newton_iterations", "substeps")
 TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
@@ -48,6 +49,10 @@ STORE_COLUMNS = {
     "membrane_locking": (
         *("surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"),
         *("yardstick_reduced", "yardstick_unreduced"),
+    ),
+    "epsilon": (
+        *("case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"),
+        *("nodes_unlike", "condition"),
     ),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
 }
@@ -72,6 +77,11 @@ class Cell:
     def converged(self) -> bool:
         """True when every requested load was reached."""
         return bool(self.result["outcome"] == "converged")
+
+    @property
+    def unsupported(self) -> bool:
+        """True when the algorithm refused the problem; the reason says why."""
+        return bool(self.result["outcome"] == "unsupported")
 
     @property
     def steps(self) -> list[dict[str, Any]]:

@@ -153,7 +153,8 @@ def _rows(store: Store, cells: tuple[Cell, ...], row: float) -> dict[str, pd.Ser
 
 def costs_part(store: Store) -> Part:
     """Counters and times of all tyre cells; what rounding decides stands in a machine block."""
-    cells = [cell for cell in store.cells.values() if cell.scene == "tyre"]
+    own_page = set(store.matching(labels.AGREEMENT))
+    cells = [cell for cell in store.cells.values() if cell.scene == "tyre" and cell not in own_page]
     header = ["cell", "unknowns", "Newton iterations", "factorisations", "assemblies", "set changes"]
     counters = {cell: [cell.label, *(str(cell.result["counters"][name]) for name in COUNTERS)] for cell in cells}
     steady = [row for cell, row in counters.items() if not cell.cuts()]

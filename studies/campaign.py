@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import multiprocessing
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
@@ -18,11 +19,13 @@ from typing import Any
 
 import pandas as pd
 
+from contact.algorithms import ALGORITHMS
 from formulations.element import MEMBRANES, THICKNESS_STRAINS
 from formulations.element_geometry import INTERPOLATIONS
 from formulations.measures import MEASURES
 from studies import convergence_cells
 from studies.cell import Cell
+from studies.epsilon import epsilon_study
 from studies.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
 from studies.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.scenes import SCENES
@@ -35,6 +38,11 @@ SOURCES = ("formulations", "contact", "studies")
 
 
 _PAPER = {"element": "paper"}
+
+
+def enforcements(default: float) -> tuple[tuple[str, str], ...]:
+    """The exact condition, which all algorithms must agree on, and what an algorithm does if not told otherwise."""
+    return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", f"{default:g}"))
 
 
 def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
@@ -118,13 +126,26 @@ CONVERGENCE = (
     *convergence_cells.cells({"element": "refined"}, "refined"),
     *convergence_cells.cells({"element": "paper"}, "paper", finest=False),
 )
+AGREEMENT = tuple(
+    _tyre(
+        f"agreement {contact} {load} {section} {kind}",
+        {"load": load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon},
+        contact=contact,
+        mesh="20x20",
+    )
+    for contact, algorithm in ALGORITHMS.items()
+    for kind, epsilon in enforcements(algorithm().epsilon)
+    for load in ("dead", "follower")
+    for section in ("constant-s33", "nonsymmetric")
+)
 CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
     "benchmarks": BENCHMARKS,
     "measures": MEASURED,
     "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
     "convergence": CONVERGENCE,
-    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE),
+    "agreement": AGREEMENT,
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT),
 }
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "rigid_body": rigid_body_table,
@@ -134,11 +155,13 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "shear_locking": shear_locking,
     "curved_beam": curved_beam,
     "membrane_locking": membrane_locking,
+    "epsilon": epsilon_study,
     "ladders": convergence_cells.ladder_table,
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),
     "convergence": ("ladders",),
+    "agreement": ("epsilon",),
     "report": tuple(TABLES),
 }
 

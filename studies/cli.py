@@ -128,6 +128,8 @@ def _solve(options: argparse.Namespace) -> int:
         raise UsageError(f"--out {options.out} is a file, not a directory")
     with Console(stderr=True).status("building") as status:
         result = solve(scene, request, lambda text: status.update(f"reached {text}"))
+    if result.unsupported:
+        raise UsageError(result.unsupported)
     result.write(options.out)
     if options.freeze is not None:
         if result.frozen is None:

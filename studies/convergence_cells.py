@@ -44,12 +44,15 @@ def _linear(name: str, scene: str, quantities: tuple[str, ...], **settings: str)
 
 
 _ROTATIONS, _SNAP, _CLOSED, _TYRE = "large rotations", "snap through", "closed forms", "tyre"
+_CONTACT = "contact"
 _TYRE_MESHES = ("28x26", "42x40", "56x54", "84x80")  # all close to the same grading
 _ROOF_MESHES = ("4x4", "8x8", "16x16", "24x24")  # a whole curve each: 32x32 costs three times 24x24
 _ISOTROPIC = {
     **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
     **{"load": "follower", "pressure_area": "face"},
 }
+_STRIPS = ("16x1", "32x1", "64x1", "128x1")  # nothing varies across
+_PRESSED, _CLOSED_RING = {"load_fraction": "5"}, {"delta_mm": "50"}
 _TIP = ("tip_deflection_mm", "tip_shortening_mm")
 _WALL = ("stretch", "thickness_ratio")
 _RESULTANTS = tuple(f"N_{name}_{place}_N_per_mm" for place in ("crown", "inner") for name in ("phi", "theta"))
@@ -93,6 +96,20 @@ LADDERS = (
         _CLOSED,
         ("32x1", "64x1", "128x1", "256x1"),  # one element around the axis: nothing varies there
         _RESULTANTS,
+    ),
+    *(
+        Ladder(name, "strip-contact", _CONTACT, _STRIPS, quantities, {"load_fraction": "5", **shear}, "linear")
+        for name, quantities, shear in (
+            ("strip-contact", ("half_force", "free_length", "edge_pressure"), {}),
+            ("strip-contact-no-shear", ("half_force",), {"lam_over_a": "0.001"}),
+        )
+    ),
+    Ladder("heavy-strip", "heavy-strip", _CONTACT, _STRIPS, ("lift_force", "free_length"), FULL_LOAD, "linear"),
+    Ladder(
+        "plate-contact", "plate-contact", _CONTACT, _STRIPS, ("contact_force", "contact_radius"), _PRESSED, "linear"
+    ),
+    Ladder(
+        "ring", "ring", _CONTACT, ("1x16", "2x32", "3x48", "4x64"), ("P_H2_over_EI", "flat_half_length"), _CLOSED_RING
     ),
     Ladder("tyre", "tyre", _TYRE, _TYRE_MESHES, ("force_N", "centre_pressure_MPa"), {"delta_mm": "20"}),
     Ladder(

@@ -34,6 +34,8 @@ from studies.store import plain, write_by, write_json, write_table
 
 MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
+HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
+UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
 REPORTED_PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "meshio")
 
 
@@ -90,12 +92,16 @@ def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:
 
 @dataclass
 class Result:
-    """What a solve has found; ``last`` is the last converged state, from which the fields are written."""
+    """What a solve has found; ``last`` is the last converged state, from which the fields are written.
+
+    unsupported: why the algorithm does not apply to this problem; nothing was solved beyond the stages before it.
+    """
 
     request: Request
     model: SceneModel
     outcome: Outcome = Outcome.CONVERGED
     reason: str = ""
+    unsupported: str = ""
     quantities: dict[str, float] = field(default_factory=dict)
     steps: list[dict[str, Any]] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
@@ -116,8 +122,8 @@ class Result:
             "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
             "model": request.model,
             "settings": {**request.settings, "steps": request.steps},
-            "outcome": self.outcome.name.lower().replace("_", "-"),
-            "reason": self.reason or self.outcome.value,
+            "outcome": UNSUPPORTED if self.unsupported else self.outcome.name.lower().replace("_", "-"),
+            "reason": self.unsupported or self.reason or self.outcome.value,
             "quantities": self.quantities,
             "steps": self.steps,
             "counters": self.counters,
@@ -128,7 +134,8 @@ class Result:
     def write(self, directory: Path) -> None:
         """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
         tables = {name: pd.concat(parts, ignore_index=True) for name, parts in self.tables.items()}
-        for name, table in {**tables, "history": pd.DataFrame(self.history)}.items():
+        history = pd.DataFrame(self.history) if self.history else pd.DataFrame(columns=list(HISTORY))
+        for name, table in {**tables, "history": history}.items():
             write_table(directory / f"{name}.csv", table)
         state = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0)
         write_by(directory / "fields.vtu", lambda path: self.model.write_fields(path, state))
@@ -136,14 +143,18 @@ class Result:
 
 
 def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
-    """Run the stages of the scene until done or until one fails; failure is recorded, not raised."""
+    """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised."""
     start = time.perf_counter()
     model = scene.build(request)
     result = Result(request, model)
     built = time.perf_counter()
-    algorithm = _algorithm(request)
     result.counters["dofs"] = model.n_unknowns
-    _run_stages(model, algorithm, request.steps, result, progress)
+    try:
+        algorithm = _algorithm(request)
+    except ValueError as error:  # a parameter that it cannot have
+        result.unsupported = f"{request.contact} does not apply: {error}"
+    else:
+        _run_stages(model, algorithm, request.steps, result, progress)
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     result.timing = {"total": time.perf_counter() - start, "build": built - start, **times}
     result.counters = {key: int(value) for key, value in result.counters.items()}
@@ -167,7 +178,8 @@ def _run_stages(
         first = problem_at(stage.targets[0])
         refused = algorithm.supports(first)
         if refused is not None:
-            raise UsageError(f"{algorithm.name} does not apply: {refused}")
+            result.unsupported = f"{result.request.contact} does not apply: {refused}"
+            return
         tell = partial(_tell, progress, stage.name)
         path = follow(problem_at, 0.0, stage.targets, algorithm, state, steps, tell)
         for point in path:

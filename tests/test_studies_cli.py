@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import meshio
@@ -10,7 +12,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from contact.algorithms import ALGORITHMS
+from contact.problem import ContactProblem
+from contact.semismooth import Semismooth
 from formulations.measures import MEASURES
+from reports.schema import load_cell
 from studies.campaign import CAMPAIGNS, Cell, identity
 from studies.cli import main
 from studies.scene import Setting, UsageError
@@ -232,6 +238,44 @@ def test_a_cell_that_fails_stops_the_campaign_and_says_why(tmp_path: Path, monke
     monkeypatch.setitem(CAMPAIGNS, "small", [impossible, Cell("c2", "cantilever", {"mesh": "2x1"})])
     assert main(["run", "small", "--store", str(tmp_path), "--jobs", "2"]) == 2
     assert not (tmp_path / "campaign.json").exists()
+
+
+@dataclass(frozen=True)
+class Refusing(Semismooth):
+    """Refuses at once, at the first problem with candidates, or to be made at all."""
+
+    at: str = "once"
+
+    def __post_init__(self) -> None:
+        if self.at == "birth":
+            raise ValueError("epsilon must be finite")
+
+    def supports(self, problem: ContactProblem) -> str | None:
+        return "the matrix is not symmetric" if self.at == "once" or len(problem.weights) else None
+
+
+@pytest.mark.parametrize("at", ["once", "contact", "birth"])
+def test_a_refusal_is_a_row_of_a_campaign_and_one_line_of_a_solve(
+    at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setitem(ALGORITHMS, "refusing", partial(Refusing, at=at))
+    small = {"delta_mm": "2", "epsilon": "inf"}
+    cells = [Cell(name, "tyre", {"mesh": "6x6", "contact": name}, small) for name in ("refusing", "semismooth")]
+    monkeypatch.setitem(CAMPAIGNS, "small", cells)
+    store = tmp_path / "store"
+    assert main(["run", "small", "--store", str(store)]) == 0
+    refused, solved = (load_cell(store / "cells" / identity(cell), cell.label) for cell in cells)
+    why = "epsilon must be finite" if at == "birth" else "the matrix is not symmetric"
+    assert refused.unsupported
+    assert refused.result["reason"] == f"refusing does not apply: {why}"
+    assert refused.steps == refused.cuts() == []
+    assert solved.converged
+    assert not solved.unsupported
+    capsys.readouterr()
+    words = ["--mesh", "6x6", "--contact", "refusing", "--set", "epsilon=inf"]
+    assert main(["solve", "tyre", *words, "--out", str(tmp_path / "x")]) == 2
+    assert capsys.readouterr().err == f"footprint: refusing does not apply: {why}\n"
+    assert not (tmp_path / "x").exists()
 
 
 def test_identity_follows_what_decides_the_result() -> None:

@@ -5,6 +5,10 @@ from __future__ import annotations
 from studies.scene import Scene
 from studies.scenes.cantilever import Cantilever
 from studies.scenes.cap import ShallowSphericalCap
+from studies.scenes.contact_heavy import HeavyStrip
+from studies.scenes.contact_plate import PlateContact
+from studies.scenes.contact_ring import Ring
+from studies.scenes.contact_strip import ClampedStrip
 from studies.scenes.hemisphere import Hemisphere
 from studies.scenes.linear_cylinder import PinchedCylinder
 from studies.scenes.linear_pagano import Pagano
@@ -21,5 +25,8 @@ FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
 NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap())
 PRESSURISED: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
 LINEAR: tuple[Scene, ...] = (ScordelisLo(), PinchedCylinder(), Pagano())
+CONTACT: tuple[Scene, ...] = (ClampedStrip(), HeavyStrip(), PlateContact(), Ring())
 SOLID: tuple[Scene, ...] = (SolidTyre(),)
-SCENES: dict[str, Scene] = {scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR, *SOLID)}
+SCENES: dict[str, Scene] = {
+    scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR, *CONTACT, *SOLID)
+}

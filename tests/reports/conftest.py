@@ -17,6 +17,7 @@ from reports import labels
 from reports.page_measures import SCENES as GROWING
 from reports.pages import rendered
 from reports.schema import load_store
+from studies import epsilon as epsilon_study
 from studies import locking, rigid_body
 from studies.campaign import CAMPAIGNS, Cell
 from studies.convergence_cells import LADDERS, Ladder, ladder_table
@@ -124,6 +125,22 @@ def membrane_table() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=[*names, "yardstick_reduced", "yardstick_unreduced"])
 
 
+def epsilon_table() -> pd.DataFrame:
+    """Penetration 0.1/epsilon, force error -2e-3/epsilon; the displacement form breaks down at 1e6."""
+    rows = []
+    for case in ("tyre", "strip"):
+        for epsilon in (*epsilon_study.EPSILONS, np.inf):
+            error = -2e-3 / epsilon
+            rows.append((case, "multiplier", epsilon, "converged", 6, 0.1 / epsilon, 1e3 * (1 + error), error, 0, 1e5))
+            if np.isfinite(epsilon):
+                broken = epsilon >= 1e6
+                outcome, error = ("rounding", 1.0) if broken else ("converged", error)
+                own = (outcome, 6, 0.1 / epsilon, 1e3 * (1 + error), error, 0, 1e3 * epsilon)
+                rows.append((case, "displacement", epsilon, *own))
+    names = ["case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"]
+    return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition"])
+
+
 def write_tables(directory: Path) -> None:
     tables = {
         "rigid_body": rigid_body.rigid_body_table(),
@@ -133,6 +150,7 @@ def write_tables(directory: Path) -> None:
         "shear_locking": locking.shear_locking(),
         "curved_beam": locking.curved_beam(),
         "membrane_locking": membrane_table(),
+        "epsilon": epsilon_table(),
         "ladders": ladder_table(),
     }
     for name, table in tables.items():
@@ -150,6 +168,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
             step = tyre_step(float(ladder.at.partition("=")[2] or 20.0), "exact")
         else:
             step = static_step("cantilever", 16, float(ladder.settings.get("load_fraction", 1)))
+            step |= {key: float(value) for key, value in ladder.settings.items() if key == "delta_mm"}
         steps = [{**step, **quantities}]
     elif cell.scene.startswith("tyre"):
         deltas = [float(delta) for delta in settings["delta_mm"]]

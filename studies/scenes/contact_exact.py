@@ -1,0 +1,121 @@
+"""Closed forms of beams, plates and rings against a rigid plane; no element enters here.
+
+D [N mm] is the bending stiffness and S [N/mm] the shear stiffness, both per width; lam = sqrt(D/S) [mm], 0 for
+Euler-Bernoulli. The derivations are the project's own; tables computed by a beam program stand beside them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import gamma
+
+QUARTER_1 = float(np.sqrt(np.pi) * gamma(0.25) / (2 * gamma(0.75)))  # int_0^{pi/2} dt/sqrt(sin t) = 2.62205755
+QUARTER_2 = float(np.sqrt(np.pi) * gamma(0.75) / (2 * gamma(1.25)))  # int_0^{pi/2} sqrt(sin t) dt = 1.19814023
+
+
+@dataclass(frozen=True)
+class StripContact:
+    """Per half of a clamped-clamped strip, half span 1, D = 1, gap 1: units a [mm], D g/a^3 [N/mm], D g/a^4 [MPa].
+
+    free_length l/a.  half_force: all contact forces.  edge_pressure: where contact begins; infinite for lam = 0, where
+    an edge force q l/3 takes its place.
+    """
+
+    free_length: float
+    half_force: float
+    edge_pressure: float
+
+
+def strip_contact(q: float, lam: float) -> StripContact:
+    """The strip under the pressure q [D g/a^4]; Timoshenko's for lam > 0, else Euler and Bernoulli's from 3 q0 on.
+
+    In contact the pressure is q + (S phi/lam) cosh((c - x)/lam)/sinh(c/lam), x from its edge, c = 1 - l, with the
+    rotation phi there; with T = coth(c/lam) the free length l solves::
+
+        phi = (q l^3/6)/(1 + T l/lam + l^2/(2 lam^2)),
+        1 = phi (T l^2/(2 lam) + l^3/(6 lam^2)) - q l^4/24 + q l^2 lam^2/2.
+
+    Raises ValueError when there is no contact zone.
+    """
+    first = 72.0 if lam == 0 else 1 / (1 / 24 + lam**2 / 2)
+    if q <= first:
+        raise ValueError(f"q = {q:g} does not exceed {first:g}, at which a contact zone opens")
+    if lam == 0:
+        length = (72 / q) ** 0.25
+        return StripContact(length, q * (1 - length / 3 * 2), float("inf"))
+
+    def edge(length: float) -> tuple[float, float]:
+        T = 1 / np.tanh((1 - length) / lam)
+        return q * length**3 / 6 / (1 + T * length / lam + length**2 / (2 * lam**2)), T
+
+    def missing(length: float) -> float:
+        phi, T = edge(length)
+        raised = phi * (T * length**2 / (2 * lam) + length**3 / (6 * lam**2))
+        return float(raised - q * length**4 / 24 + q * length**2 * lam**2 / 2 - 1)
+
+    length = float(brentq(missing, 1e-3, 1 - 1e-12, xtol=1e-14))
+    phi, T = edge(length)
+    return StripContact(length, float(q * (1 - length) + phi / lam**2), float(q + phi / lam**3 * T))
+
+
+def lifted_strip(lam: float) -> tuple[float, float]:
+    """Free length and lifting force of a long heavy strip on a plane, one end lifted by 1 and free to turn.
+
+    Units (D delta/q)^(1/4) [mm] and q times that [N/mm]. phi = l^2 lam^2/(2 (lam + l)) and
+    1 = phi l^2/(2 lam) + phi l^3/(6 lam^2) - l^4/24 + l^2 lam^2/2; the force is l - S phi, in the limit l/2.
+    """
+    if lam == 0:
+        return 24**0.25, 24**0.25 / 2
+
+    def edge(length: float) -> float:
+        return length**2 * lam**2 / (2 * (lam + length))
+
+    def missing(length: float) -> float:
+        phi = edge(length)
+        raised = phi * length**2 / (2 * lam) + phi * length**3 / (6 * lam**2)
+        return raised - length**4 / 24 + length**2 * lam**2 / 2 - 1
+
+    length = float(brentq(missing, 1e-3, 10.0, xtol=1e-14))
+    return length, length - edge(length) / lam**2
+
+
+def plate_contact(load: float) -> tuple[float, float]:
+    """Radius c/a of the contact disc and its force [D g/a^2] of a clamped circular Kirchhoff plate above a plane.
+
+    load: q a^4/(D g), above 64. Outside c: w = q r^4/64 + C1 + C2 r^2 + C3 ln r + C4 r^2 ln r, clamped at r = 1, with
+    w(c) = 1 and w'(c) = w''(c) = 0. The force is all that the clamp does not carry.
+    """
+    if load <= 64:
+        raise ValueError(f"load = {load:g} does not exceed 64, at which the plate touches")
+
+    def constants(c: float) -> np.ndarray:
+        """Load and C1..C4 of a disc of radius c: linear."""
+        ln = float(np.log(c))
+        A = [
+            [1 / 64, 1, 1, 0, 0],
+            [1 / 16, 0, 2, 1, 1],
+            [c**4 / 64, 1, c**2, ln, c**2 * ln],
+            [c**3 / 16, 0, 2 * c, 1 / c, 2 * c * ln + c],
+            [3 * c**2 / 16, 0, 2, -1 / c**2, 2 * ln + 3],
+        ]
+        return np.linalg.solve(A, [0.0, 0.0, 1.0, 0.0, 0.0])
+
+    c = float(brentq(lambda c: constants(c)[0] - load, 1e-5, 0.95, xtol=1e-14))
+    # the shear force at the clamp is (lap w)' = q/2 + 4 C4
+    clamp = 2 * np.pi * (load / 2 + 4 * constants(c)[4])
+    return c, float(np.pi * load - clamp)
+
+
+def flattened_ring(height: float) -> tuple[float, float]:
+    """Load P R^2/(EI) and half length c/R of the flat part of a ring between plates H/2R = ``height`` apart.
+
+    The inextensible elastica: P H^2/(EI) = 4 I2^2 and c = pi R/2 - I1 H/(2 I2), once it is flat (height <= 0.717770).
+    P/2 acts at each end of the flat part, nothing between. Raises ValueError before that.
+    """
+    flat = np.pi / 2 - QUARTER_1 / QUARTER_2 * height
+    if flat < 0:
+        raise ValueError(f"H/2R = {height:g}: the ring is not flat before {np.pi / 2 * QUARTER_2 / QUARTER_1:.6f}")
+    return (QUARTER_2 / height) ** 2, float(flat)

@@ -1,0 +1,182 @@
+"""The pages of contact: agreement, costs and refusals of a made-up campaign, and the laws of a made-up epsilon."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from contact.algorithms import ALGORITHMS
+from reports.agreement import entries
+from reports.page_agreement import agreement_page
+from reports.page_algorithms import algorithms_page
+from reports.page_epsilon import epsilon_page, findings, fitted_law
+from reports.page_index import index_page
+from reports.schema import load_store
+from studies.campaign import AGREEMENT, enforcements
+from studies.store import write_json, write_table
+
+pytestmark = pytest.mark.usefixtures("undrawn")
+CASE = "trial-and-error follower nonsymmetric exact"
+
+
+def directory(root: Path, label: str) -> Path:
+    index = json.loads((root / "campaign.json").read_text())
+    return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == f"agreement {label}")
+
+
+def change(root: Path, label: str, **new: object) -> None:
+    path = directory(root, label) / "result.json"
+    write_json(path, json.loads(path.read_text()) | new)
+
+
+def row(text: str, *words: str) -> list[str]:
+    found = [line for line in text.splitlines() if all(word in line for word in words)]
+    return [word.strip() for word in found[0].split("|")[1:-1]]
+
+
+# --- cells ------------------------------------------------------------------------------------------------------
+
+
+def test_every_algorithm_meets_every_case_exactly_and_as_it_is_by_default() -> None:
+    assert enforcements(np.inf) == (("exact", "inf"),)
+    assert enforcements(1e4) == (("exact", "inf"), ("epsilon", "10000"))
+    asked = {(c.options["contact"], c.settings["load"], c.settings["section"]) for c in AGREEMENT}
+    assert len(asked) == 4 * len(ALGORITHMS)
+    assert len({cell.label for cell in AGREEMENT}) == len(AGREEMENT)
+
+
+# --- agreement --------------------------------------------------------------------------------------------------
+
+
+def test_all_agree_where_all_are_the_same(store: Path) -> None:
+    text = agreement_page(load_store(store)).text
+    others = [cell for cell in AGREEMENT if cell.label.endswith("exact") and cell.options["contact"] != "semismooth"]
+    assert f"That holds for {len(others)} of {len(others)} other solves" in text
+    assert "No solve with the exact condition disagrees." in text
+    assert "No algorithm refuses any of the cases." in text
+    assert row(text, "| `trial-and-error` | follower | nonsymmetric |")[3:] == [*["0"] * 8, "yes"]
+
+
+def test_a_node_or_a_force_that_differs_is_seen(own_store: Path) -> None:
+    path = directory(own_store, CASE) / "contact.csv"
+    contact = pd.read_csv(path)
+    at = contact.index[(contact["delta_mm"] == 15) & (contact["active"] == 1)][0]
+    contact.loc[at, "active"] = 0
+    write_table(path, contact)
+    other = "trial-and-error dead constant-s33 exact"
+    result = json.loads((directory(own_store, other) / "result.json").read_text())
+    result["steps"][1]["force_N"] *= 1 + 2e-7
+    change(own_store, other, steps=result["steps"])
+    text = agreement_page(load_store(own_store)).text
+    assert row(text, "| `trial-and-error` | follower | nonsymmetric |")[3:] == ["0", "0", "1", "0", *["0"] * 4, "no"]
+    assert row(text, "| `trial-and-error` | dead | constant-s33 |")[3:] == [*["0"] * 5, "2.0e-07", "0", "0", "no"]
+    assert "| `trial-and-error` | dead | constant-s33 | converged | converged |" in text
+
+
+def test_a_path_that_ends_early_does_not_agree(own_store: Path) -> None:
+    steps = json.loads((directory(own_store, CASE) / "result.json").read_text())["steps"]
+    change(own_store, CASE, outcome="cycling", reason="the contact set repeats itself", steps=steps[:2])
+    found = next(entry for entry in entries(load_store(own_store)) if entry.cell.label.endswith(CASE))
+    assert not found.agrees
+    assert np.isnan(found.largest_difference)
+    text = agreement_page(load_store(own_store)).text
+    assert row(text, "| `trial-and-error` | follower | nonsymmetric |")[5:7] == ["–", "–"]
+    assert "| cycling | the contact set repeats itself |" in text
+
+
+def refuse(root: Path) -> None:
+    """As a campaign leaves it: no step, no table of contact, an empty history."""
+    empty = {"steps": [], "quantities": {}, "counters": {"dofs": 10}, "timing_s": {"total": 0.1, "build": 0.1}}
+    change(root, CASE, outcome="unsupported", reason="trial-and-error does not apply: not symmetric", **empty)
+    place = directory(root, CASE)
+    columns = pd.read_csv(place / "history.csv").columns
+    (place / "history.csv").write_text(",".join(columns) + "\n")
+    (place / "contact.csv").unlink()
+    (place / "profile.csv").unlink()
+
+
+def test_a_refusal_is_told_with_its_reason_on_every_page(own_store: Path) -> None:
+    refuse(own_store)
+    store = load_store(own_store)
+    for page in (agreement_page, algorithms_page):
+        text = page(store).text
+        refused = row(text[text.index("**Refused**") :], "| `trial-and-error` |")
+        assert refused == [
+            "`trial-and-error`",
+            "follower",
+            "nonsymmetric",
+            "trial-and-error does not apply: not symmetric",
+        ]
+    assert "1 of" in agreement_page(store).text
+    overview = row(index_page(store).text, "| tyre |")
+    assert overview[-2:] == ["1", "0"]
+    assert "does not apply" not in index_page(store).text
+
+
+# --- costs ------------------------------------------------------------------------------------------------------
+
+
+def test_costs_of_all_algorithms(store: Path) -> None:
+    text = algorithms_page(load_store(store)).text
+    for name in ALGORITHMS:
+        assert row(text, f"| `{name}` | dead | nonsymmetric |")[3:] == ["converged", "9", "9", "9", "2"]
+    times = text[text.index("**Wall time") :]
+    assert row(times, "| `semismooth` | follower | constant-s33 |")[3:] == ["1.25", "40 %", "40 %", "8 %", "4 %"]
+
+
+# --- epsilon ----------------------------------------------------------------------------------------------------
+
+
+def test_a_law_is_found_between_its_two_ends() -> None:
+    epsilon = pd.Series(10.0 ** np.arange(-2, 9))
+    value = 1 / (epsilon + 1) + 1e-6  # soft below 1, a floor above 1e6
+    law = fitted_law(epsilon, value)
+    assert law.slope == pytest.approx(-1, abs=0.02)
+    assert (law.low, law.high) == (pytest.approx(10.0), pytest.approx(1e5))
+    assert fitted_law(epsilon, pd.Series(np.ones(11))).slope is None
+    assert fitted_law(epsilon, pd.Series(np.zeros(11))).slope is None
+
+
+def test_ends_of_a_made_up_table(store: Path) -> None:
+    data = load_store(store).table("epsilon")
+    found = findings(data[data["case"] == "tyre"])
+    assert found.penetration.slope == pytest.approx(-1, abs=1e-9)
+    assert found.soft_until == pytest.approx(0.1)  # error 0.02
+    assert found.level_from == pytest.approx(1e10)  # the last error above 1e-12 is that of 1e9
+    assert found.breaks_at == pytest.approx(1e6)
+    assert (found.best, found.best_error) == (pytest.approx(1e5), pytest.approx(2e-8))
+
+
+def test_page_of_epsilon_judges_the_papers_value(store: Path) -> None:
+    text = epsilon_page(load_store(store)).text
+    assert row(text, "| tyre | -1.000 |")[5:] == ["0.1", "1e+10"]
+    assert row(text, "| tyre | 1e+06 |") == ["tyre", "1e+06", "2.0e-08", "100000"]
+    judged = next(line for line in text.splitlines() if line.startswith("- the tyre at 20 mm"))
+    assert "off by 2.0e-07 of itself, penetration 1.0e-05 mm" in judged
+    assert "1e+02 times the condition" in judged
+    assert "- the tyre at 20 mm: the break-down is 2 decades away" in text
+
+
+def test_a_form_that_never_breaks_down_is_a_dash(own_store: Path) -> None:
+    path = own_store / "tables" / "epsilon.csv"
+    data = pd.read_csv(path)
+    data["outcome"] = "converged"
+    write_table(path, data)
+    text = epsilon_page(load_store(own_store)).text
+    broken = text[text.index("**Break-down") :]
+    assert row(broken, "| tyre |")[1] == "–"
+    assert "- the tyre at 20 mm: every tested ε converges" in text
+    data.loc[data["form"].eq("displacement") & data["epsilon"].ge(1e4), "outcome"] = "rounding"
+    write_table(path, data)
+    assert "- the tyre at 20 mm: this ε does not converge any more" in epsilon_page(load_store(own_store)).text
+
+
+def test_missing_table_is_one_line(own_store: Path) -> None:
+    shutil.rmtree(own_store / "tables")
+    with pytest.raises(ValueError, match=r"epsilon\.csv: missing"):
+        epsilon_page(load_store(own_store))
