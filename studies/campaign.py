@@ -10,6 +10,8 @@ import hashlib
 import json
 import math
 import multiprocessing
+import os
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict
@@ -239,7 +241,8 @@ def _finished(tasks: Sequence[Task], jobs: int) -> Iterator[str]:
             yield label
         return
     # spawned, not forked: the caller may have threads
-    with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+    spawned = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(jobs, mp_context=spawned, initializer=_end_with_parent) as pool:
         labels = {pool.submit(task): label for label, task in tasks}
         try:
             for future in as_completed(labels):
@@ -248,3 +251,15 @@ def _finished(tasks: Sequence[Task], jobs: int) -> Iterator[str]:
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
+
+
+def _end_with_parent() -> None:
+    """Let this worker end when the campaign is killed; by itself it would wait for more tasks for ever."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
