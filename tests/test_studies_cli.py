@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
+import time
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -276,6 +279,30 @@ def test_a_refusal_is_a_row_of_a_campaign_and_one_line_of_a_solve(
     assert main(["solve", "tyre", *words, "--out", str(tmp_path / "x")]) == 2
     assert capsys.readouterr().err == f"footprint: refusing does not apply: {why}\n"
     assert not (tmp_path / "x").exists()
+
+
+def test_workers_end_with_a_campaign_that_is_killed(tmp_path: Path) -> None:
+    """What was finished is kept, and no process stays behind."""
+    command = [sys.executable, "-m", "studies.cli", "run", "benchmarks", "--store", str(tmp_path), "--jobs", "2"]
+    campaign = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    children = Path(f"/proc/{campaign.pid}/task/{campaign.pid}/children")
+    if not children.exists():
+        campaign.kill()
+        pytest.skip("no /proc to look at processes")
+    workers: list[Path] = []
+    until = time.monotonic() + 60
+    while not list(tmp_path.glob("cells/*/result.json")) and time.monotonic() < until:
+        workers = [Path(f"/proc/{pid}") for pid in children.read_text().split()]
+        time.sleep(0.1)
+    assert len(workers) >= 2
+    campaign.kill()
+    campaign.wait()
+    until = time.monotonic() + 60
+    while any(worker.exists() for worker in workers) and time.monotonic() < until:
+        time.sleep(0.1)
+    assert not any(worker.exists() for worker in workers)
+    for result in tmp_path.glob("cells/*/result.json"):
+        assert json.loads(result.read_text())["outcome"] == "converged"
 
 
 def test_identity_follows_what_decides_the_result() -> None:
