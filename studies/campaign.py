@@ -27,6 +27,7 @@ from formulations.element_geometry import INTERPOLATIONS
 from formulations.measures import MEASURES
 from studies import convergence_cells
 from studies.cell import Cell
+from studies.convergence_cells import ISOTROPIC
 from studies.epsilon import epsilon_study
 from studies.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
 from studies.rigid_body import rigid_body_table, rotation_sweep, small_motions
@@ -52,10 +53,6 @@ def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) ->
 
 
 _TO_20 = {"delta_mm": "20"}
-_ISOTROPIC = {
-    **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
-    **{"load": "follower", "pressure_area": "face"},
-}
 _ANSWERS = {
     "exact": {"epsilon": "inf"},
     "epsilon": {"epsilon": "1e4"},
@@ -78,13 +75,13 @@ TYRE = (
     _tyre("fine", _TO_20, mesh="84x80"),
     _tyre("follower", {**_TO_20, "load": "follower", "pressure_area": "face"}),
     _tyre("follower fine", {**_TO_20, "load": "follower", "pressure_area": "face"}, mesh="84x80"),
-    _tyre("isotropic", _ISOTROPIC),
-    _tyre("isotropic fine", _ISOTROPIC, mesh="84x80"),
+    _tyre("isotropic", ISOTROPIC),
+    _tyre("isotropic fine", ISOTROPIC, mesh="84x80"),
 )
 SOLID = (
     *(Cell(f"solid {mesh}", "tyre-solid", {"mesh": mesh}) for mesh in ("14x18", "28x36", "56x72")),  # each is nested
     Cell("solid penalty", "tyre-solid", {"mesh": "28x36"}, {"epsilon": "20"}),  # as in the reference by NGSolve
-    _tyre("isotropic coarse", _ISOTROPIC, mesh="28x26"),
+    _tyre("isotropic coarse", ISOTROPIC, mesh="28x26"),
 )
 BENCHMARKS = (
     *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}, _PAPER) for n in (16, 32, 64)),

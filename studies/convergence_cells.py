@@ -47,7 +47,7 @@ _ROTATIONS, _SNAP, _CLOSED, _TYRE = "large rotations", "snap through", "closed f
 _CONTACT = "contact"
 _TYRE_MESHES = ("28x26", "42x40", "56x54", "84x80")  # all close to the same grading
 _ROOF_MESHES = ("4x4", "8x8", "16x16", "24x24")  # a whole curve each: 32x32 costs three times 24x24
-_ISOTROPIC = {
+ISOTROPIC = {
     **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
     **{"load": "follower", "pressure_area": "face"},
 }
@@ -118,7 +118,7 @@ LADDERS = (
         _TYRE,
         _TYRE_MESHES,
         ("force_N", "centre_pressure_MPa"),
-        _ISOTROPIC,
+        ISOTROPIC,
         at="delta_mm=10",
     ),
 )
