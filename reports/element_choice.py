@@ -83,6 +83,8 @@ def element_choice_part(store: Store) -> Part:
         pairs += [NOTHING] * (3 - len(pairs))
         rows.append([c.rung.ladder, f"`{c.rung.quantity}`", c.verdict, ", ".join(c.rung.meshes[:3]), *pairs[:3]])
         rows[-1] += [f"{_mesh(c, c.paper)} / {_mesh(c, c.default)}", _work(store, c)]
+    nearer = sum(abs(c.default[0]) < abs(c.paper[0]) for c in found)
+    farther = sum(abs(c.default[0]) > abs(c.paper[0]) for c in found)
     text = prose(f"""## Which element
 
 The element of the paper (`element=paper`) against the default (`element=refined`), which samples the thickness strain
@@ -90,9 +92,10 @@ at the nodes and relaxes the linear membrane modes of curved elements. Both have
 errors are relative to that limit, which is taken from the sequence whose limit is the more certain. On the coarsest
 mesh the default is better for {counts["better"]} quantities, equal within {percent(EQUAL, 1, sign=False)} or within the
 uncertainty of the limit for {counts["equal"]}, and worse for
-{counts["worse"]}{": " + "; ".join(worse) if worse else ""}. *Elements for {percent(ENOUGH, 0, sign=False)}*: from which
-the error stays below, interpolated; a dash where it is so on every mesh or on none. *Iterations*: of Newton's method
-over the whole path on the second mesh.""")
+{counts["worse"]}{": " + "; ".join(worse) if worse else ""}. By the bare numbers, however close, it is nearer for
+{nearer} and farther for {farther}. *Elements for {percent(ENOUGH, 0, sign=False)}*: from which the error stays
+below, interpolated; a dash where it is so on every mesh or on none. *Iterations*: of Newton's method over the whole
+path on the second mesh.""")
     header = ["scene", "quantity", "default is", "meshes", "coarsest: paper / default", "second", "third"]
     header += [f"elements for {percent(ENOUGH, 0, sign=False)}", "iterations"]
     lines = commands(cell.command for c in found for cell in c.rung.cells[: len(c.paper)])

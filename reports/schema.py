@@ -24,13 +24,14 @@ REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncerta
 TYRES = ("tyre", "tyre-solid")
 TYRE_STEP_KEYS = (
     *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm", "kkt"),
+    "failures",
     *("newton_iterations", "central_asymmetry", "mirror_asymmetry"),
 )
 STEP_KEYS: Mapping[str, tuple[str, ...]] = {
     **dict.fromkeys(TYRES, TYRE_STEP_KEYS),
-    "ring": ("delta_mm", "kkt", "rounding", "newton_iterations", "substeps"),
+    "ring": ("delta_mm", "kkt", "failures", "rounding", "newton_iterations", "substeps"),
 }
-STATIC_STEP_KEYS = ("load_fraction", "kkt", "rounding", "newton_iterations", "substeps")
+STATIC_STEP_KEYS = ("load_fraction", "kkt", "failures", "rounding", "newton_iterations", "substeps")
 TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
     "profile": (

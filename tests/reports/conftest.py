@@ -28,6 +28,7 @@ from studies.store import SCHEMA, write_json, write_table
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
+JUDGED = {"kkt": KKT, "failures": []}
 CUT_EVENT = "the residual is no longer finite or has grown without bound: step cut to 0.5"
 LOCKING = 1e-4  # of the made-up hyperboloid: U/U_h - 1 = l^2/5 + LOCKING (l^3/h)^2
 
@@ -64,7 +65,16 @@ def tyre_step(delta: float, measure: str) -> dict[str, Any]:
     patch = {"contact_nodes": 30, "half_length_mm": 4 * delta, "half_width_mm": 2 * delta}
     symmetry = {"central_asymmetry": 1e-14, "mirror_asymmetry": 0.1}
     loads = {"force_N": delta * delta * (5.0 if measure == "exact" else 7.0), "centre_pressure_MPa": 0.15}
-    return {"delta_mm": delta, **loads, **patch, "kkt": KKT, "rounding": 1e-13, **symmetry, "newton_iterations": 5}
+    return {
+        "delta_mm": delta,
+        **loads,
+        **patch,
+        "kkt": KKT,
+        "failures": [],
+        "rounding": 1e-13,
+        **symmetry,
+        "newton_iterations": 5,
+    }
 
 
 def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
@@ -79,7 +89,10 @@ def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
         known = {(growing.quantity, 1.0): 1.0 for growing in GROWING if growing.scene == scene}
     names = dict.fromkeys(name for name, _ in known)
     values = {name: error * known.get((name, fraction), fraction * known[name, 1.0]) for name in names}
-    return {"load_fraction": fraction, **values, "kkt": KKT, "rounding": 1e-8, "newton_iterations": 4, "substeps": 1}
+    return {"load_fraction": fraction, **values, **JUDGED, "rounding": 1e-8} | {
+        "newton_iterations": 4,
+        "substeps": 1,
+    }
 
 
 def climbed(ladder: Ladder, n: int) -> dict[str, float]:

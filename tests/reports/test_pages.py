@@ -196,3 +196,17 @@ def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
     assert draw_result(own_store / "cells/0") == []
     with pytest.raises(StoreError, match=r"result\.json: missing"):
         draw_result(own_store)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> None:
+    text = rendered(load_store(own_store))["benchmarks.md"]
+    count = int(re.search(r"of each of the (\d+) states", text)[1])
+    assert f"certifies {count} of them" in text
+    assert "Not certified" not in text
+    labels_of = [cell.label for cell in CAMPAIGNS["report"]]
+    path = own_store / "cells" / str(labels_of.index("hemisphere 16")) / "result.json"
+    edit_json(path, lambda result: result["steps"][-1].update(failures=["energy"]))
+    text = rendered(load_store(own_store))["benchmarks.md"]
+    assert f"certifies {count - 1} of them" in text
+    assert "Not certified, for energy: states of hemisphere." in text

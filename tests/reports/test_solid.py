@@ -35,7 +35,14 @@ def write_cell(cell: Cell, directory: Path) -> None:
     error = (1.0 if solid else -1.0) * 10.0 / request.mesh[0] ** 2
     body = (1.0 if solid else MODEL) * (SOFT if cell.label == labels.SOLID_PENALTY else 1.0)
     step = {"centre_pressure_MPa": 0.15, "contact_nodes": 30, "half_length_mm": 40.0, "half_width_mm": 20.0}
-    step |= {"kkt": KKT, "rounding": 1e-13, "central_asymmetry": 0.0, "mirror_asymmetry": 0.0, "newton_iterations": 5}
+    step |= {
+        "kkt": KKT,
+        "failures": [],
+        "rounding": 1e-13,
+        "central_asymmetry": 0.0,
+        "mirror_asymmetry": 0.0,
+        "newton_iterations": 5,
+    }
     quantities = {
         f"inflated_equator_{face}_mm": growth * (1.0 if solid else EQUATOR) * (1 + error)
         for face, growth in GROWTH.items()
