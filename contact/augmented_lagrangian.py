@@ -46,6 +46,7 @@ class AugmentedLagrangian:
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Outer loop from the pressure and set of ``start``."""
         whole = NewtonRun(problem, solver=self.solver)
+        whole.gap_size(start.u, problem.gap(start.u))
         state, c, before, tolerance = start, self.c, np.inf, LOOSEST
         for outer in range(self.max_outer):
             known = state.pressure

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from scipy import sparse
 
-from contact.complementarity import METHODS, LcpError
+from contact.complementarity import METHODS, LcpError, NotApplicableError
 from contact.linear import Factor
 from contact.linearised import Iterate, Step, StepError, iterate
 from contact.newton import GAP_TOLERANCE, NewtonRun
@@ -71,7 +71,8 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
         try:
             found = METHODS[method](M, free[nodes], at.expected[nodes])
         except LcpError as error:
-            raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {error}") from None
+            refused = isinstance(error, NotApplicableError)
+            raise StepError(Outcome.REFUSED if refused else Outcome.UNSOLVED, f"lcp by {method}: {error}") from None
         multiplier[nodes], event = found.z, found.event
         pushed_in = free + columns @ found.z < -rounding
         pushed_in[nodes] = False

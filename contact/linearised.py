@@ -17,6 +17,7 @@ from contact.linear import SingularMatrixError
 from contact.newton import NewtonRun
 from contact.problem import ContactSolution, Linearisation, Outcome
 
+MOST_SWAPS = 30  # of single nodes, a factorisation each
 CYCLE = "cycle detected: from here on only the first violating node is swapped"
 
 
@@ -61,6 +62,7 @@ def iterate(
     """
     u, pressure, active, memory = start.u, start.pressure, start.active, None
     noted, counted, event = active, 0, ""
+    run.gap_size(u, run.problem.gap(u))
     while True:
         lin = run.linearise(u, memory)
         gap = run.problem.gap(u)
@@ -94,9 +96,9 @@ def settle_set(run: NewtonRun, at: Iterate, active: np.ndarray, settle: float = 
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
     Each update is one factorisation. A cycle is answered by swapping only the first misplaced node. A matrix that is no
-    P-matrix may defeat that, too: after m such swaps the last step is returned as it is. Raises SingularMatrixError.
+    P-matrix may defeat that, too: after 30 such swaps the last step is returned as it is. Raises SingularMatrixError.
     """
-    jacobian, seen, swaps_left, event = run.problem.gap_jacobian(at.u), set[bytes](), len(active), ""
+    jacobian, seen, swaps_left, event = run.problem.gap_jacobian(at.u), set[bytes](), MOST_SWAPS, ""
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
         gap = at.gap + jacobian @ du

@@ -51,6 +51,7 @@ class NewtonRun:
     history: list[dict[str, object]] = field(default_factory=list)
     tolerance: float = RESIDUAL_TOLERANCE
     _first_scale: float = 0.0
+    _first_gap_size: float = 0.0
     _scale: float = 0.0
     _residual: float = np.inf
     _set: np.ndarray | None = None  # of the last step
@@ -122,8 +123,13 @@ class NewtonRun:
         return wrong
 
     def gap_size(self, u: np.ndarray, gap: np.ndarray) -> float:
-        """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself."""
-        return float(np.max(np.abs(gap) + abs(self.problem.gap_jacobian(u)) @ np.abs(u), initial=0.0))
+        """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself.
+
+        Not less than at the start: a body that goes back to zero brings the rounding of its way with it.
+        """
+        size = float(np.max(np.abs(gap) + abs(self.problem.gap_jacobian(u)) @ np.abs(u), initial=0.0))
+        self._first_gap_size = self._first_gap_size or size
+        return max(size, self._first_gap_size)
 
     def step(
         self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray, active: np.ndarray

@@ -79,6 +79,9 @@ def _reach(
                 step = 2 * step
                 rows[-1]["event"] = f"easy step: the next one grows to {step:.6g}"
             continue
+        if attempt.outcome is Outcome.REFUSED:  # no smaller step would change that
+            outcome = Outcome.REFUSED
+            break
         if abs(step) / 2 < SMALLEST * abs(asked):
             outcome = Outcome.STEP_LIMIT
             rows[-1]["event"] = f"{attempt.outcome.value}; {outcome.value}"
