@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from contact.linearised import Iterate, Step, iterate, settle_set
+from contact.linearised import iterate, settling
 from contact.newton import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
@@ -53,7 +53,7 @@ class AugmentedLagrangian:
             shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
             inner = NewtonRun(shifted, c, self.solver, whole.counters, whole.history, tolerance)
             first_row = len(whole.history)
-            state = iterate(inner, state, _step, self.max_iterations)
+            state = iterate(inner, state, settling(SETTLE), self.max_iterations)
             if not state.outcome.converged:
                 return state
             gap = problem.gap(state.u)
@@ -77,7 +77,3 @@ class AugmentedLagrangian:
 def _shifted_gap(problem: ContactProblem, lead: np.ndarray, u: np.ndarray) -> np.ndarray:
     """Gaps g - p/c: springs on it push with p where g = 0."""
     return problem.gap(u) - lead
-
-
-def _step(run: NewtonRun, at: Iterate) -> Step:
-    return settle_set(run, at, at.expected, SETTLE)

@@ -17,7 +17,7 @@ from contact.linear import SingularMatrixError
 from contact.newton import NewtonRun
 from contact.problem import ContactSolution, Linearisation, Outcome
 
-MOST_SWAPS = 30  # of single nodes, a factorisation each
+FEW_UPDATES, MOST_UPDATES = 12, 200  # of the set on one linearisation, a factorisation each
 CYCLE = "cycle detected: from here on only the first violating node is swapped"
 
 
@@ -92,24 +92,46 @@ def iterate(
         pressure, active, event = step.pressure, step.active, step.event
 
 
-def settle_set(run: NewtonRun, at: Iterate, active: np.ndarray, settle: float = 0.0, c: float = 1.0) -> Step:
+def settling(settle: float, c: float = 1.0) -> StepSolver:
+    """Steps on the set that each linearised problem keeps, up to the fraction ``settle`` of it.
+
+    Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there.
+    """
+    begun: set[bytes] = set()
+
+    def step(run: NewtonRun, at: Iterate) -> Step:
+        again = settle < 1 and at.expected.tobytes() in begun
+        begun.add(at.expected.tobytes())
+        return settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
+
+    return step
+
+
+def settle_set(
+    run: NewtonRun, at: Iterate, active: np.ndarray, settle: float = 0.0, c: float = 1.0, *, last: bool = True
+) -> Step:
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
-    Each update is one factorisation. A cycle is answered by swapping only the first misplaced node. A matrix that is no
-    P-matrix may defeat that, too: after 30 such swaps the last step is returned as it is. Raises SingularMatrixError.
+    Each update is one factorisation. If this is the ``last`` linearisation to decide the set, a cycle is answered by
+    swapping only the first misplaced node: finite for a P-matrix. Otherwise, and after very many updates, the step is
+    returned as it is: a tangent far from equilibrium may have no consistent set, and another one is not far.
+    Raises SingularMatrixError.
     """
-    jacobian, seen, swaps_left, event = run.problem.gap_jacobian(at.u), set[bytes](), MOST_SWAPS, ""
+    jacobian, seen, event = run.problem.gap_jacobian(at.u), set[bytes](), ""
+    left = MOST_UPDATES if last else FEW_UPDATES
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
         gap = at.gap + jacobian @ du
         wrong = run.misplaced(at.lin, at.u + du, gap, pressure, active, c, solved=True)
         after = active ^ wrong
-        if wrong.sum() <= settle * (active | after).sum() or not swaps_left:
-            return Step(du, pressure, active, event)
-        if event or after.tobytes() in seen:
-            event, after = CYCLE, active ^ first_of(wrong)
-            swaps_left -= 1
         seen.add(active.tobytes())
+        cycling = bool(event) or after.tobytes() in seen
+        enough = wrong.sum() <= settle * (active | after).sum()
+        left -= 1
+        if enough or left == 0 or (cycling and not last):
+            return Step(du, pressure, active, event)
+        if cycling:
+            event, after = CYCLE, active ^ first_of(wrong)
         active = after
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
-from contact.linearised import Iterate, Step, iterate, settle_set
+from contact.linearised import iterate, settling
 from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 
@@ -42,12 +41,4 @@ class Semismooth:
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set repeats and the forces balance."""
         run = NewtonRun(problem, self.epsilon, self.solver)
-        return iterate(run, start, partial(self._step, set()), self.max_iterations, self.c)
-
-    def _step(self, begun: set[bytes], run: NewtonRun, at: Iterate) -> Step:
-        """Step on the set that the linearised problem keeps, up to a fraction; ``begun``: sets it has begun with."""
-        active = at.expected
-        # two iterations that began with the same set are a cycle, or the end: what is left to settle is settled here
-        settle = 0.0 if self.settle < 1 and active.tobytes() in begun else self.settle
-        begun.add(active.tobytes())
-        return settle_set(run, at, active, settle, self.c)
+        return iterate(run, start, settling(self.settle, self.c), self.max_iterations, self.c)

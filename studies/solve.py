@@ -24,6 +24,7 @@ from contact.path import follow
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
+from studies.algorithm_settings import KEYS, settings_of
 from studies.fields import write_fields
 from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, UsageError, Value
 from studies.scenes import SCENES
@@ -42,6 +43,8 @@ def resolve(
     if scene is None:
         raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
     known = {setting.key: setting for setting in scene.settings}
+    if "epsilon" in known:  # the scene has contact
+        known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
@@ -150,7 +153,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 
 
 def _algorithm(request: Request) -> ContactAlgorithm:
-    chosen = {key: request.settings[key] for key in ("epsilon", "solver") if key in request.settings}
+    chosen = {key: request.settings[key] for key in ("epsilon", "solver", *KEYS) if key in request.settings}
     return ALGORITHMS[request.contact](**chosen)
 
 
