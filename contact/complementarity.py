@@ -93,7 +93,7 @@ def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> Lc
 
     scipy's nnls (1.17.1) returns wrong sets without a word where the gradient is rounding, as for candidates that just
     touch: its answer is checked, and where wrong the active set goes on from it; the event says so.
-    Raises NotApplicableError unless M is symmetric and positive definite.
+    Raises NotApplicableError unless M is symmetric, LcpError unless it is positive definite.
     """
     asymmetry = np.max(np.abs(M - M.T), initial=0.0)
     if asymmetry > SYMMETRIC * np.max(np.abs(M), initial=0.0):
@@ -103,7 +103,7 @@ def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> Lc
     try:
         L = np.linalg.cholesky((M + M.T) / 2)
     except np.linalg.LinAlgError:
-        raise NotApplicableError("nnls needs a positive definite matrix; this one has no Cholesky factor") from None
+        raise LcpError("nnls needs a positive definite matrix; this one has no Cholesky factor") from None
     claimed = nnls(L.T, -np.linalg.solve(L, q))[0] > 0
     found = active_set(M, q, claimed)
     event = f"set of nnls corrected in {found.pivots} updates" if found.pivots else ""

@@ -9,12 +9,13 @@ from functools import partial
 import numpy as np
 from scipy import sparse
 
-from contact.complementarity import METHODS, LcpError, NotApplicableError
+from contact.complementarity import METHODS, LcpError, LcpSolution, NotApplicableError, active_set
 from contact.linear import Factor
 from contact.linearised import Iterate, Step, StepError, iterate
 from contact.newton import GAP_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
+INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding
 COLUMNS = 64  # right-hand sides at once
 
 
@@ -68,11 +69,7 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
         columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
         nodes = np.append(nodes, entering)
         M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
-        try:
-            found = METHODS[method](M, free[nodes], at.expected[nodes])
-        except LcpError as error:
-            refused = isinstance(error, NotApplicableError)
-            raise StepError(Outcome.REFUSED if refused else Outcome.UNSOLVED, f"lcp by {method}: {error}") from None
+        found = _solve(method, M, free[nodes], at.expected[nodes])
         multiplier[nodes], event = found.z, found.event
         pushed_in = free + columns @ found.z < -rounding
         pushed_in[nodes] = False
@@ -80,6 +77,28 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
         run.spend("contact_s", start)
     du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
     return Step(du, multiplier / per_pressure, multiplier > 0, event)
+
+
+def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> LcpSolution:
+    """By the method; where M is indefinite or the method fails, by the active set from the expected one.
+
+    The tangent of a body that only the foundation keeps from buckling is indefinite. There are then several solutions,
+    and pivoting from nothing finds one far away, or none; the one wanted is near. Raises StepError.
+    """
+    eigenvalues = np.linalg.eigvalsh((M + M.T) / 2)
+    why = f"lowest eigenvalue {eigenvalues[0] / eigenvalues[-1]:.1e} of the highest"
+    if eigenvalues[0] >= -INDEFINITE * np.abs(eigenvalues[-1]) or method == "active-set":
+        try:
+            return METHODS[method](M, q, expected)
+        except NotApplicableError as error:
+            raise StepError(Outcome.REFUSED, f"lcp by {method}: {error}") from None
+        except LcpError as error:
+            why = str(error)
+    try:
+        found = active_set(M, q, expected)
+    except LcpError as error:
+        raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {why}; by the active set: {error}") from None
+    return LcpSolution(found.z, found.pivots, f"lcp by {method}: {why}; the active set was used instead")
 
 
 def _compliance(factor: Factor, G: sparse.csr_matrix, push: sparse.csc_matrix) -> np.ndarray:
