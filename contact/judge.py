@@ -149,8 +149,12 @@ def _energy_balance(
     P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
     pressures, not from r. Exact up to the eighth degree of P; strains quadratic in u make the fourth. Others may need
     more panels: a mismatch of the rule falls with them, one of the answer does not.
+    Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
+    by rounding, a frozen step at its own answer, there is no work to balance.
     """
     du, at_end = u - since, problem.linearise(u, None)
+    forces = max(at_end.scale, float(np.linalg.norm(contact)))
+    last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
     ends = [potential(u), -potential(since)]
     # what the pressures say less what the model says, with the same weight whatever the panels
     told = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
@@ -161,7 +165,7 @@ def _energy_balance(
             for panel in range(panels)
             for t, weight in LOBATTO
         ]
-        size = sum(map(abs, works + ends)) or 1.0
+        size = max(sum(map(abs, works + ends)), last_digit / BALANCE) or 1.0
         mismatch = abs(sum(ends) - sum(works) - told) / size
         if mismatch <= BALANCE:
             break

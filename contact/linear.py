@@ -69,6 +69,20 @@ def factorise(A: sparse.csc_matrix, solver: str = "splu") -> Factor:
     return SOLVERS[solver](A)
 
 
+def negative_pivots(A: sparse.csc_matrix) -> int:
+    """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
+
+    SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding may hide is close to singular.
+    """
+    try:
+        factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError:
+        return 1
+    if not np.array_equal(factor.perm_r, factor.perm_c):
+        return 1  # a zero on the diagonal has forced an exchange: indefinite or singular
+    return int(np.sum(factor.U.diagonal() <= 0))
+
+
 def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
     """The x with A x = b, refined up to twice while its backward error is above 1e-13.
 

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from contact.linear import checked_solve, factorise
+from contact.linear import Factor, checked_solve, factorise
 from contact.problem import (
     ROUNDING_ALONE,
     ContactProblem,
@@ -49,7 +49,9 @@ class NewtonRun:
         }
     )
     history: list[dict[str, object]] = field(default_factory=list)
+    tolerance: float = RESIDUAL_TOLERANCE
     _first_scale: float = 0.0
+    _first_gap_size: float = 0.0
     _scale: float = 0.0
     _residual: float = np.inf
     _set: np.ndarray | None = None  # of the last step
@@ -60,7 +62,7 @@ class NewtonRun:
         """Linearise the mechanics, counted and timed."""
         start = time.perf_counter()
         lin = self.problem.linearise(u, memory)
-        self._spend("assembly_s", start)
+        self.spend("assembly_s", start)
         self.counters["assemblies"] += 1
         return lin
 
@@ -81,7 +83,7 @@ class NewtonRun:
 
         What it still asks for is taken to be what the last step has moved.
         """
-        if residual <= RESIDUAL_TOLERANCE:
+        if residual <= self.tolerance:
             return True
         size = float(norm(u, check_finite=False))
         return excused(residual, self._rounding(lin, u), self._moved / size if size > 0 else np.inf)
@@ -93,7 +95,7 @@ class NewtonRun:
     def closed(self, u: np.ndarray, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
         mismatch = np.abs(gap + pressure / self.epsilon)[active]
-        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * self._gap_size(u, gap))
+        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * self.gap_size(u, gap))
 
     def misplaced(
         self,
@@ -103,22 +105,31 @@ class NewtonRun:
         pressure: np.ndarray,
         active: np.ndarray,
         c: float = 1.0,
+        *,
+        solved: bool = False,
     ) -> np.ndarray:
         """Candidates (m,) on the wrong side: in the set with p - c g < 0, or out of it with p - c g > 0.
 
         A node that just touches without pressure has p and g of the size of rounding, and no set is the right one:
-        near equilibrium, what rounding explains is no reason to swap it.
+        near equilibrium, and where p and g have just been ``solved`` for, what rounding explains swaps nothing.
         """
         excess = np.where(active, 1.0, -1.0) * (pressure - c * gap)
         wrong = excess < 0
-        if wrong.any() and self._residual <= ROUNDING_ALONE:
+        if wrong.any() and (solved or self._residual <= ROUNDING_ALONE):
             force = ROUNDING_MARGIN * (rounding_floor(lin, u) + np.finfo(float).eps * self._scale)
-            wrong = excess < -(force / self.problem.weights + c * GAP_TOLERANCE * self._gap_size(u, gap))
+            in_pressure, in_gap = force / self.problem.weights, c * GAP_TOLERANCE * self.gap_size(u, gap)
+            # a solved step leaves a pressure in the set and a gap out of it; rounding of the other is none of theirs
+            wrong = excess < -(np.where(active, in_pressure, in_gap) if solved else in_pressure + in_gap)
         return wrong
 
-    def _gap_size(self, u: np.ndarray, gap: np.ndarray) -> float:
-        """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself."""
-        return float(np.max(np.abs(gap) + abs(self.problem.gap_jacobian(u)) @ np.abs(u), initial=0.0))
+    def gap_size(self, u: np.ndarray, gap: np.ndarray) -> float:
+        """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself.
+
+        Not less than at the start: a body that goes back to zero brings the rounding of its way with it.
+        """
+        size = float(np.max(np.abs(gap) + abs(self.problem.gap_jacobian(u)) @ np.abs(u), initial=0.0))
+        self._first_gap_size = self._first_gap_size or size
+        return max(size, self._first_gap_size)
 
     def step(
         self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray, active: np.ndarray
@@ -129,35 +140,57 @@ class NewtonRun:
         Raises SingularMatrixError.
         """
         start = time.perf_counter()
-        if self._set is None or not np.array_equal(active, self._set):
-            self._set, self._moved = active, np.inf
-        K = lin.tangent
-        if self.problem.gap_curvature is not None:
-            K = K - self.problem.gap_curvature(u, self.problem.nodal_forces(pressure))
+        K = self.stiffness(lin, u, pressure)
         nodes = np.flatnonzero(active)
         A, b, pivots = K, -lin.residual, None
         if len(nodes):
             pivots = _Pivots.choose(self.problem, u, nodes, K, self.epsilon)
             A, b = pivots.substitute(K, b)
-        start = self._spend("contact_s", start)
-        factor = factorise(A, self.solver)
-        start = self._spend("factorisation_s", start)
-        du = checked_solve(factor, A, b)
-        start = self._spend("solve_s", start)
+        self.spend("contact_s", start)
+        du = self.solution(self.factorise(A), A, b)
+        start = time.perf_counter()
         found = np.zeros_like(pressure)
         if pivots is not None:
             du, found[nodes] = pivots.resolve(du)
-        self._spend("contact_s", start)
-        self.counters["factorisations"] += 1
-        self.counters["newton_iterations"] += 1
+        self.spend("contact_s", start)
         return du, found
+
+    def stiffness(self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray) -> sparse.csc_matrix:
+        """The tangent with what the curvature of the gap adds to it under the pressures (m,)."""
+        if self.problem.gap_curvature is None:
+            return lin.tangent
+        return lin.tangent - self.problem.gap_curvature(u, self.problem.nodal_forces(pressure))
+
+    def factorise(self, A: sparse.csc_matrix) -> Factor:
+        """Factorise, counted and timed; raises SingularMatrixError."""
+        start = time.perf_counter()
+        factor = factorise(A, self.solver)
+        self.spend("factorisation_s", start)
+        self.counters["factorisations"] += 1
+        return factor
+
+    def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
+        """The checked solution, timed; raises SingularMatrixError."""
+        start = time.perf_counter()
+        x = checked_solve(factor, A, b)
+        self.spend("solve_s", start)
+        return x
+
+    def advance(
+        self, lin: Linearisation, u: np.ndarray, du: np.ndarray, active: np.ndarray
+    ) -> tuple[np.ndarray, object]:
+        """The next u and its memory: one Newton iteration, however many linear systems its step and its set took."""
+        if self._set is None or not np.array_equal(active, self._set):
+            self._set, self._moved = active, np.inf
+        self.counters["newton_iterations"] += 1
+        return u + du, self.remember(lin, du)
 
     def remember(self, lin: Linearisation, du: np.ndarray) -> object:
         """The memory of the step, timed as assembly."""
         self._moved_before, self._moved = self._moved, float(norm(du, check_finite=False))
         start = time.perf_counter()
         memory = lin.remember(du)
-        self._spend("assembly_s", start)
+        self.spend("assembly_s", start)
         return memory
 
     def note(self, residual: float, active: np.ndarray, before: np.ndarray, event: str = "") -> None:
@@ -168,6 +201,10 @@ class NewtonRun:
         row |= {"added": added, "removed": removed}
         self.history.append(row | ({"event": event} if event else {}))
 
+    def tell(self, event: str) -> None:
+        """Write an event into the last row of history."""
+        self.history[-1]["event"] = event
+
     def finish(self, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, outcome: Outcome) -> ContactSolution:
         """The solution record of this run; pressures of a converged set that rounding made negative become zero."""
         if outcome.converged:
@@ -177,7 +214,8 @@ class NewtonRun:
     def _rounding(self, lin: Linearisation, u: np.ndarray) -> float:
         return rounding_floor(lin, u) / self._scale if self._scale > 0 else 0.0
 
-    def _spend(self, what: str, start: float) -> float:
+    def spend(self, what: str, start: float) -> float:
+        """Add the time since ``start`` to a counter; returns now."""
         now = time.perf_counter()
         self.counters[what] += now - start
         return now

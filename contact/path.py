@@ -79,11 +79,20 @@ def _reach(
                 step = 2 * step
                 rows[-1]["event"] = f"easy step: the next one grows to {step:.6g}"
             continue
+        if attempt.outcome is Outcome.REFUSED:  # no smaller step would change that
+            outcome = Outcome.REFUSED
+            break
         if abs(step) / 2 < SMALLEST * abs(asked):
             outcome = Outcome.STEP_LIMIT
-            rows[-1]["event"] = f"{attempt.outcome.value}; {outcome.value}"
+            rows[-1]["event"] = f"{_why(attempt)}; {outcome.value}"
             break
         step = (trial - reached) / 2
-        rows[-1]["event"] = f"{attempt.outcome.value}: step cut to {step:.6g}"
+        rows[-1]["event"] = f"{_why(attempt)}: step cut to {step:.6g}"
     spent = replace(solution, counters=counters, history=tuple(history))
     return PathPoint(target, reached, outcome, spent, substeps)
+
+
+def _why(failed: ContactSolution) -> str:
+    """The outcome, with what the algorithm itself has said of it."""
+    said = failed.history[-1].get("event") if failed.history else None
+    return f"{failed.outcome.value} ({said})" if said else failed.outcome.value

@@ -114,6 +114,8 @@ class Outcome(enum.Enum):
     SINGULAR = "the linear system is singular to working precision"
     ROUNDING = "rounding alone keeps the forces further out of balance than can be excused"
     CYCLING = "the contact set repeats itself and the fallback did not settle it"
+    UNSOLVED = "the linearised contact problem was not solved"
+    REFUSED = "the algorithm does not apply"
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
 
     @property

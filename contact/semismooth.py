@@ -1,4 +1,4 @@
-"""Semismooth Newton: the contact set is updated at EVERY iteration (primal-dual active set)."""
+"""Semismooth Newton: a primal-dual active set that settles before the next linearisation."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.linear import SingularMatrixError
+from contact.linearised import iterate, settling
 from contact.newton import NewtonRun
-from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.problem import ContactProblem, ContactSolution
 
 
 @dataclass(frozen=True)
@@ -17,6 +17,10 @@ class Semismooth:
 
     epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [MPa/mm] only weighs pressure against gap while both
     are non-zero, that is in the first iteration of a step: after a full step one of them vanishes at every node.
+    settle: the set is updated on the same linearisation until at most this fraction of it changes. At 1 every set gets
+    a linearisation of its own, the textbook's method: far from the solution it chases sets that mean nothing and is
+    lost on fine meshes (tyre 84x80, 20 mm in one step); at 0 it solves each linearised problem to the end. Below 1 a
+    cycle is answered by swapping only the first misplaced node (Murty), and the history says so.
     max_iterations: those that only release nodes do not count. With an M-matrix (membranes, strings) that is all that
     happens once the first step has closed too much: finite, but one row of elements at a time at epsilon = infinity, so
     that their number grows with the mesh.
@@ -25,6 +29,7 @@ class Semismooth:
 
     epsilon: float = np.inf
     c: float = 1.0
+    settle: float = 0.05
     max_iterations: int = 40
     solver: str = "splu"
     name: str = "semismooth"
@@ -36,31 +41,4 @@ class Semismooth:
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set repeats and the forces balance."""
         run = NewtonRun(problem, self.epsilon, self.solver)
-        u, pressure, active, memory = start.u, start.pressure, start.active, None
-        counted = 0
-        while True:
-            lin = run.linearise(u, memory)
-            gap = problem.gap(u)
-            residual = run.imbalance(lin, u, pressure)
-            wanted = active ^ run.misplaced(lin, u, gap, pressure, active, self.c)
-            run.note(residual, wanted, active)
-            if np.isinf(residual):
-                return run.finish(u, pressure, active, Outcome.DIVERGED)
-            settled = np.array_equal(wanted, active) and run.closed(u, gap, pressure, active)
-            if settled and run.balanced(lin, u, residual):
-                return run.finish(u, pressure, active, Outcome.CONVERGED)
-            if settled and run.stuck(lin, u, residual):
-                return run.finish(u, pressure, active, Outcome.ROUNDING)
-            counted += not _only_released(active, wanted)
-            if counted > self.max_iterations:
-                return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
-            active = wanted
-            try:
-                du, pressure = run.step(lin, u, pressure, active)
-            except SingularMatrixError:
-                return run.finish(u, pressure, active, Outcome.SINGULAR)
-            u, memory = u + du, run.remember(lin, du)
-
-
-def _only_released(before: np.ndarray, after: np.ndarray) -> bool:
-    return bool(np.any(before & ~after) and not np.any(after & ~before))
+        return iterate(run, start, settling(self.settle, self.c), self.max_iterations, self.c)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.linear import SingularMatrixError
+from contact.linearised import CYCLE, first_of
 from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
@@ -47,9 +48,9 @@ class TrialAndError:
             before = active
             if not one_at_a_time and active.tobytes() in seen:
                 one_at_a_time = True
-                run.history[-1]["event"] = "cycle detected: from here on only the first violating node is swapped"
+                run.tell(CYCLE)
             seen.add(active.tobytes())
-            active = active ^ (_first(violated) if one_at_a_time else violated)
+            active = active ^ (first_of(violated) if one_at_a_time else violated)
         return run.finish(u, pressure, active, Outcome.CYCLING if one_at_a_time else Outcome.ITERATION_LIMIT)
 
     def _equilibrium(
@@ -76,11 +77,5 @@ class TrialAndError:
                 du, pressure = run.step(lin, u, pressure, active)
             except SingularMatrixError:
                 return u, pressure, nothing, Outcome.SINGULAR
-            u, memory = u + du, run.remember(lin, du)
+            u, memory = run.advance(lin, u, du, active)
         return u, pressure, nothing, Outcome.ITERATION_LIMIT
-
-
-def _first(violated: np.ndarray) -> np.ndarray:
-    only = np.zeros_like(violated)
-    only[np.argmax(violated)] = True
-    return only

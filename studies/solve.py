@@ -28,6 +28,7 @@ from contact.path import PathPoint, follow
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
+from studies.algorithm_settings import KEYS, settings_of
 from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
 from studies.scenes import SCENES
 from studies.store import plain, write_by, write_json, write_table
@@ -47,6 +48,8 @@ def resolve(
     if scene is None:
         raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
     known = {setting.key: setting for setting in scene.settings}
+    if "epsilon" in known:  # the scene has contact
+        known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
@@ -94,7 +97,7 @@ def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:
 class Result:
     """What a solve has found; ``last`` is the last converged state, from which the fields are written.
 
-    unsupported: why the algorithm does not apply to this problem; nothing was solved beyond the stages before it.
+    unsupported: why the algorithm does not apply to this problem; nothing was solved beyond that.
     """
 
     request: Request
@@ -162,7 +165,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 
 
 def _algorithm(request: Request) -> ContactAlgorithm:
-    chosen = {key: request.settings[key] for key in ("epsilon", "solver") if key in request.settings}
+    chosen = {key: request.settings[key] for key in ("epsilon", "solver", *KEYS) if key in request.settings}
     return ALGORITHMS[request.contact](**chosen)
 
 
@@ -190,6 +193,9 @@ def _run_stages(
             if not point.outcome.converged:
                 result.outcome = point.outcome
                 why = result.history[-1].get("event", "")
+                if point.outcome is Outcome.REFUSED:  # known only once the tangent is
+                    result.unsupported = f"{result.request.contact} does not apply: {why}"
+                    return
                 result.reason = f"{stage.name} at {point.requested:g}: {why}; last converged at {point.reached:g}"
                 return
             problem = problem_at(point.requested)

@@ -87,8 +87,8 @@ def test_iterations_that_only_release_do_not_count(contacts, n, fewest) -> None:
     assert soft.counters["newton_iterations"] <= 12
     for row in exact.history[2:]:
         assert (row["added"], row["removed"]) in ((0, 2), (0, 0))
-    # what counts: the free step and the step that closes
-    enough, short = (contacts.solve("semismooth", data.problem(), n - 1, max_iterations=k) for k in (2, 1))
+    # what counts: the free step and the set that it closes, on one linearisation
+    enough, short = (contacts.solve("semismooth", data.problem(), n - 1, max_iterations=k) for k in (1, 0))
     assert (enough.outcome, short.outcome) == (Outcome.CONVERGED, Outcome.ITERATION_LIMIT)
 
 
@@ -188,6 +188,8 @@ def test_particle_on_a_round_obstacle(contacts, name, epsilon) -> None:
         gap_curvature=gap_curvature,
     )
     algorithm = ALGORITHMS[name](epsilon=epsilon)
+    if algorithm.supports(problem) is not None:
+        pytest.skip(f"{name}: {algorithm.supports(problem)}")
     off = np.array([0.3, -0.5, 0.4])  # start away from the normal through the anchor
     start = ContactSolution(off, np.zeros(1), np.zeros(1, bool), Outcome.CONVERGED)
     solution = algorithm.solve(problem, start)
@@ -196,4 +198,5 @@ def test_particle_on_a_round_obstacle(contacts, name, epsilon) -> None:
     distance = radius if math.isinf(epsilon) else (k * depth + weight * epsilon * radius) / (k + weight * epsilon)
     np.testing.assert_allclose(gap_vector(solution.u), distance / depth * (anchor - centre), rtol=0, atol=ORACLE)
     np.testing.assert_allclose(solution.pressure, k * (distance - depth) / weight, rtol=0, atol=ORACLE)
-    assert solution.counters["newton_iterations"] <= 8  # 18 without the curvature of the gap
+    # 18 without the curvature of the gap; the outer loop adds those in which it notices that it is done
+    assert solution.counters["newton_iterations"] <= (10 if name == "augmented-lagrangian" else 8)

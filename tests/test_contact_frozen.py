@@ -85,7 +85,7 @@ def test_the_container_is_what_is_documented(step, tmp_path) -> None:
     assert (meta["format"], meta["format_version"]) == ("footprint contact step", 1)
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
+@pytest.mark.parametrize("name", [name for name in ALGORITHMS if name != "regularised"])  # which is never exact
 def test_a_step_is_solved_alone(contacts, name, tmp_path) -> None:
     """Frozen at the answer it asks for no displacement and the same pressures; frozen before, for the whole way."""
     data = contacts.random_quadratic(np.random.default_rng(1), "definite")

@@ -200,6 +200,19 @@ def test_an_algorithm_without_a_history_is_cut_and_told_about_all_the_same(track
     assert Outcome.STEP_LIMIT.value in events(dead)[-1][1]
 
 
+def test_a_refusal_ends_the_path_at_once(contacts) -> None:
+    """No smaller step makes a tangent symmetric: one attempt, its reason in the last row, the start kept."""
+
+    def at(load: float) -> ContactProblem:
+        K = np.array([[2.0, 1.0], [-1.0, 2.0]])
+        return contacts.Quadratic(K, np.full(2, load), -np.eye(2), np.full(2, 0.1), np.ones(2)).problem()
+
+    (point,) = follow(at, 0.0, [1.0, 2.0], ALGORITHMS["qp"](), ContactSolution.at_rest(2, 2))
+    assert (point.outcome, point.reached, point.substeps) == (Outcome.REFUSED, 0.0, 0)
+    assert parameters(point.solution) == [1.0]
+    assert "no energy to minimise" in point.solution.history[-1]["event"]
+
+
 def test_nothing_grows_after_the_last_step_to_a_target(tracking) -> None:
     """Quarters to each target: the last of them is as easy as the others, but no step follows it."""
     first, second = run(tracking, Choosy(reach=0.3), [1.0, 2.0])

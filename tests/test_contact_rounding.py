@@ -14,7 +14,7 @@ from contact.problem import NEGLIGIBLE, ROUNDING_ALONE, ContactProblem, Outcome
 
 STIFF = 1e12  # of a pair of faces, over the stiffness 1 of everything else: S |u| eps is 1e-4 of the load
 PAIRS = 8
-MOST = 10  # iterations: without an end to it, all 40 are spent
+MOST = dict.fromkeys(ALGORITHMS, 10) | {"augmented-lagrangian": 14}  # without an end to it, 40 and more are spent
 
 each_algorithm = pytest.mark.parametrize("name", ALGORITHMS)
 each_kind = pytest.mark.parametrize("wall", [math.inf, 0.5], ids=["free", "pressed"])
@@ -60,7 +60,7 @@ def test_forces_that_move_nothing_are_no_obstacle(contacts, rng, name, wall) -> 
     problem = faces.problem(wall)
     solution = contacts.solve(name, problem, 2 * PAIRS)
     assert solution.outcome is Outcome.CONVERGED
-    assert solution.counters["newton_iterations"] <= MOST
+    assert solution.counters["newton_iterations"] <= MOST[name]
     verdict = judge(problem, solution.u, solution.pressure)
     assert ROUNDING_ALONE < verdict.equilibrium <= verdict.rounding  # the premise
     assert verdict.correction <= NEGLIGIBLE
@@ -76,7 +76,7 @@ def test_forces_that_do_move_are_an_outcome(contacts, rng, name, wall) -> None:
     problem = Faces(contacts, rng, by_pairs=False).problem(wall)
     solution = contacts.solve(name, problem, 2 * PAIRS)
     assert solution.outcome is Outcome.ROUNDING
-    assert solution.counters["newton_iterations"] <= MOST
+    assert solution.counters["newton_iterations"] <= MOST[name]
     verdict = judge(problem, solution.u, solution.pressure)
     assert ROUNDING_ALONE < verdict.equilibrium <= verdict.rounding
     assert verdict.correction > NEGLIGIBLE

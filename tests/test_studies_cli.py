@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 import sys
 import time
@@ -89,6 +90,40 @@ def test_fields_open_as_hexahedra_with_both_faces(solved: Path) -> None:
     assert np.all(np.einsum("...i,...i->...", np.cross(edges[0], edges[1]), edges[2]) > 0)
 
 
+@pytest.mark.parametrize(
+    ("contact", "given", "resolved"),
+    [
+        ("qp", ["backend=clarabel"], {"backend": "clarabel", "eps": 1e-8, "epsilon": "inf"}),
+        ("lcp", ["method=active-set"], {"method": "active-set", "epsilon": "inf"}),
+        ("augmented-lagrangian", ["c=1e2"], {"c": 100.0, "epsilon": "inf"}),
+        ("regularised", ["epsilon=1e6"], {"epsilon": 1e6}),
+        ("semismooth", ["settle=0"], {"settle": 0.0, "c": 1.0, "epsilon": "inf"}),
+    ],
+)
+def test_algorithms_take_their_settings_and_agree(
+    contact: str, given: list[str], resolved: dict[str, object], solved: Path, tmp_path: Path
+) -> None:
+    pairs = [part for text in given for part in ("--set", text)]
+    assert main(["solve", "tyre", *SMALL, "--contact", contact, *pairs, "--out", str(tmp_path)]) == 0
+    found, usual = (json.loads((path / "result.json").read_text()) for path in (tmp_path, solved))
+    assert found["settings"].items() >= resolved.items()
+    rel = 1e-3 if contact == "regularised" else 1e-9
+    assert found["steps"][0]["force_N"] == pytest.approx(usual["steps"][0]["force_N"], rel=rel)
+
+
+def test_a_refusal_found_on_the_way_is_exit_2_with_its_reason(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "out"
+    arguments = ["solve", "tyre", *SMALL, "--set", "section=nonsymmetric", "--contact", "qp"]
+    assert main([*arguments, "--out", str(out)]) == 2
+    assert not out.exists()
+    error = capsys.readouterr().err.strip()
+    assert error.count("\n") == 0
+    assert "qp does not apply: " in error
+    assert "no energy to minimise" in error
+
+
 def test_tables_match_the_result(solved: Path) -> None:
     step = json.loads((solved / "result.json").read_text())["steps"][0]
     contact = pd.read_csv(solved / "contact.csv")
@@ -128,6 +163,13 @@ WRONG = {
     "half a ply": (["solve", "tyre", "--set", "plies=2.5"], "whole number"),
     "unknown choice": (["solve", "tyre", "--set", "load=heavy"], "dead, follower"),
     "key of another scene": (["solve", "cantilever", "--set", "gamma_deg=3"], "load_fraction"),
+    "setting of another algorithm": (["solve", "tyre", "--set", "backend=osqp"], "settle"),
+    "unknown backend": (["solve", "tyre", "--contact", "qp", "--set", "backend=magic"], "osqp, clarabel"),
+    "unknown method": (["solve", "tyre", "--contact", "lcp", "--set", "method=magic"], "lemke, active-set, nnls"),
+    "springs of infinite stiffness": (
+        ["solve", "tyre", "--mesh", "12x12", "--contact", "regularised", "--set", "epsilon=inf"],
+        "finite epsilon",
+    ),
     "unknown campaign": (["run", "everything"], "report"),
 }
 
@@ -248,9 +290,10 @@ class Refusing(Semismooth):
     """Refuses at once, at the first problem with candidates, or to be made at all."""
 
     at: str = "once"
+    epsilon: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.at == "birth":
+        if self.at == "birth" and math.isinf(self.epsilon):
             raise ValueError("epsilon must be finite")
 
     def supports(self, problem: ContactProblem) -> str | None:

@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from contact.problem import Outcome
 from studies.scenes.data import read_reference
 from studies.solve import Result, resolve, solve
 
@@ -91,6 +92,33 @@ def test_algorithms_agree_in_set_and_force(measure: str, epsilon: str) -> None:
     assert b.outcome.converged
     assert np.array_equal(a.last.active, b.last.active)
     assert a.steps[-1]["force_N"] == pytest.approx(b.steps[-1]["force_N"], rel=1e-8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("section", ["constant-s33", "nonsymmetric"])
+@pytest.mark.parametrize("load", ["dead", "follower"])
+def test_every_algorithm_finds_the_same_set_and_force(load: str, section: str) -> None:
+    """All settings at 5, 10, 15 and 20 mm; who needs symmetry refuses the non-symmetric section and says why."""
+    ways = [("semismooth", {}), ("trial-and-error", {"epsilon": "inf"}), ("augmented-lagrangian", {}), ("qp", {})]
+    ways += [("lcp", {"method": method}) for method in ("lemke", "active-set", "nnls")]
+    ways += [("semismooth", {"epsilon": "1e4"}), ("trial-and-error", {}), ("regularised", {})]
+    found = [
+        (contact, run({"load": load, "section": section, **more}, mesh="20x20", contact=contact))
+        for contact, more in ways
+    ]
+    for family in (found[:7], found[7:]):
+        reference = family[0][1]
+        assert reference.outcome.converged
+        for contact, result in family[1:]:
+            if not result.outcome.converged:
+                assert result.outcome is Outcome.REFUSED
+                assert "symmetric" in result.unsupported or "transpose" in result.unsupported
+                assert contact in ("qp", "lcp")
+                assert section == "nonsymmetric" or load == "follower"
+                continue
+            assert np.array_equal(result.last.active, reference.last.active)
+            forces = [[step["force_N"] for step in each.steps] for each in (result, reference)]
+            assert forces[0] == pytest.approx(forces[1], rel=1e-7)
 
 
 def test_epsilon_differs_from_the_exact_multiplier_by_parts_in_a_million() -> None:

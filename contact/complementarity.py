@@ -1,0 +1,178 @@
+"""Dense linear complementarity problems: w = M z + q, w >= 0, z >= 0, w.z = 0, solved exactly.
+
+No mechanics here: M (n, n) may be any matrix, q (n,). Whatever pivots a method takes, z comes from one dense solve on
+the set it ends with, so that rounding does not build up.
+Source of all three: Cottle, Pang, Stone, The Linear Complementarity Problem (1992), chapter 4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import nnls
+
+ROUNDING = 1e-13  # of the terms that make up w_i; less than that below zero is no violation
+SYMMETRIC = 1e-9  # largest |M - M^T| over the largest |M| that still counts as rounding
+MOST_PIVOTS = 100_000  # Lemke and single pivots do need 2^n on published problems
+PATIENCE = 10
+SINGLY = "cycle detected or no progress: single indices were swapped"
+
+
+class LcpError(ArithmeticError):
+    """The method has found no solution; the message says why."""
+
+
+class NotApplicableError(LcpError):
+    """The method is not made for such a matrix; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class LcpSolution:
+    """z (n,) and the number of pivots, of set updates for block methods; ``event``: what had to be done instead."""
+
+    z: np.ndarray
+    pivots: int
+    event: str = ""
+
+
+def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
+    """Lemke's complementary pivots with the covering vector e; ``start`` is ignored.
+
+    Ties of the ratio test are broken lexicographically: finite for every M. Raises LcpError on a secondary ray, which
+    no P-matrix and no solvable positive semidefinite problem ends on.
+    """
+    n = len(q)
+    if n == 0 or np.min(q) >= 0:
+        return LcpSolution(np.zeros(n), 0)
+    size = 1 / np.sqrt(np.where(np.diag(M) > 0, np.diag(M), 1.0))
+    # columns: w (n), z (n), the artificial z0, the right-hand side
+    table = np.hstack([np.eye(n), -size[:, None] * M * size, -np.ones((n, 1)), (size * q)[:, None]])
+    basis, entering = np.arange(n), 2 * n
+    row = _first_row(table)
+    for pivots in range(1, MOST_PIVOTS):
+        table[row] /= table[row, entering]
+        others = np.flatnonzero(table[:, entering])
+        others = others[others != row]
+        table[others] -= np.outer(table[others, entering], table[row])
+        leaving, basis[row] = basis[row], entering
+        if leaving == 2 * n:
+            return LcpSolution(_on_set(M, q, np.isin(np.arange(n), basis - n)), pivots)
+        entering = (leaving + n) % (2 * n)
+        column = table[:, entering]
+        rows = np.flatnonzero(column > 1e-11 * max(np.max(np.abs(column)), 1e-300))
+        if len(rows) == 0:
+            raise LcpError(f"Lemke's method ended on a secondary ray after {pivots} pivots: M is no P-matrix")
+        row = _lexicographic_minimum(table, rows, column, basis)
+    raise LcpError(f"Lemke's method took {pivots} pivots without an end")
+
+
+def _first_row(table: np.ndarray) -> int:
+    """The row that z0 = max(-q) makes zero; the last of equal ones is the lexicographic one."""
+    return int(len(table) - 1 - np.argmin(table[::-1, -1]))
+
+
+def _lexicographic_minimum(table: np.ndarray, rows: np.ndarray, column: np.ndarray, basis: np.ndarray) -> int:
+    n = len(table)
+    ratio = table[rows, -1] / column[rows]
+    rows = rows[ratio <= np.min(ratio) + 1e-12 * (1 + abs(np.min(ratio)))]
+    artificial = rows[basis[rows] == 2 * n]
+    if len(artificial):  # z0 may leave: done
+        return int(artificial[0])
+    for j in range(n):
+        if len(rows) == 1:
+            break
+        ratio = table[rows, j] / column[rows]
+        rows = rows[ratio <= np.min(ratio) + 1e-12 * (1 + abs(np.min(ratio)))]
+    return int(rows[0])
+
+
+def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
+    """The least |L^T z + L^-1 q|, z >= 0, M = L L^T, by Lawson and Hanson; ``start`` is ignored.
+
+    scipy's nnls (1.17.1) returns wrong sets without a word where the gradient is rounding, as for candidates that just
+    touch: its answer is checked, and where wrong the active set goes on from it; the event says so.
+    Raises NotApplicableError unless M is symmetric, LcpError unless it is positive definite.
+    """
+    asymmetry = np.max(np.abs(M - M.T), initial=0.0)
+    if asymmetry > SYMMETRIC * np.max(np.abs(M), initial=0.0):
+        raise NotApplicableError(
+            f"nnls needs a symmetric matrix; this one differs from its transpose by {asymmetry:.1e}"
+        )
+    try:
+        L = np.linalg.cholesky((M + M.T) / 2)
+    except np.linalg.LinAlgError:
+        raise LcpError("nnls needs a positive definite matrix; this one has no Cholesky factor") from None
+    claimed = nnls(L.T, -np.linalg.solve(L, q))[0] > 0
+    found = active_set(M, q, claimed)
+    event = f"set of nnls corrected in {found.pivots} updates" if found.pivots else ""
+    return LcpSolution(found.z, int(claimed.sum()) + found.pivots, event)
+
+
+def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
+    """Primal-dual active set from ``start`` (n,) bool, default none: all violating indices are swapped at once.
+
+    When a set comes back, or the violations have not become fewer in 10 updates, only the last violating index is
+    swapped until they have: finite for every P-matrix.
+    Source of the safeguard: Júdice and Pires, Comput. Oper. Res. 21 (1994) 587-596.
+    """
+    active = np.zeros(len(q), bool) if start is None else start
+    seen: set[bytes] = set()
+    fewest, patience, event = len(q) + 1, PATIENCE, ""
+    most = 10 * len(q) + 100
+    for pivots in range(most):
+        z, wrong = _violations(M, q, active)
+        if not wrong.any():
+            return LcpSolution(z, pivots, event)
+        if wrong.sum() < fewest:
+            fewest, patience = int(wrong.sum()), PATIENCE
+        elif patience > 0:
+            patience = 0 if active.tobytes() in seen else patience - 1
+        if patience == 0:
+            event = SINGLY
+            wrong[: np.flatnonzero(wrong)[-1]] = False
+        seen.add(active.tobytes())
+        active = active ^ wrong
+    raise LcpError(f"the active set has not settled in {most} updates")
+
+
+def single_pivots(
+    M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, *, last: bool = False, most: int = MOST_PIVOTS
+) -> LcpSolution:
+    """Swap the first violating index, or the last, until none is left (Murty 1974): finite for every P-matrix."""
+    active = np.zeros(len(q), bool) if start is None else start.copy()
+    for pivots in range(most):
+        z, wrong = _violations(M, q, active)
+        violating = np.flatnonzero(wrong)
+        if len(violating) == 0:
+            return LcpSolution(z, pivots)
+        swapped = violating[-1 if last else 0]
+        active[swapped] = not active[swapped]
+    raise LcpError(f"single pivots have found no solution in {most} steps")
+
+
+def _violations(M: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The z on the set, and the indices with z < 0 in it or w < 0 out of it; raises LcpError."""
+    z = _on_set(M, q, active, clip=False)
+    w = M @ z + q
+    rounding = ROUNDING * (np.abs(M) @ np.abs(z) + np.abs(q))
+    slope = np.abs(np.diag(M))
+    in_z = np.divide(rounding, slope, out=np.zeros_like(rounding), where=slope > 0)
+    return np.where(z < 0, np.where(z < -in_z, z, 0.0), z), np.where(active, z < -in_z, w < -rounding)
+
+
+def _on_set(M: np.ndarray, q: np.ndarray, active: np.ndarray, clip: bool = True) -> np.ndarray:
+    z = np.zeros_like(q, dtype=float)
+    try:
+        z[active] = np.linalg.solve(M[np.ix_(active, active)], -q[active])
+    except np.linalg.LinAlgError:
+        raise LcpError(f"the matrix on a set of {active.sum()} is singular") from None
+    return np.maximum(z, 0.0) if clip else z
+
+
+METHODS: dict[str, Callable[[np.ndarray, np.ndarray, np.ndarray | None], LcpSolution]] = {
+    "lemke": lemke,
+    "active-set": active_set,
+    "nnls": by_nnls,
+}

@@ -1,0 +1,118 @@
+"""Quadratic programmes min x.P.x/2 + q.x, A x >= b, by one call of a public solver each; nobody's word is trusted here.
+
+Every backend answers with what it has found and what it claims; judging that is the business of the caller.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+
+
+@dataclass(frozen=True, eq=False)
+class Programme:
+    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,)."""
+
+    P: sparse.csc_matrix
+    q: np.ndarray
+    A: sparse.csc_matrix
+    b: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """x (n,) and multipliers y (m,) >= 0 with P x + q = A^T y, whether the solver claims success, and its words."""
+
+    x: np.ndarray
+    y: np.ndarray
+    claimed: bool
+    status: str
+
+
+def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
+    import osqp
+
+    solver = osqp.OSQP()
+    above = np.full(len(programme.b), np.inf)
+    upper = sparse.triu(programme.P, format="csc")
+    limits = {"eps_abs": eps, "eps_rel": eps, "max_iter": 4000 if eps >= 1e-3 else 20_000}
+    try:
+        solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=polish, **limits)
+        found = solver.solve(raise_error=False)
+    except (osqp.OSQPException, ValueError) as error:  # a non-convex P is refused here
+        return Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, f"refused: {error}")
+    solved = found.info.status_val == int(osqp.SolverStatus.OSQP_SOLVED)
+    return _finite(programme, found.x, -found.y, solved, found.info.status)
+
+
+def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
+    import clarabel
+
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = eps
+    upper = sparse.triu(programme.P, format="csc")
+    cones = [clarabel.NonnegativeConeT(len(programme.b))]
+    solver = clarabel.DefaultSolver(upper, programme.q, sparse.csc_matrix(-programme.A), -programme.b, cones, settings)
+    found = solver.solve()
+    solved = found.status == clarabel.SolverStatus.Solved
+    return _finite(programme, np.array(found.x), np.array(found.z), solved, str(found.status))
+
+
+def _proxqp(programme: Programme, eps: float, polish: bool) -> Answer:
+    proxqp = importlib.import_module("proxsuite").proxqp
+    P, q, A, b = programme.P, programme.q, programme.A, programme.b
+    found = proxqp.sparse.solve(P, q, None, None, A, b, np.full(len(b), np.inf), eps_abs=eps, eps_rel=0.0)
+    solved = found.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
+    return _finite(programme, found.x, -found.z, solved, str(found.info.status))
+
+
+def _piqp(programme: Programme, eps: float, polish: bool) -> Answer:
+    piqp = importlib.import_module("piqp")
+    solver = piqp.SparseSolver()
+    solver.settings.eps_abs, solver.settings.eps_rel = eps, eps
+    P, q, A, b = programme.P, programme.q, programme.A, programme.b
+    n, above = len(q), np.full(len(b), np.inf)
+    solver.setup(P, q, sparse.csc_matrix((0, n)), np.zeros(0), A, b, above)
+    status = solver.solve()
+    return _finite(programme, solver.result.x, solver.result.z_l, status == piqp.PIQP_SOLVED, str(status))
+
+
+def _daqp(programme: Programme, eps: float, polish: bool) -> Answer:
+    daqp = importlib.import_module("daqp")
+    P, A, b = programme.P.toarray(), programme.A.toarray(), programme.b
+    above = np.full(len(b), 1e30)
+    x, _, flag, info = daqp.solve(P, programme.q, A, above, b, primal_tol=eps, dual_tol=eps)
+    return _finite(programme, x, -info["lam"], flag == 1, f"exit flag {flag}")
+
+
+def _finite(programme: Programme, x: np.ndarray, y: np.ndarray, claimed: bool, status: str) -> Answer:
+    """Solvers fill failures with None, NaN or 2e9; none of that is an answer."""
+    numbers = [np.asarray(v, float) if v is not None else np.array(np.nan) for v in (x, y)]
+    if not all(np.all(np.isfinite(v)) for v in numbers):
+        return Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, status)
+    return Answer(numbers[0], np.maximum(numbers[1], 0.0), claimed, status)
+
+
+BACKENDS: dict[str, Callable[[Programme, float, bool], Answer]] = {
+    "osqp": _osqp,
+    "clarabel": _clarabel,
+    "proxqp": _proxqp,
+    "piqp": _piqp,
+    "daqp": _daqp,
+}
+MODULES = {"osqp": "osqp", "clarabel": "clarabel", "proxqp": "proxsuite", "piqp": "piqp", "daqp": "daqp"}
+
+
+def missing(backend: str) -> str | None:
+    """None, or the line that says why the backend cannot be used."""
+    if backend not in BACKENDS:
+        return f"backend {backend!r} must be one of {', '.join(BACKENDS)}"
+    if importlib.util.find_spec(MODULES[backend]) is None:
+        return f"backend {backend!r} needs the extra qp: pip install 'footprint[qp]'"
+    return None

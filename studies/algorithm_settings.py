@@ -1,0 +1,31 @@
+"""The parameters of each contact algorithm as settings, which every scene with contact has beside its own."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from contact.algorithms import ALGORITHMS
+from contact.complementarity import METHODS
+from contact.qp_backends import BACKENDS
+from studies.scene import Setting
+
+_MORE = (
+    Setting("settle", None, "fraction of the set that may change before the next linearisation", low=0, high=1),
+    Setting("c", None, "weight of gap against pressure, first stiffness of the augmented Lagrangian, MPa/mm", low=0),
+    Setting("backend", None, "solver of the quadratic programmes", "choice", choices=tuple(BACKENDS)),
+    Setting("eps", None, "tolerance of the quadratic programmes", low=1e-14, high=1),
+    Setting("method", None, "of the complementarity problem", "choice", choices=tuple(METHODS)),
+)
+KEYS = tuple(setting.key for setting in _MORE)
+
+
+def settings_of(contact: str) -> tuple[Setting, ...]:
+    """Those of ``_MORE`` that the algorithm has, with its own defaults; none for an unknown name."""
+    if contact not in ALGORITHMS:
+        return ()
+    algorithm = ALGORITHMS[contact]()
+    return tuple(
+        dataclasses.replace(setting, default=getattr(algorithm, setting.key), open_low=setting.key == "c")
+        for setting in _MORE
+        if hasattr(algorithm, setting.key)
+    )
