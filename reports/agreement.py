@@ -38,8 +38,19 @@ class Entry:
 
     @property
     def way(self) -> str:
-        """The algorithm with its epsilon, for a table."""
-        return f"`{self.contact}`" + ("" if self.exact else f", ε = {self.cell.result['settings']['epsilon']:g}")
+        """The algorithm with what distinguishes it from its defaults, for a table."""
+        name, comma, setting = self._words.partition(",")
+        finite = "" if self.exact else f", ε = {self.cell.result['settings']['epsilon']:g}"
+        return f"`{name}`{comma}{setting}{finite}"
+
+    @property
+    def as_it_is(self) -> bool:
+        """Has the algorithm its own settings, but for epsilon?"""
+        return self._words == self.contact
+
+    @property
+    def _words(self) -> str:
+        return self.cell.label.removeprefix("agreement ").rsplit(" ", 3)[0]
 
     @property
     def travels(self) -> list[float]:

@@ -6,6 +6,7 @@ from reports import figures_tyre
 from reports.agreement import Entry, entries
 from reports.markdown import Part, commands, fixed, joined, machine, percent, picture, prose, table
 from reports.navigation import links
+from reports.robustness import robustness
 from reports.schema import Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
@@ -31,7 +32,7 @@ listed with its reason, not left out.""")
     if refused:
         rows = [[entry.way, *entry.case, str(entry.cell.result["reason"])] for entry in refused]
         parts.append(Part(table("Refused", ["algorithm", "load", "section", "reason"], rows, words=4)))
-    return joined([*parts, Part(commands(entry.cell.command for entry in found))])
+    return joined([*parts, Part(commands(entry.cell.command for entry in found)), robustness(store)])
 
 
 def _counters(solved: list[Entry]) -> Part:
@@ -78,7 +79,7 @@ algorithm does with sets, gaps and multipliers; the rest is the building of the 
 def _histories(solved: list[Entry]) -> Part:
     """Residuals and sets of the first case, the exact condition."""
     exact = [entry for entry in solved if entry.exact]
-    first = [entry for entry in exact if entry.case == exact[0].case]
+    first = [entry for entry in exact if entry.case == exact[0].case and entry.as_it_is]
     histories = {entry.contact: entry.cell.table("history") for entry in first}
     load, section = exact[0].case
     text = prose(f"""## Iteration histories

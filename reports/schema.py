@@ -24,7 +24,7 @@ REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncerta
 TYRES = ("tyre", "tyre-solid")
 TYRE_STEP_KEYS = (
     *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm", "kkt"),
-    "failures",
+    *("failures", "substeps"),
     *("newton_iterations", "central_asymmetry", "mirror_asymmetry"),
 )
 STEP_KEYS: Mapping[str, tuple[str, ...]] = {
@@ -55,6 +55,8 @@ STORE_COLUMNS = {
         *("case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"),
         *("nodes_unlike", "condition"),
     ),
+    "cycles": ("problem", "plain_period", "trial-and-error", "semismooth, settle 1", "semismooth"),
+    "false_success": ("contender", "problems", "refused", "claimed", "false", "largest_error"),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
 }
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step

@@ -28,7 +28,9 @@ from formulations.measures import MEASURES
 from studies import convergence_cells
 from studies.cell import Cell
 from studies.convergence_cells import ISOTROPIC
+from studies.cycles import cycles
 from studies.epsilon import epsilon_study
+from studies.false_success import table as false_success
 from studies.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
 from studies.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.scenes import SCENES
@@ -125,17 +127,34 @@ CONVERGENCE = (
     *convergence_cells.cells({"element": "refined"}, "refined"),
     *convergence_cells.cells({"element": "paper"}, "paper", finest=False),
 )
+_WAYS: dict[str, tuple[str, dict[str, str]]] = {  # each algorithm as it is, and settings that change how it gets there
+    **{contact: (contact, {}) for contact in ALGORITHMS},
+    "semismooth, settle 1": ("semismooth", {"settle": "1"}),
+    "qp, eps 1e-3": ("qp", {"eps": "1e-3"}),
+    "qp, clarabel": ("qp", {"backend": "clarabel"}),
+    "lcp, active-set": ("lcp", {"method": "active-set"}),
+    "lcp, nnls": ("lcp", {"method": "nnls"}),
+}
 AGREEMENT = tuple(
     _tyre(
-        f"agreement {contact} {load} {section} {kind}",
-        {"load": load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon},
+        f"agreement {way} {load} {section} {kind}",
+        {"load": load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
         contact=contact,
         mesh="20x20",
     )
-    for contact, algorithm in ALGORITHMS.items()
-    for kind, epsilon in enforcements(algorithm().epsilon)
+    for way, (contact, settings) in _WAYS.items()
+    for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
     for load in ("dead", "follower")
     for section in ("constant-s33", "nonsymmetric")
+)
+_EXACT = {"epsilon": "inf"}
+ROBUSTNESS = (
+    *(
+        _tyre(f"one step {way} {mesh}", {**_TO_20, **_EXACT, **_WAYS[way][1]}, mesh=mesh, contact="semismooth")
+        for way in ("semismooth", "semismooth, settle 1")
+        for mesh in ("28x26", "42x40", "84x80")
+    ),
+    _tyre("far", {"delta_mm": "20,25,30,35,40", **_EXACT}, contact="semismooth"),
 )
 CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
@@ -143,8 +162,8 @@ CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "measures": MEASURED,
     "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
     "convergence": CONVERGENCE,
-    "agreement": AGREEMENT,
-    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT),
+    "agreement": (*AGREEMENT, *ROBUSTNESS),
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT, *ROBUSTNESS),
 }
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "rigid_body": rigid_body_table,
@@ -155,12 +174,14 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "curved_beam": curved_beam,
     "membrane_locking": membrane_locking,
     "epsilon": epsilon_study,
+    "cycles": cycles,
+    "false_success": false_success,
     "ladders": convergence_cells.ladder_table,
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),
     "convergence": ("ladders",),
-    "agreement": ("epsilon",),
+    "agreement": ("epsilon", "cycles", "false_success"),
     "report": tuple(TABLES),
 }
 

@@ -55,7 +55,8 @@ def test_every_algorithm_meets_every_case_exactly_and_as_it_is_by_default() -> N
 
 def test_all_agree_where_all_are_the_same(store: Path) -> None:
     text = agreement_page(load_store(store)).text
-    others = [cell for cell in AGREEMENT if cell.label.endswith("exact") and cell.options["contact"] != "semismooth"]
+    exact = [cell for cell in AGREEMENT if cell.label.endswith("exact")]
+    others = [cell for cell in exact if not cell.label.startswith("agreement semismooth ")]
     assert f"That holds for {len(others)} of {len(others)} other solves" in text
     assert "No solve with the exact condition disagrees." in text
     assert "No algorithm refuses any of the cases." in text
@@ -127,6 +128,45 @@ def test_costs_of_all_algorithms(store: Path) -> None:
         assert row(text, f"| `{name}` | dead | nonsymmetric |")[3:] == ["converged", "9", "9", "9", "2"]
     times = text[text.index("**Wall time") :]
     assert row(times, "| `semismooth` | follower | constant-s33 |")[3:] == ["1.25", "40 %", "40 %", "8 %", "4 %"]
+
+
+# --- far from the solution --------------------------------------------------------------------------------------
+
+
+def of(root: Path, label: str) -> Path:
+    index = json.loads((root / "campaign.json").read_text())
+    return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == label) / "result.json"
+
+
+def test_growth_of_iterations_and_a_step_that_is_cut(own_store: Path) -> None:
+    path = of(own_store, "one step semismooth 84x80")
+    result = json.loads(path.read_text())
+    result["steps"][-1]["newton_iterations"] = 8
+    write_json(path, result)
+    text = algorithms_page(load_store(own_store)).text
+    assert "`semismooth` from 5 to 8; `semismooth`, settle 1 is lost" in text
+    assert row(text, "| `semismooth`, settle 1 | 84x80 |")[-1] == "1"
+    assert row(text, "| `semismooth` | 84x80 |")[2:4] == ["converged", "8"]
+
+
+def test_the_end_of_the_path_is_told_with_its_reason(own_store: Path) -> None:
+    path = of(own_store, "far")
+    result = json.loads(path.read_text())
+    assert "The path reached all that was asked." in algorithms_page(load_store(own_store)).text
+    write_json(path, result | {"outcome": "step-limit", "reason": "limit point", "steps": result["steps"][:-1]})
+    text = algorithms_page(load_store(own_store)).text
+    assert "The end: limit point." in text
+    assert row(text, "| 35 |")[0] == "35"
+    assert "| 40 |" not in text
+
+
+def test_cycles_and_false_claims_are_counted(store: Path) -> None:
+    text = algorithms_page(load_store(store)).text
+    assert row(text, "| 3x3 |")[1:4] == ["cycles, period 3", "converged, cycle detected", "iteration-limit"]
+    assert row(text, "| mild |")[1] == "settles"
+    assert "Of our own 18 claims 0 are false; false are osqp alone, defaults 3 of 5." in text
+    assert row(text, "| lcp | 9 |")[1:] == ["9", "0", "9", "0", "under 1e-09"]
+    assert row(text, "| osqp alone, defaults |")[-1] == "5e-01"
 
 
 # --- epsilon ----------------------------------------------------------------------------------------------------

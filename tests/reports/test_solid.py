@@ -42,6 +42,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
         "central_asymmetry": 0.0,
         "mirror_asymmetry": 0.0,
         "newton_iterations": 5,
+        "substeps": 1,
     }
     quantities = {
         f"inflated_equator_{face}_mm": growth * (1.0 if solid else EQUATOR) * (1 + error)
