@@ -16,12 +16,13 @@ from scipy import sparse
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,)."""
+    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,); guess: x (n,) and y (m,) for those who can start there."""
 
     P: sparse.csc_matrix
     q: np.ndarray
     A: sparse.csc_matrix
     b: np.ndarray
+    guess: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,9 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
     limits = {"eps_abs": eps, "eps_rel": eps, "max_iter": 4000 if eps >= 1e-3 else 20_000}
     try:
         solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=polish, **limits)
+        if programme.guess is not None:
+            x, y = programme.guess
+            solver.warm_start(x=x, y=-y)
         found = solver.solve(raise_error=False)
     except (osqp.OSQPException, ValueError) as error:  # a non-convex P is refused here
         return Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, f"refused: {error}")

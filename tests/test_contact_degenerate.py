@@ -14,8 +14,12 @@ from contact.judge import judge
 from contact.lcp import Lcp
 from contact.problem import ContactSolution, Outcome
 from contact.qp import Qp
+from contact.qp_backends import BACKENDS, missing
 
 NNLS = 1e-9  # all quantities are of the order one
+each_backend = pytest.mark.parametrize(
+    "backend", [pytest.param(b, marks=pytest.mark.skipif(bool(missing(b)), reason=str(missing(b)))) for b in BACKENDS]
+)
 WAYS = {
     "qp": Qp(),
     "qp, osqp defaults": Qp(eps=1e-3, polish=False),
@@ -122,6 +126,19 @@ def test_a_tangent_that_is_not_convex_is_shifted_and_told(contacts, rng) -> None
     assert solution.outcome is Outcome.CONVERGED
     assert any("not convex" in row.get("event", "") for row in solution.history)
     assert judge(data.problem(), solution.u, solution.pressure).failures() == []
+
+
+@each_backend
+def test_a_far_candidate_that_the_near_one_pushes_in_is_handed_over(contacts, backend) -> None:
+    """The near one alone would press; what it leaves goes through the far wall, which then lifts it off its own."""
+    flexible, free, walls = np.array([[1.0, 0.5], [0.5, 1.0]]), np.array([-1.0, -4.0]), np.array([0.0, 1.0])
+    K = np.linalg.inv(flexible)
+    data = contacts.Quadratic(K, K @ free, np.eye(2), walls, np.ones(2))
+    solution = Qp(backend=backend).solve(data.problem(), ContactSolution.at_rest(2, 2))
+    assert solution.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(solution.u, [0.5, -1.0], rtol=0, atol=NNLS)
+    np.testing.assert_allclose(solution.pressure, [0.0, 3.0], rtol=0, atol=NNLS)
+    assert not any("corrected" in row.get("event", "") for row in solution.history)  # a second programme knew both
 
 
 def test_no_solution_is_said() -> None:
