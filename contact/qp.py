@@ -12,7 +12,7 @@ from contact.linear import negative_pivots
 from contact.linearised import Iterate, Step, StepError, iterate, settle_set
 from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.qp_backends import BACKENDS, Answer, Programme, missing
+from contact.qp_backends import Answer, Programme, ask, missing
 
 SYMMETRIC = 1e-9  # largest |K - K^T| over the largest |K| that still counts as rounding
 SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tangent that is not convex
@@ -84,7 +84,7 @@ class Qp:
         x, near = np.zeros_like(whole.q), at.expected | (at.gap <= np.min(at.gap))
         while True:
             part = Programme(whole.P, whole.q, sparse.csc_matrix(whole.A[near]), whole.b[near], (x, y[near]))
-            found = BACKENDS[self.backend](part, self.eps, self.polish)
+            found = ask(self.backend, part, self.eps, self.polish)
             x, y = found.x, np.zeros_like(whole.b)
             y[near] = found.y
             pushed_in = (whole.A @ x < whole.b) & ~near

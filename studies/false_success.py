@@ -14,7 +14,7 @@ from contact.algorithms import ALGORITHMS
 from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.qp import Scaled
-from contact.qp_backends import BACKENDS, Programme, missing
+from contact.qp_backends import BACKENDS, Programme, ask, missing
 from studies.obstacles import Bounded, collection
 
 FORCE, GAP = 1e-8, 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
@@ -62,9 +62,9 @@ def by_word(backend: str, eps: float, *, polish: bool, scaled: bool) -> Contende
         G, gap = problem.gap_jacobian(body.start), problem.gap(np.zeros(n))
         whole = Scaled.of(body.K, -body.f, G, gap, problem.weights, math.inf)
         if scaled:
-            answer = BACKENDS[backend](whole.programme, eps, polish)
+            answer = ask(backend, whole.programme, eps, polish)
             return Claim(*whole.unscaled(answer), answer.claimed)
-        answer = BACKENDS[backend](Programme(body.K, -body.f, sparse.csc_matrix(G), -gap), eps, polish)
+        answer = ask(backend, Programme(body.K, -body.f, sparse.csc_matrix(G), -gap), eps, polish)
         return Claim(answer.x, answer.y, answer.claimed)
 
     return claim
