@@ -22,7 +22,7 @@ SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tan
 class Qp:
     """min du.K.du/2 + r.du subject to g + G du >= 0; a finite epsilon gives every gap a spring of stiffness epsilon w.
 
-    backend: ``osqp``, ``clarabel``; ``proxqp``, ``piqp``, ``daqp`` (dense, small problems) with the extra qp.
+    backend: ``osqp``, ``clarabel``; with the extra qp ``proxqp``, ``piqp``, and ``daqp`` (dense: small problems).
     eps, polish: its tolerances, absolute and relative, and whether OSQP polishes.
     The programme is scaled (unit diagonal, unit rows, displacements and energy about 1), and of the answer only the
     contact set is used: exact linear steps start from it and correct it where it is wrong, so that a false "solved"

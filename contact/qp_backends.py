@@ -38,7 +38,7 @@ class Answer:
     status: str
 
 
-FILLING = 1e9  # of a scaled programme; the numbers that solvers leave behind where there is no answer are above
+FILLING = 1e9  # unclaimed numbers above are what solvers leave behind where they have no answer
 
 
 def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
@@ -49,13 +49,15 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
     nothing = Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, "")
     if not all(np.all(np.isfinite(v)) for v in (programme.P.data, programme.q, programme.A.data, programme.b)):
         return replace(nothing, status="refused: the programme is not finite")
+    call = BACKENDS[backend]
     try:
-        found = BACKENDS[backend](programme, eps, polish)
+        found = call(programme, eps, polish)
+        largest = np.max(np.abs(np.append(found.x, found.y)), initial=0.0)
     except (KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:  # whatever compiled code raises; a panic of Rust is not even an Exception
-        return replace(nothing, status=f"refused: {error}")
-    if not all(np.all(np.abs(v) < FILLING) for v in (found.x, found.y)):  # NaN is not
+        return replace(nothing, status=f"refused: {error!r}")
+    if not largest < (np.inf if found.claimed else FILLING):  # NaN is not
         return replace(nothing, status=found.status)
     return replace(found, y=np.maximum(found.y, 0.0))
 
