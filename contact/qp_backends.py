@@ -1,6 +1,9 @@
 """Quadratic programmes min x.P.x/2 + q.x, A x >= b, by one call of a public solver each; nobody's word is trusted here.
 
 Every backend answers with what it has found and what it claims; judging that is the business of the caller.
+Traps (osqp 1.1.3, clarabel 0.11, proxsuite 0.8.0, piqp 0.6.4, daqp 0.11.0; measured): where there is no answer OSQP
+fills x with 2.1e9, and daqp claims success with NaN; proxqp never returns from NaN; of a P that is not convex clarabel,
+proxqp and piqp "solve" a saddle point; the multipliers of OSQP and daqp have the other sign.
 """
 
 from __future__ import annotations
@@ -8,7 +11,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -16,12 +19,13 @@ from scipy import sparse
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,)."""
+    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,); guess: x (n,) and y (m,) for those who can start there."""
 
     P: sparse.csc_matrix
     q: np.ndarray
     A: sparse.csc_matrix
     b: np.ndarray
+    guess: tuple[np.ndarray, np.ndarray] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +38,30 @@ class Answer:
     status: str
 
 
+FILLING = 1e9  # unclaimed numbers above are what solvers leave behind where they have no answer
+
+
+def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
+    """What the backend says, and no more than that: numbers that are none and exceptions are no claim of success.
+
+    eps: tolerance, absolute and relative.  polish: of OSQP.
+    """
+    nothing = Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, "")
+    if not all(np.all(np.isfinite(v)) for v in (programme.P.data, programme.q, programme.A.data, programme.b)):
+        return replace(nothing, status="refused: the programme is not finite")
+    call = BACKENDS[backend]
+    try:
+        found = call(programme, eps, polish)
+        largest = np.max(np.abs(np.append(found.x, found.y)), initial=0.0)
+    except (KeyboardInterrupt, SystemExit):
+        raise
+    except BaseException as error:  # whatever compiled code raises; a panic of Rust is not even an Exception
+        return replace(nothing, status=f"refused: {error!r}")
+    if not largest < (np.inf if found.claimed else FILLING):  # NaN is not
+        return replace(nothing, status=found.status)
+    return replace(found, y=np.maximum(found.y, 0.0))
+
+
 def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
     import osqp
 
@@ -41,13 +69,13 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
     above = np.full(len(programme.b), np.inf)
     upper = sparse.triu(programme.P, format="csc")
     limits = {"eps_abs": eps, "eps_rel": eps, "max_iter": 4000 if eps >= 1e-3 else 20_000}
-    try:
-        solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=polish, **limits)
-        found = solver.solve(raise_error=False)
-    except (osqp.OSQPException, ValueError) as error:  # a non-convex P is refused here
-        return Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, f"refused: {error}")
+    solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=polish, **limits)
+    if programme.guess is not None:
+        x, y = programme.guess
+        solver.warm_start(x=x, y=-y)
+    found = solver.solve(raise_error=False)
     solved = found.info.status_val == int(osqp.SolverStatus.OSQP_SOLVED)
-    return _finite(programme, found.x, -found.y, solved, found.info.status)
+    return Answer(found.x, -found.y, solved, found.info.status)
 
 
 def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -61,7 +89,7 @@ def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
     solver = clarabel.DefaultSolver(upper, programme.q, sparse.csc_matrix(-programme.A), -programme.b, cones, settings)
     found = solver.solve()
     solved = found.status == clarabel.SolverStatus.Solved
-    return _finite(programme, np.array(found.x), np.array(found.z), solved, str(found.status))
+    return Answer(np.array(found.x), np.array(found.z), solved, str(found.status))
 
 
 def _proxqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -69,7 +97,7 @@ def _proxqp(programme: Programme, eps: float, polish: bool) -> Answer:
     P, q, A, b = programme.P, programme.q, programme.A, programme.b
     found = proxqp.sparse.solve(P, q, None, None, A, b, np.full(len(b), np.inf), eps_abs=eps, eps_rel=0.0)
     solved = found.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
-    return _finite(programme, found.x, -found.z, solved, str(found.info.status))
+    return Answer(found.x, -found.z, solved, str(found.info.status))
 
 
 def _piqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -80,7 +108,7 @@ def _piqp(programme: Programme, eps: float, polish: bool) -> Answer:
     n, above = len(q), np.full(len(b), np.inf)
     solver.setup(P, q, sparse.csc_matrix((0, n)), np.zeros(0), A, b, above)
     status = solver.solve()
-    return _finite(programme, solver.result.x, solver.result.z_l, status == piqp.PIQP_SOLVED, str(status))
+    return Answer(solver.result.x, solver.result.z_l, status == piqp.PIQP_SOLVED, str(status))
 
 
 def _daqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -88,15 +116,7 @@ def _daqp(programme: Programme, eps: float, polish: bool) -> Answer:
     P, A, b = programme.P.toarray(), programme.A.toarray(), programme.b
     above = np.full(len(b), 1e30)
     x, _, flag, info = daqp.solve(P, programme.q, A, above, b, primal_tol=eps, dual_tol=eps)
-    return _finite(programme, x, -info["lam"], flag == 1, f"exit flag {flag}")
-
-
-def _finite(programme: Programme, x: np.ndarray, y: np.ndarray, claimed: bool, status: str) -> Answer:
-    """Solvers fill failures with None, NaN or 2e9; none of that is an answer."""
-    numbers = [np.asarray(v, float) if v is not None else np.array(np.nan) for v in (x, y)]
-    if not all(np.all(np.isfinite(v)) for v in numbers):
-        return Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, status)
-    return Answer(numbers[0], np.maximum(numbers[1], 0.0), claimed, status)
+    return Answer(x, -info["lam"], flag == 1, f"exit flag {flag}")
 
 
 BACKENDS: dict[str, Callable[[Programme, float, bool], Answer]] = {

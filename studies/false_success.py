@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -14,8 +15,9 @@ from contact.algorithms import ALGORITHMS
 from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.qp import Scaled
-from contact.qp_backends import BACKENDS, Programme, missing
-from studies.obstacles import Bounded, collection
+from contact.qp_backends import BACKENDS, Programme, ask, missing
+from studies.linearised_steps import linearised_steps
+from studies.obstacles import collection
 
 FORCE, GAP = 1e-8, 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
 PENALTY = 1e4
@@ -32,13 +34,55 @@ class Claim:
     epsilon: float = math.inf
 
 
-Contender = Callable[[Bounded], Claim]
+class Body(Protocol):
+    """K x - f = G^T W p before a foundation, linear: where to start, and x (n,) where it is published."""
+
+    @property
+    def name(self) -> str:
+        """Name in the collection."""
+        ...
+
+    @property
+    def K(self) -> sparse.csc_matrix:
+        """(n, n)."""
+        ...
+
+    @property
+    def f(self) -> np.ndarray:
+        """(n,)."""
+        ...
+
+    @property
+    def start(self) -> np.ndarray:
+        """The x (n,) of begin()."""
+        ...
+
+    @property
+    def answer(self) -> np.ndarray | None:
+        """The published x (n,)."""
+        ...
+
+    @property
+    def symmetric(self) -> bool:
+        """Whether there is an energy to minimise."""
+        ...
+
+    def problem(self) -> ContactProblem:
+        """The contact problem."""
+        ...
+
+    def begin(self) -> ContactSolution:
+        """Where algorithms start."""
+        ...
+
+
+Contender = Callable[[Body], Claim]
 
 
 def by_algorithm(name: str, **settings: object) -> Contender:
     """The algorithm with its own defaults, but exact where it can be."""
 
-    def claim(body: Bounded) -> Claim:
+    def claim(body: Body) -> Claim:
         problem = body.problem()
         algorithm = ALGORITHMS[name](**settings)
         reason = algorithm.supports(problem)
@@ -54,7 +98,7 @@ def by_algorithm(name: str, **settings: object) -> Contender:
 def by_word(backend: str, eps: float, *, polish: bool, scaled: bool) -> Contender:
     """One call of a solver of quadratic programmes, taken at its word: the linear problem from x = 0."""
 
-    def claim(body: Bounded) -> Claim:
+    def claim(body: Body) -> Claim:
         problem = body.problem()
         m, n = len(problem.weights), len(body.f)
         if not body.symmetric:
@@ -62,10 +106,11 @@ def by_word(backend: str, eps: float, *, polish: bool, scaled: bool) -> Contende
         G, gap = problem.gap_jacobian(body.start), problem.gap(np.zeros(n))
         whole = Scaled.of(body.K, -body.f, G, gap, problem.weights, math.inf)
         if scaled:
-            answer = BACKENDS[backend](whole.programme, eps, polish)
-            return Claim(*whole.unscaled(answer), answer.claimed)
-        answer = BACKENDS[backend](Programme(body.K, -body.f, sparse.csc_matrix(G), -gap), eps, polish)
-        return Claim(answer.x, answer.y, answer.claimed)
+            answer = ask(backend, whole.programme, eps, polish)
+            u, forces = whole.unscaled(answer)
+            return Claim(u, forces / problem.weights, answer.claimed)
+        answer = ask(backend, Programme(body.K, -body.f, sparse.csc_matrix(G), -gap), eps, polish)
+        return Claim(answer.x, answer.y / problem.weights, answer.claimed)
 
     return claim
 
@@ -88,7 +133,7 @@ def contenders() -> dict[str, Contender]:
     return ours | words
 
 
-def failures(body: Bounded, claim: Claim) -> list[str]:
+def failures(body: Body, claim: Claim) -> list[str]:
     """The judge's, with bounds in units of the problem; what a finite epsilon penetrates by its law is no failure."""
     problem: ContactProblem = body.problem()
     size = max(float(np.max(np.abs(body.start))), float(np.max(np.abs(claim.u))))
@@ -96,16 +141,16 @@ def failures(body: Bounded, claim: Claim) -> list[str]:
     largest = float(np.max(claim.pressure, initial=0.0))
     law = 1.001 * largest / claim.epsilon
     bounds = {"equilibrium": FORCE, "penetration": GAP * size + law, "tension": 0.0}
-    bounds["complementarity"] = GAP * size * force + law * largest
+    bounds["complementarity"] = GAP * size * force / float(np.mean(problem.weights)) + law * largest
     return judge(problem, claim.u, claim.pressure).failures(**bounds)
 
 
-def table(problems: Iterable[Bounded] | None = None, who: dict[str, Contender] | None = None) -> pd.DataFrame:
+def table(problems: Iterable[Body] | None = None, who: dict[str, Contender] | None = None) -> pd.DataFrame:
     """One row a contender: problems, refused, claimed, false claims, and the largest error of a claimed x.
 
     The error is against the known answer or the exact pivots of lcp, over the largest |x| of both.
     """
-    problems = list(collection() if problems is None else problems)
+    problems = [*collection(), *linearised_steps()] if problems is None else list(problems)
     exact = {body.name: by_algorithm("lcp")(body).u if body.answer is None else body.answer for body in problems}
     rows = []
     for name, contender in (contenders() if who is None else who).items():

@@ -277,6 +277,7 @@ class Contacts:
     Quadratic = Quadratic
     linear_mechanics = staticmethod(linear_mechanics)
     random_quadratic = staticmethod(random_quadratic)
+    definite = staticmethod(definite)
     solve = staticmethod(solve)
     by_nnls = staticmethod(by_nnls)
 
