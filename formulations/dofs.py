@@ -1,6 +1,7 @@
 """Supports as a signed map: every face displacement is an unknown, the negative of one, or held at zero.
 
-Symmetry planes and clamps hold; a hinge at the mid-surface ties the two faces, v+ = -v-. No stiffness enters here.
+Symmetry planes and clamps hold; a hinge at the mid-surface ties the two faces, v+ = -v-; an image moves as another node
+does, seen through a symmetry. No stiffness enters here.
 """
 
 from __future__ import annotations
@@ -14,6 +15,18 @@ from formulations.quantities import N_V, displacement_index
 
 
 @dataclass(frozen=True, eq=False)
+class Images:
+    """Nodes (k,) that move as the nodes ``of`` (k,) do; signs (k, 3): +-1 on each local component, of both faces.
+
+    A node may be its own image: what changes its sign is then held at zero.
+    """
+
+    nodes: np.ndarray
+    of: np.ndarray
+    signs: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class DofMap:
     """number (6N,): unknown of each face displacement, -1 where held; sign (6N,): +1 or -1, 0 where held."""
 
@@ -21,10 +34,12 @@ class DofMap:
     sign: np.ndarray
 
     @classmethod
-    def build(cls, fixed: np.ndarray, hinged: np.ndarray | None = None) -> DofMap:
+    def build(cls, fixed: np.ndarray, hinged: np.ndarray | None = None, images: Images | None = None) -> DofMap:
         """``fixed`` (N, 6) bool: held at zero.  ``hinged`` (N, 3) bool: mid-surface components held, rotation free.
 
-        Raises ValueError when nothing is free, or when a hinged component is also held on one face.
+        ``images``: take over the supports of the nodes they follow.
+        Raises ValueError when nothing is free, when a hinged component is also held on one face, or when an image
+        follows an image.
         """
         master = np.arange(fixed.size).reshape(fixed.shape)
         sign = np.where(fixed, 0.0, 1.0)
@@ -36,7 +51,16 @@ class DofMap:
                     raise ValueError(f"component {i + 1} is hinged and held at the same node")
                 master[nodes, outer] = master[nodes, inner]
                 sign[nodes, outer] = -1.0
-        own = (master.ravel() == np.arange(fixed.size)) & ~fixed.ravel()
+        if images is not None:
+            follows = images.nodes != images.of
+            if np.isin(images.of[follows], images.nodes[follows]).any():
+                raise ValueError("an image follows an image")
+            signs = np.repeat(images.signs, 2, axis=1)
+            sign[images.nodes] = np.where(
+                follows[:, None], signs * sign[images.of], np.where(signs < 0, 0.0, sign[images.nodes])
+            )
+            master[images.nodes] = master[images.of]
+        own = (master.ravel() == np.arange(fixed.size)) & (sign.ravel() != 0)
         if not own.any():
             raise ValueError("every displacement is held: nothing to solve")
         unknown = np.where(own, np.cumsum(own) - 1, -1)
@@ -61,11 +85,20 @@ class DofMap:
     @property
     def hinged(self) -> np.ndarray:
         """(N, 6) bool: displacements of both faces of a component held midway between them."""
-        return np.repeat((self.sign < 0).reshape(-1, 3, 2).any(axis=2), 2, axis=1)
+        number, sign = self.number.reshape(-1, 3, 2), self.sign.reshape(-1, 3, 2)
+        opposite = (number[..., 0] == number[..., 1]) & (sign[..., 0] * sign[..., 1] < 0)
+        return np.repeat(opposite, 2, axis=1)
 
     def expand(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6) from the unknowns (n,)."""
         return (self.sign * np.append(u, 0.0)[self.number]).reshape(-1, N_V)
+
+    def restrict(self, full: np.ndarray) -> np.ndarray:
+        """The unknowns (n,) of displacements (N, 6) that obey the map, the inverse of :meth:`expand`."""
+        u = np.zeros(self.n)
+        own = np.flatnonzero(self.number >= 0)
+        u[self.number[own]] = self.sign[own] * full.ravel()[own]
+        return u
 
     def gather(self, full: np.ndarray) -> np.ndarray:
         """Generalised forces (n,) from forces on all face displacements, the transpose of :meth:`expand`."""

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from formulations.dofs import DofMap
+from formulations.dofs import DofMap, Images
 from formulations.element import MixedElement
 from formulations.element_geometry import N_DOF, ElementGeometry
 from formulations.grid import Grid
@@ -65,12 +65,13 @@ class Discretisation:
         hinged: np.ndarray | None = None,
         kinematics: Kinematics = FULL,
         interpolation: str = "curvilinear",
+        images: Images | None = None,
     ) -> Discretisation:
-        """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) bool: see :class:`DofMap`.
+        """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
 
         ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.
         """
-        dof_map = DofMap.build(fixed, hinged)
+        dof_map = DofMap.build(fixed, hinged, images)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n)
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))

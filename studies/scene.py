@@ -121,13 +121,15 @@ class Stage:
     """One path of problems.
 
     begin(previous) -> (problem_at(t), starting solution); targets: the values of t to report, the path starts at 0;
-    observe(problem, state, t) -> Observation.
+    observe(problem, state, t) -> Observation.  whole(u): the unknowns of the model from those of the stage, when it
+    solves a smaller problem on the way.
     """
 
     name: str
     begin: Callable[[ContactSolution | None], tuple[Callable[[float], ContactProblem], ContactSolution]]
     targets: Sequence[float]
     observe: Callable[[ContactProblem, ContactSolution, float], Observation]
+    whole: Callable[[np.ndarray], np.ndarray] | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,6 +192,7 @@ class Request:
     newton: str = "mixed"
     mesh: tuple[int, int] = (0, 0)
     model: str = "auto"
+    model_reason: str = ""
     steps: int = 1
     settings: Mapping[str, Value] = field(default_factory=dict)
 

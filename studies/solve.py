@@ -124,6 +124,7 @@ class Result:
             "newton": request.newton,
             "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
             "model": request.model,
+            "model_reason": request.model_reason,
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.name.lower().replace("_", "-"),
             "reason": self.unsupported or self.reason or self.outcome.value,
@@ -189,7 +190,8 @@ def _run_stages(
             result.frozen = partial(_freeze, problem_at, point, result, stage.name)
             _account(result, stage.name, point.solution.counters, point.solution.history)
             if point.outcome.converged or point.reached != 0.0:
-                result.last = point.solution
+                u = point.solution.u
+                result.last = replace(point.solution, u=u if stage.whole is None else stage.whole(u))
             if not point.outcome.converged:
                 result.outcome = point.outcome
                 why = result.history[-1].get("event", "")

@@ -22,7 +22,7 @@ def tyre():
 
 def pressed(given: dict[str, str], contact: str = "semismooth"):
     """A tyre at 8 mm: its last problem, its state, and the result."""
-    found = solve(*resolve("tyre", {"delta_mm": "8", **given}, MESH, contact=contact))
+    found = solve(*resolve("tyre", {"delta_mm": "8", **given}, MESH, contact=contact, model="full"))
     assert found.outcome.converged
     assert all(set(step) >= KEYS for step in found.steps)
     assert [step["failures"] + step["diagnosis"] for step in found.steps] == [[]] * len(found.steps)

@@ -28,10 +28,10 @@ from studies.scenes.tyre import tyre_lines
 from studies.scenes.tyre_press import asymmetries, half_extent
 from studies.store import write_by, write_json
 
-SMALL = ["--mesh", "12x12", "--set", "delta_mm=5"]
+SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]
 
 TOP_LEVEL = {
-    *("scene", "measure", "contact", "newton", "mesh", "model", "settings", "outcome", "reason"),
+    *("scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings", "outcome", "reason"),
     *("quantities", "steps", "counters", "timing_s", "provenance"),
 }
 STEP = {

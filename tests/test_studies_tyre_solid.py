@@ -72,11 +72,6 @@ def test_what_does_not_apply_to_a_solid_is_refused(
     assert "\n" not in str(caught.value)
 
 
-def test_a_shell_has_no_quarter() -> None:
-    with pytest.raises(UsageError, match="one of auto, full"):
-        resolve("tyre", {}, model="quarter")
-
-
 @pytest.mark.parametrize(
     ("settings", "model"),
     [

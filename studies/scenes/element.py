@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from formulations.dofs import Images
 from formulations.element import MEMBRANES, THICKNESS_STRAINS
 from formulations.element_geometry import INTERPOLATIONS
 from formulations.grid import Grid
@@ -36,6 +37,7 @@ def discretise(
     laminate: Laminate,
     fixed: np.ndarray,
     hinged: np.ndarray | None = None,
+    images: Images | None = None,
 ) -> Discretisation:
     """The discretisation with the interpolation asked for.
 
@@ -46,4 +48,4 @@ def discretise(
     if interpolation == "isoparametric" and kinematics != FULL:
         whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
         raise UsageError(f"interpolation 'isoparametric' needs a measure with full gradients: one of {whole}")
-    return Discretisation.build(surface, grid, laminate, fixed, hinged, kinematics, interpolation)
+    return Discretisation.build(surface, grid, laminate, fixed, hinged, kinematics, interpolation, images)

@@ -7,23 +7,28 @@ a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-cl
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 
 from contact.foundation import Candidates, Foundation
 from contact.problem import ContactProblem, ContactSolution
+from formulations.dofs import Images
 from formulations.grid import Grid, graded_lines
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import ShellModel
+from formulations.supports import Supports
 from formulations.surface import torus
 from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, UsageError, Value
 from studies.scenes import tyre_foundation
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell, with_balances
-from studies.scenes.tyre_press import PressedTyre, Wall
+from studies.scenes.tyre_foundation import NORMAL, foundation
+from studies.scenes.tyre_parts import MODELS, Part, column_of, part_of, settle_model
+from studies.scenes.tyre_press import Column, PressedTyre, Wall
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
@@ -85,6 +90,7 @@ class Tyre:
     default_mesh: tuple[int, int] = (42, 40)
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = _references()
+    models: tuple[str, ...] = MODELS
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Add the paper's elastic constants, unless the tyre is isotropic; raises UsageError on a mixture."""
@@ -97,27 +103,64 @@ class Tyre:
             raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(ORTHOTROPIC)}")
         return dict(settings)
 
+    def settle(self, request: Request) -> Request:
+        """The smallest valid model, or the one asked for; raises UsageError when that is not valid."""
+        model, reason = settle_model(request.model, request.settings)
+        return replace(request, model=model, model_reason=reason)
+
     def build(self, request: Request) -> TyreModel:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
         settings = request.settings
-        laminate, R1, R0, clamp = checked_wall(settings)
-        grid = Grid.tensor(*tyre_lines(request.mesh, clamp), periodic=True)
-        edges = np.concatenate([grid.on_line(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[edges] = True
-        discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed)
-        shell = loaded_shell(discretisation, request, section=str(settings["section"]), pressure=inflation(settings))
-        free = np.setdiff1d(np.arange(grid.n_nodes), edges)
+        laminate, _, _, clamp = checked_wall(settings)
+        part = part_of(request.model, *tyre_lines(request.mesh, clamp))
+        shell = _inflated_shell(request, laminate, part.grid, part.planes, part.images)
+        column = None if request.model == "full" else _column(request, laminate, part, shell)
+        outside = np.union1d(part.grid.on_line(0, np.deg2rad(clamp)), part.grid.on_line(0, -np.deg2rad(clamp)))
+        own = part.merging()
+        free = np.setdiff1d(np.unique(own), outside)
+        merge = sparse.csr_matrix((np.ones(len(own)), (own, np.arange(len(own)))), shape=2 * (len(own),))
         area = "mid" if settings["pressure_area"] == "mid" else "outer"
+        mass = sparse.csr_matrix(merge @ shell.discretisation.nodal_mass(area) @ merge.T)[free][:, free]
         candidates = Candidates(
             reference=shell.discretisation.positions()[1][free],
             operator=shell.discretisation.displacement_operator(free, face=1),
-            weights=shell.discretisation.nodal_areas(area)[free],
-            coupling=shell.discretisation.nodal_mass(area)[free][:, free]
-            if settings["coupling"] == "consistent"
-            else None,
+            weights=(merge @ shell.discretisation.nodal_areas(area))[free],
+            coupling=mass if settings["coupling"] == "consistent" else None,
         )
-        return TyreModel.of(shell, candidates, free, travels(settings), tyre_foundation.foundation(settings))
+        return TyreModel.of(shell, part, candidates, free, travels(settings), foundation(settings), column)
+
+
+def _inflated_shell(
+    request: Request,
+    laminate: Laminate,
+    grid: Grid,
+    planes: Sequence[tuple[np.ndarray, int]],
+    images: Images | None,
+) -> ShellModel:
+    """The shell on the grid, clamped at its edges, under the pressure inside."""
+    settings = request.settings
+    _, R1, R0, clamp = checked_wall(settings)
+    supports = Supports.none(grid)
+    for nodes, axis in planes:
+        supports = supports.symmetric(nodes, axis)
+    for side in (-1, 1):
+        supports = supports.clamped(grid.on_line(0, side * np.deg2rad(clamp)))
+    fixed, _ = supports.masks
+    discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed, images=images)
+    return loaded_shell(discretisation, request, section=str(settings["section"]), pressure=inflation(settings))
+
+
+def _column(request: Request, laminate: Laminate, part: Part, shell: ShellModel) -> Column:
+    """Inflation of one column with the mirror plane of the part, if it has one, and how it is lifted to the part."""
+    grid, images = column_of(part)
+    planes = [(grid.on_line(0, 0.0), 0)] if any(axis == 0 for _, axis in part.planes) else []
+    column = _inflated_shell(request, laminate, grid, planes, images)
+    rows = np.arange(part.grid.n_nodes) // part.grid.node_shape[1]
+
+    def lift(u: np.ndarray) -> np.ndarray:
+        return shell.discretisation.map.restrict(column.discretisation.expand(u)[2 * rows])
+
+    return Column(column, column.discretisation.n_free, lift)
 
 
 def tyre_lines(mesh: tuple[int, int], clamp_deg: float) -> tuple[np.ndarray, np.ndarray]:
@@ -184,39 +227,45 @@ def _laminate(settings: Mapping[str, Value]) -> Laminate:
 
 @dataclass(frozen=True, eq=False)
 class TyreModel(ShellSceneModel, PressedTyre):
-    """The stages of the tyre as a shell."""
+    """The stages of the tyre as a shell, or as a part of it."""
 
     shell: ShellModel
-    nodes: np.ndarray  # grid node of each candidate
+    part: Part
+    nodes: np.ndarray  # node of the part's grid of each candidate
 
     @classmethod
     def of(
         cls,
         shell: ShellModel,
+        part: Part,
         candidates: Candidates,
         nodes: np.ndarray,
         deltas: Sequence[float],
         foundation: Foundation,
+        column: Column | None,
     ) -> TyreModel:
-        """All of the tyre is solved."""
-        grid = shell.discretisation.grid
-        candidate = np.full(grid.n_nodes, -1)
+        """The part that is solved, and the wall of the whole tyre that it stands for."""
+        candidate = np.full(part.grid.n_nodes, -1)
         candidate[nodes] = np.arange(len(nodes))
 
         def faces(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
             (inner, outer), (du, dv) = shell.discretisation.positions(), shell.discretisation.cartesian(u)
-            return inner + du, outer + dv
+            return part.sign * (inner + du)[part.node], part.sign * (outer + dv)[part.node]
 
-        wall = Wall(grid.nodes, grid.node_shape, candidate, 1, faces)
-        return cls(shell, wall, candidates, deltas, foundation, shell, nodes)
+        wall = Wall(part.angles, part.shape, candidate[part.merging()[part.node]], part.copies, faces)
+        return cls(shell, wall, candidates, deltas, foundation, shell, part, nodes, column=column)
 
     def with_balances(self, problem: ContactProblem) -> ContactProblem:
-        """Energy and forces of the inflated shell."""
-        return with_balances(problem, self.shell)
+        """Energy and forces of the inflated shell; of a part only those along the normal of the plane balance."""
+        seen = with_balances(problem, self.shell)
+        if self.part.copies == 1 or seen.directions is None or seen.others is None:
+            return seen
+        directions, others = seen.directions, seen.others
+        return replace(seen, directions=lambda u: directions(u) * NORMAL, others=lambda u: others(u) * NORMAL)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Contact pressure (N,); zero during inflation."""
-        pressure = np.zeros(self.shell.discretisation.grid.n_nodes)
+        """Contact pressure (N,) at the nodes of the part; zero during inflation."""
+        pressure = np.zeros(self.part.grid.n_nodes)
         if len(solution.pressure):
             pressure[self.nodes] = solution.pressure
-        return pressure
+        return pressure[self.part.merging()]

@@ -7,7 +7,7 @@ from that first touch. What the wall is made of does not enter here.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol, Self
 
 import numpy as np
@@ -59,14 +59,27 @@ class Wall:
 
 
 @dataclass(frozen=True, eq=False)
+class Column:
+    """One column of elements all around: body (n unknowns); lift(u) -> unknowns of the tyre in the same state."""
+
+    body: Body
+    n: int
+    lift: Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
 class PressedTyre:
-    """The stages of a tyre: inflation without contact, then the travel of the foundation, at the origin here."""
+    """The stages of a tyre: inflation without contact, then the travel of the foundation, at the origin here.
+
+    column: where inflation is solved first, before it is lifted to the tyre; None when the tyre is inflated itself.
+    """
 
     body: Body
     wall: Wall
     candidates: Candidates
     deltas: Sequence[float]
     foundation: Foundation
+    column: Column | None = field(default=None, kw_only=True)
 
     @property
     def n_unknowns(self) -> int:
@@ -74,7 +87,9 @@ class PressedTyre:
         return int(self.candidates.operator.shape[1])
 
     def stages(self) -> Iterator[Stage]:
-        """Inflation by a pressure factor, then the foundation by delta [mm]."""
+        """Inflation by a pressure factor, of a column first, then the foundation by delta [mm]."""
+        if self.column is not None:
+            yield Stage("column", self._begin_column, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
         yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
         yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
 
@@ -82,7 +97,15 @@ class PressedTyre:
         self, previous: ContactSolution | None
     ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
         n = self.n_unknowns
-        return lambda t: without_contact(self.body.scaled(t).linearise, n), ContactSolution.at_rest(n, 0)
+        start = ContactSolution.at_rest(n, 0) if previous is None else previous  # rest, or what a column has found
+        return lambda t: without_contact(self.body.scaled(t).linearise, n), start
+
+    def _begin_column(
+        self, previous: ContactSolution | None
+    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        assert self.column is not None
+        body, n = self.column.body, self.column.n
+        return lambda t: without_contact(body.scaled(t).linearise, n), ContactSolution.at_rest(n, 0)
 
     def _begin_press(
         self, previous: ContactSolution | None

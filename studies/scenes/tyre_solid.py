@@ -21,6 +21,7 @@ from studies.scene import Reference, Request, Setting, UsageError, Value
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre import ORTHOTROPIC, Tyre, checked_wall, inflation, number, travels, tyre_lines
 from studies.scenes.tyre_foundation import foundation
+from studies.scenes.tyre_parts import mirrored
 from studies.scenes.tyre_press import PressedTyre, Wall
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
@@ -59,7 +60,7 @@ class SolidTyre:
                 f"measure {request.measure!r} does not apply to {self.name}: a solid has none, leave it out"
             )
         settings = request.settings
-        symmetric = "E_MPa" in settings or settings["gamma_deg"] in (-90.0, 0.0, 90.0)
+        symmetric = mirrored(settings)
         if request.model == "quarter" and not symmetric:
             raise UsageError(
                 f"model 'quarter' needs isotropic plies or cords at 0 or 90 deg, not {settings['gamma_deg']:g}"
