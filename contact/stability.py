@@ -95,7 +95,7 @@ def why_it_ends(
     told = f"the eigenvalue of least size is {100 * least / before:.2g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
         return Ending(f"bifurcation near {last:.7g}: {told}, and the path does not speed up along its mode{passed}")
-    return Ending(f"no limit point: {told}{passed}; it is the solver that fails")
+    return Ending(f"no limit point: {told}{passed}; the solver fails, and the tangent gives no reason")
 
 
 @dataclass(frozen=True)

@@ -146,7 +146,7 @@ def test_a_chain_that_can_carry_no_more_ends_at_its_limit(contacts) -> None:
 
     at = pressed(contacts, residual, lambda w, d: np.array([[1 - w + C, -C], [-C, C]]), 1.0)
     limit = 1.5 + (1.5 - 1.5**2 / 2) / C
-    points = list(follow(at, 0.0, [1.0, 4.0], ALGORITHMS["semismooth"](), ContactSolution.at_rest(2, 1)))
+    points = list(follow(at, 0.0, [1.0, 4.0], ALGORITHMS["semismooth"](settle=1.0), ContactSolution.at_rest(2, 1)))
     assert [point.outcome for point in points] == [Outcome.CONVERGED, Outcome.STEP_LIMIT]
     assert points[0].end is None
     end = points[1].end

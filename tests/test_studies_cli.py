@@ -209,12 +209,14 @@ def test_out_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_no_convergence_is_exit_3_with_everything_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
-    code = main(["solve", "tyre", "--mesh", "12x12", "--set", "delta_mm=5,95", "--out", str(out)])
+    hopeless = ["--set", "delta_mm=5,95", "--set", "settle=1"]  # at one factorisation an iteration
+    code = main(["solve", "tyre", "--mesh", "12x12", *hopeless, "--out", str(out)])
     assert code == 3
     result = json.loads((out / "result.json").read_text())
     assert result["outcome"] == "step-limit"
     assert "95" in result["reason"]
     assert "last converged at" in result["reason"]
+    assert "no limit point: the eigenvalue of least size is" in result["reason"]
     assert [step["delta_mm"] for step in result["steps"]] == [5.0]
     assert np.abs(meshio.read(out / "fields.vtu").point_data["displacement"]).max() > 1
     assert "did not converge" in capsys.readouterr().err
