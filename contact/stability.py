@@ -92,7 +92,7 @@ def why_it_ends(
     if limit is not None:
         return Ending(f"limit point of the path at about {limit.at:.7g}: {limit.told}{passed}", limit.at)
     least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
-    told = f"the eigenvalue of least size is {100 * least / before:.2g} % of that at {first + 0.0:g}"
+    told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
         return Ending(f"bifurcation near {last:.7g}: {told}, and the path does not speed up along its mode{passed}")
     return Ending(f"no limit point: {told}{passed}; the solver fails, and the tangent gives no reason")
