@@ -6,7 +6,7 @@ Which nodes belong to the set is the algorithm's business and must not enter her
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
@@ -144,7 +144,7 @@ class NewtonRun:
         nodes = np.flatnonzero(active)
         A, b, pivots = K, -lin.residual, None
         if len(nodes):
-            pivots = _Pivots.choose(self.problem, u, nodes, K, self.epsilon)
+            pivots = Pivots.choose(self.problem, u, nodes, K, self.epsilon)
             A, b = pivots.substitute(K, b)
         self.spend("contact_s", start)
         du = self.solution(self.factorise(A), A, b)
@@ -222,7 +222,7 @@ class NewtonRun:
 
 
 @dataclass(frozen=True, eq=False)
-class _Pivots:
+class Pivots:
     """The constraints of the set, each solved for the displacement it holds most firmly.
 
     The saddle-point system has zeros on its diagonal, which make a sparse factorisation of symmetric pattern pivot and
@@ -242,7 +242,7 @@ class _Pivots:
     @classmethod
     def choose(
         cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
-    ) -> _Pivots:
+    ) -> Pivots:
         """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown."""
         jacobian = problem.gap_jacobian(u)
         rows = jacobian[nodes]
@@ -270,6 +270,20 @@ class _Pivots:
         on_others = self.held @ (sparse.diags_array(-1.0 / self.slope) @ self.rows)
         column = self.column @ sparse.diags_array(self.scale)
         return sparse.csc_matrix(K + (on_others - column @ place)), b + self.held @ (self.gap / self.slope)
+
+    def homogeneous(self) -> Pivots:
+        """The same for closed gaps, as of a motion that leaves them so."""
+        return replace(self, gap=np.zeros_like(self.gap))
+
+    def free_motions(self) -> sparse.csc_matrix:
+        """Basis Z (n, n - a) of the motions with G_A du = 0: the pivots follow the others."""
+        n = self.rows.shape[1]
+        others = np.setdiff1d(np.arange(n), self.pivot)
+        follow = sparse.csr_matrix(sparse.diags_array(-1.0 / self.slope) @ self.rows)
+        place = sparse.csr_matrix(
+            (np.ones(len(self.pivot)), (self.pivot, np.arange(len(self.pivot)))), (n, len(self.pivot))
+        )
+        return sparse.csc_matrix(sparse.eye_array(n, format="csc") + place @ follow)[:, others]
 
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Du and the pressures of the set from the solution of the substituted system."""

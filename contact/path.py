@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.stability import Ending, State, why_it_ends
 
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 SMALLEST = 2.0**-10  # of the step asked for
@@ -17,6 +18,7 @@ class PathPoint:
 
     requested, reached: the path parameter asked for and got.  outcome: CONVERGED, or why the path ends here.
     solution: the converged state at ``reached`` with the counters and history of ALL sub-steps since the last point.
+    end: what the tangent says of the end of the path, where no step is small enough; it is the last event, too.
     """
 
     requested: float
@@ -24,6 +26,7 @@ class PathPoint:
     outcome: Outcome
     solution: ContactSolution
     substeps: int
+    end: Ending | None = None
 
 
 def follow(
@@ -61,7 +64,8 @@ def _reach(
     step, substeps = asked, 0
     counters: dict[str, float] = {}
     history: list[dict[str, object]] = []
-    reached, outcome = at, Outcome.CONVERGED
+    reached, outcome, end = at, Outcome.CONVERGED, None
+    states: list[State] = [(at, solution)]
     while reached != target:
         last = abs(target - reached) <= abs(step) * (1 + 1e-9)
         trial = target if last else reached + step
@@ -72,6 +76,7 @@ def _reach(
         history += rows
         if attempt.outcome.converged:
             solution, reached, substeps = attempt, trial, substeps + 1
+            states = [states[0], *states[1:][-2:], (reached, replace(attempt, history=()))]
             if on_substep is not None:
                 on_substep(trial)
             easy = attempt.counters["newton_iterations"] <= EASY_ITERATIONS
@@ -84,12 +89,13 @@ def _reach(
             break
         if abs(step) / 2 < SMALLEST * abs(asked):
             outcome = Outcome.STEP_LIMIT
-            rows[-1]["event"] = f"{_why(attempt)}; {outcome.value}"
+            end = why_it_ends(problem_at, states, algorithm.epsilon)
+            rows[-1]["event"] = f"{_why(attempt)}; {outcome.value}; {end.sentence}"
             break
         step = (trial - reached) / 2
         rows[-1]["event"] = f"{_why(attempt)}: step cut to {step:.6g}"
     spent = replace(solution, counters=counters, history=tuple(history))
-    return PathPoint(target, reached, outcome, spent, substeps)
+    return PathPoint(target, reached, outcome, spent, substeps, end)
 
 
 def _why(failed: ContactSolution) -> str:

@@ -195,6 +195,8 @@ def _run_stages(
             if not point.outcome.converged:
                 result.outcome = point.outcome
                 why = result.history[-1].get("event", "")
+                if point.end is not None and point.end.limit is not None:
+                    result.quantities[f"{stage.name}_limit_point"] = point.end.limit  # in the unit of the path
                 if point.outcome is Outcome.REFUSED:  # known only once the tangent is
                     result.unsupported = f"{result.request.contact} does not apply: {why}"
                     return

@@ -25,7 +25,7 @@ from studies.campaign import CAMPAIGNS, Cell, identity
 from studies.cli import main
 from studies.scene import Setting, UsageError
 from studies.scenes.tyre import tyre_lines
-from studies.scenes.tyre_press import asymmetries, half_extent
+from studies.scenes.tyre_press import asymmetries, half_extent, to_edges
 from studies.store import write_by, write_json
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]
@@ -209,12 +209,14 @@ def test_out_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_no_convergence_is_exit_3_with_everything_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
-    code = main(["solve", "tyre", "--mesh", "12x12", "--set", "delta_mm=5,95", "--out", str(out)])
+    hopeless = ["--set", "delta_mm=5,95", "--set", "settle=1"]  # at one factorisation an iteration
+    code = main(["solve", "tyre", "--mesh", "12x12", *hopeless, "--out", str(out)])
     assert code == 3
     result = json.loads((out / "result.json").read_text())
     assert result["outcome"] == "step-limit"
     assert "95" in result["reason"]
     assert "last converged at" in result["reason"]
+    assert "no limit point: the eigenvalue of least size is" in result["reason"]
     assert [step["delta_mm"] for step in result["steps"]] == [5.0]
     assert np.abs(meshio.read(out / "fields.vtu").point_data["displacement"]).max() > 1
     assert "did not converge" in capsys.readouterr().err
@@ -386,6 +388,18 @@ def test_asymmetries_of_planted_maps() -> None:
     planted = mirrored / mirrored.max()
     planted[1, 2] += 0.25
     assert asymmetries(planted)["central_asymmetry"] == pytest.approx(0.25 / planted.max())
+
+
+def test_length_from_the_patch_to_the_edges() -> None:
+    """Two meridians of spacings 1, 2, 3, 4, the second twice as long: the shorter way, along the line, on each."""
+    x = np.zeros((5, 2, 3))
+    x[:, 0, 2], x[:, 1, 2] = [0, 1, 3, 6, 10], [0, 2, 6, 12, 20]
+    active = np.zeros((5, 2), bool)
+    assert to_edges(x, active) == 20.0
+    active[2, 1] = True
+    assert to_edges(x, active) == 6.0
+    active[3, 0] = True
+    assert to_edges(x, active) == 4.0
 
 
 def test_half_extent_takes_the_rim_half_way() -> None:

@@ -18,6 +18,7 @@ ISOTROPIC = {
     **{"load": "follower", "pressure_area": "face"},
 }
 TO_20 = {"delta_mm": "20"}
+TEXTBOOK = {"settle": "1"}  # a lost step is cheap: one factorisation an iteration
 
 
 def run(settings: dict[str, str], mesh: str = "42x40", **options: object) -> Result:
@@ -82,6 +83,29 @@ def test_mixed_semismooth_needs_at_most_twenty_iterations_from_rest() -> None:
     assert found.outcome.converged
     assert found.counters["newton_iterations"] <= 20
     assert found.steps[-1]["substeps"] == 1
+
+
+@pytest.mark.slow
+def test_one_step_takes_no_more_iterations_on_a_finer_mesh() -> None:
+    """20 mm from the inflated state: Newton on the linearised contact problem does not feel the mesh."""
+    coarse, fine = (run(TO_20, mesh=mesh).steps[-1] for mesh in ("42x40", "84x80"))
+    for step in (coarse, fine):
+        assert step["substeps"] == 1
+        assert step["newton_iterations"] <= 12
+    assert fine["newton_iterations"] <= 1.5 * coarse["newton_iterations"]
+
+
+@pytest.mark.slow
+def test_the_paper_tyre_goes_on_to_a_limit_point() -> None:
+    """Beyond 37 mm the sidewall gives way beside the patch, well before the clamp: the program says so."""
+    found = run({"delta_mm": "30,35,37,37.3", "element": "paper"})
+    assert {step["delta_mm"]: step["force_N"] for step in found.steps[:2]} == pytest.approx(
+        {30.0: 3408.3, 35.0: 4193.8}, rel=1e-3
+    )
+    assert found.outcome is Outcome.STEP_LIMIT
+    assert "limit point of the path at about 37.2" in found.reason
+    assert found.quantities["press_limit_point"] == pytest.approx(37.236, abs=0.002)
+    assert found.quantities["patch_to_clamp_mm"] > 50
 
 
 @pytest.mark.parametrize("epsilon", ["inf", "1e4"])
@@ -210,9 +234,10 @@ def test_cross_ply_tyre_is_mirror_symmetric() -> None:
 
 
 def test_a_step_that_cannot_converge_keeps_the_last_converged_state() -> None:
-    found = run({"delta_mm": "5,90"}, mesh="12x12")
+    found = run({"delta_mm": "5,90", **TEXTBOOK}, mesh="12x12")
     assert not found.outcome.converged
     assert [step["delta_mm"] for step in found.steps] == [5.0]
     assert "press at 90" in found.reason
+    assert "limit point" in found.reason  # or that there is none
     assert found.last is not None
     assert np.max(np.abs(found.last.u)) > 0

@@ -151,6 +151,7 @@ class PressedTyre:
             "contact_nodes": int(active.sum()),
             "half_length_mm": half_extent(x[:, 1].reshape(wall.shape)[row], active[row]),
             "half_width_mm": half_extent(x[:, 2].reshape(wall.shape)[:, column], active[:, column]),
+            "patch_to_clamp_mm": to_edges(x.reshape(*wall.shape, 3), active),
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
         gap = problem.gap(state.u)
@@ -184,6 +185,16 @@ def half_extent(coordinate: np.ndarray, active: np.ndarray) -> float:
     low = 0.5 * (coordinate[first] + coordinate[max(first - 1, 0)])
     high = 0.5 * (coordinate[last] + coordinate[min(last + 1, len(coordinate) - 1)])
     return float(0.5 * abs(high - low))
+
+
+def to_edges(x: np.ndarray, active: np.ndarray) -> float:
+    """Least length along a meridian from a node in contact to an edge [mm], by deformed coordinates x (psi, phi, 3).
+
+    Near zero the clamp carries the foundation; with no node in contact it is the longest meridian.
+    """
+    length = np.linalg.norm(np.diff(x, axis=0), axis=-1).cumsum(axis=0)
+    low = np.concatenate([np.zeros_like(length[:1]), length])
+    return float(np.min(np.minimum(low, low[-1] - low)[active], initial=np.max(low[-1])))
 
 
 def asymmetries(pressure: np.ndarray) -> dict[str, float]:
