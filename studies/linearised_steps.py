@@ -65,7 +65,7 @@ def last_step(scene_name: str, mesh: str, **settings: str) -> Linearised:
     for stage in scene.build(request).stages():
         problem_at, state = stage.begin(found)
         states = [state, *(point.solution for point in follow(problem_at, 0.0, stage.targets, algorithm, state))]
-        before, found, problem = states[-2], states[-1], problem_at(stage.targets[-1])
+        before, found, problem = states[-2], stage.lifted(states[-1]), problem_at(stage.targets[-1])
     name = ", ".join([f"{scene_name} {mesh}", *(f"{key} {value}" for key, value in settings.items())])
     return Linearised(name, freeze(problem, before.u, before.pressure, {}), before)
 

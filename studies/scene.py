@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
@@ -130,6 +130,10 @@ class Stage:
     targets: Sequence[float]
     observe: Callable[[ContactProblem, ContactSolution, float], Observation]
     whole: Callable[[np.ndarray], np.ndarray] | None = field(default=None, kw_only=True)
+
+    def lifted(self, solution: ContactSolution) -> ContactSolution:
+        """The solution in the unknowns of the model."""
+        return solution if self.whole is None else replace(solution, u=self.whole(solution.u))
 
 
 @dataclass(frozen=True, eq=False)

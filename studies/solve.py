@@ -190,8 +190,7 @@ def _run_stages(
             result.frozen = partial(_freeze, problem_at, point, result, stage.name)
             _account(result, stage.name, point.solution.counters, point.solution.history)
             if point.outcome.converged or point.reached != 0.0:
-                u = point.solution.u
-                result.last = replace(point.solution, u=u if stage.whole is None else stage.whole(u))
+                result.last = stage.lifted(point.solution)
             if not point.outcome.converged:
                 result.outcome = point.outcome
                 why = result.history[-1].get("event", "")

@@ -15,7 +15,7 @@ from studies.cli import main
 from studies.resolve import resolve_step
 
 FORCE = 1e-9
-MESH = ["--mesh", "16x16"]
+MESH = ["--mesh", "16x16", "--model", "full"]
 
 
 @pytest.fixture(scope="module")
