@@ -17,7 +17,8 @@ from contact.linear import SingularMatrixError
 from contact.newton import NewtonRun
 from contact.problem import ContactSolution, Linearisation, Outcome
 
-FEW_UPDATES, MOST_UPDATES = 12, 200  # of the set on one linearisation, a factorisation each
+FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
+MOST_UPDATES = 60  # on one linearisation, and beyond one an iteration in all of a solve; releases are not counted
 CYCLE = "cycle detected: from here on only the first violating node is swapped"
 
 
@@ -42,12 +43,16 @@ class Iterate:
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What solves the linearised problem: du (n,), pressure (m,), set (m,) bool; ``event`` goes into the history."""
+    """What solves the linearised problem: du (n,), pressure (m,), set (m,) bool; ``event`` goes into the history.
+
+    updates: of the set, after the first one, that did more than release nodes.
+    """
 
     du: np.ndarray
     pressure: np.ndarray
     active: np.ndarray
     event: str = ""
+    updates: int = 0
 
 
 StepSolver = Callable[[NewtonRun, Iterate], Step]
@@ -96,13 +101,20 @@ def settling(settle: float, c: float = 1.0) -> StepSolver:
     """Steps on the set that each linearised problem keeps, up to the fraction ``settle`` of it.
 
     Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there.
+    A path that has no next state would go on like that for hundreds of factorisations: MOST_UPDATES end it.
     """
     begun: set[bytes] = set()
+    spent = 0
 
     def step(run: NewtonRun, at: Iterate) -> Step:
+        nonlocal spent
+        if spent > MOST_UPDATES:
+            raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {spent} times beyond one an iteration")
         again = settle < 1 and at.expected.tobytes() in begun
         begun.add(at.expected.tobytes())
-        return settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
+        found = settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
+        spent += found.updates
+        return found
 
     return step
 
@@ -118,7 +130,7 @@ def settle_set(
     Raises SingularMatrixError.
     """
     jacobian, seen, event = run.problem.gap_jacobian(at.u), set[bytes](), ""
-    left = MOST_UPDATES if last else FEW_UPDATES
+    most, updates = MOST_UPDATES if last else FEW_UPDATES, 0
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
         gap = at.gap + jacobian @ du
@@ -127,11 +139,11 @@ def settle_set(
         seen.add(active.tobytes())
         cycling = bool(event) or after.tobytes() in seen
         enough = wrong.sum() <= settle * (active | after).sum()
-        left -= 1
-        if enough or left == 0 or (cycling and not last):
-            return Step(du, pressure, active, event)
+        if enough or updates == most or (cycling and not last):
+            return Step(du, pressure, active, event, updates)
         if cycling:
             event, after = CYCLE, active ^ first_of(wrong)
+        updates += not _only_released(active, after)
         active = after
 
 

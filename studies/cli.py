@@ -7,6 +7,7 @@ Heavy imports wait until a command needs them.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -27,9 +28,11 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    options = _parser().parse_args(arguments)
+    # before numpy is loaded: threads of small matrices only wait for one another, 5 times as long on a busy machine
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from studies.scene import UsageError
 
-    options = _parser().parse_args(arguments)
     try:
         return int(options.command(options))
     except (UsageError, OSError) as error:
@@ -183,6 +186,8 @@ def _print_table(result: dict[str, object]) -> None:
         }
         scalars = [{key: value for key, value in step.items() if key not in left_out} for step in steps]
         print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    if result["model_reason"]:
+        print(f"model {result['model']}: {result['model_reason']}")
     counters = result["counters"]
     assert isinstance(counters, dict)
     print(f"{result['outcome']}: " + ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in counters.items()))

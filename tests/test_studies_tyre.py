@@ -98,7 +98,7 @@ def test_one_step_takes_no_more_iterations_on_a_finer_mesh() -> None:
 @pytest.mark.slow
 def test_the_paper_tyre_goes_on_to_a_limit_point() -> None:
     """Beyond 37 mm the sidewall gives way beside the patch, well before the clamp: the program says so."""
-    found = run({"delta_mm": "30,35,37,37.3", "element": "paper"})
+    found = run({"delta_mm": "30,35,40", "element": "paper"}, model="half")
     assert {step["delta_mm"]: step["force_N"] for step in found.steps[:2]} == pytest.approx(
         {30.0: 3408.3, 35.0: 4193.8}, rel=1e-3
     )
