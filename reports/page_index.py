@@ -44,7 +44,8 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
 - [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.
 - [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
-- [Contact: costs](algorithms.md): their iterations, factorisations and times, and what they refuse.
+- [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
+  says "solved" and is wrong, and how far the tyre can be pressed.
 - [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.""")
 
 
