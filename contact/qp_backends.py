@@ -69,11 +69,14 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
     above = np.full(len(programme.b), np.inf)
     upper = sparse.triu(programme.P, format="csc")
     limits = {"eps_abs": eps, "eps_rel": eps, "max_iter": 4000 if eps >= 1e-3 else 20_000}
-    solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=polish, **limits)
+    solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=False, **limits)
     if programme.guess is not None:
         x, y = programme.guess
         solver.warm_start(x=x, y=-y)
     found = solver.solve(raise_error=False)
+    if polish and np.any(found.y):  # with nothing to polish it prints so, quiet or not
+        solver.update_settings(polishing=True)
+        found = solver.solve(raise_error=False)
     solved = found.info.status_val == int(osqp.SolverStatus.OSQP_SOLVED)
     return Answer(found.x, -found.y, solved, found.info.status)
 

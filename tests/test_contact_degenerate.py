@@ -200,6 +200,14 @@ def test_a_far_candidate_that_the_near_one_pushes_in_is_handed_over(contacts, ba
     assert not any("corrected" in row.get("event", "") for row in solution.history)  # a second programme knew both
 
 
+def test_osqp_is_quiet_where_nothing_presses(contacts, rng, capfd) -> None:
+    data, _ = with_states(contacts, 3, "definite", np.array([OPEN, OPEN, OPEN]))
+    solution = Qp().solve(data.problem(), ContactSolution.at_rest(len(data.f), 3))
+    assert solution.outcome is Outcome.CONVERGED
+    assert not solution.active.any()
+    assert "".join(capfd.readouterr()) == ""
+
+
 def test_no_solution_is_said() -> None:
     with pytest.raises(LcpError, match="secondary ray"):
         lemke(np.array([[-1.0, 0.0], [0.0, 1.0]]), np.array([-1.0, -1.0]))
