@@ -38,4 +38,5 @@ CONVERGENCE = "convergence {ladder} {mesh} {element}"
 LADDER_ELEMENT, OTHER_ELEMENT = "refined", "paper"  # of the convergence page, and what it is compared with
 AGREEMENT = r"agreement .*"  # the tyre by all algorithms, loads and sections
 AGREEMENT_REFERENCE = "agreement semismooth {load} {section} exact"
-OF_ALGORITHMS = (AGREEMENT, ONE_STEP, FAR)  # their costs are on the page of algorithms
+MODEL = r"model (?P<model>\S+) (?P<plies>.+)"  # the tyre as a whole and in parts
+ELSEWHERE = (AGREEMENT, ONE_STEP, FAR, MODEL)  # tyres whose costs are on other pages than the tyre's

@@ -15,6 +15,7 @@ TITLES: Mapping[str, str] = {
     "contact-agreement.md": "Contact: agreement",
     "algorithms.md": "Contact: costs",
     "epsilon.md": "Contact: ε",
+    "cost.md": "Cost",
 }
 
 

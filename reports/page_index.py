@@ -46,7 +46,8 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
 - [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
   says "solved" and is wrong, and how far the tyre can be pressed.
-- [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.""")
+- [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
+- [Cost](cost.md): what a smaller model saves, and that it changes nothing.""")
 
 
 def _list(names: Iterable[str]) -> str:

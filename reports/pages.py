@@ -16,6 +16,7 @@ from reports.page_agreement import agreement_page
 from reports.page_algorithms import algorithms_page
 from reports.page_benchmarks import benchmarks_page
 from reports.page_convergence import convergence_page
+from reports.page_cost import cost_page
 from reports.page_epsilon import epsilon_page
 from reports.page_index import index_page
 from reports.page_locking import locking_page
@@ -35,6 +36,7 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "contact-agreement.md": agreement_page,
     "algorithms.md": algorithms_page,
     "epsilon.md": epsilon_page,
+    "cost.md": cost_page,
 }
 FIGURES = "figures"
 

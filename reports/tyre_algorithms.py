@@ -153,7 +153,7 @@ def _rows(store: Store, cells: tuple[Cell, ...], row: float) -> dict[str, pd.Ser
 
 def costs_part(store: Store) -> Part:
     """Counters and times of all tyre cells; what rounding decides stands in a machine block."""
-    own_page = {cell for kind in labels.OF_ALGORITHMS for cell in store.matching(kind)}
+    own_page = {cell for kind in labels.ELSEWHERE for cell in store.matching(kind)}
     cells = [cell for cell in store.cells.values() if cell.scene == "tyre" and cell not in own_page]
     header = ["cell", "unknowns", "Newton iterations", "factorisations", "assemblies", "set changes"]
     counters = {cell: [cell.label, *(str(cell.result["counters"][name]) for name in COUNTERS)] for cell in cells}

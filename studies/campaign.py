@@ -163,6 +163,13 @@ ROBUSTNESS = (
     ),
     _tyre("far", {"delta_mm": "20,25,30,35,40", **_EXACT}, contact="semismooth", model="half"),
 )
+MODELS = (  # what a part of the tyre saves, and that it changes nothing
+    *(_tyre(f"model {model} angle plies", _TO_20, model=model) for model in ("full", "half")),
+    *(
+        _tyre(f"model {model} isotropic", {**ISOTROPIC, **_TO_20}, model=model)
+        for model in ("full", "half", "mirror", "quarter")
+    ),
+)
 CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "tyre": TYRE,
     "benchmarks": BENCHMARKS,
@@ -170,7 +177,8 @@ CAMPAIGNS: dict[str, Sequence[Cell]] = {
     "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
     "convergence": CONVERGENCE,
     "agreement": (*AGREEMENT, *ROBUSTNESS),
-    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT, *ROBUSTNESS),
+    "models": MODELS,
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT, *ROBUSTNESS, *MODELS),
 }
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "rigid_body": rigid_body_table,
