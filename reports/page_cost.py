@@ -63,7 +63,7 @@ def _words(cell: Cell) -> tuple[str, str]:
 
 
 def differences(cell: Cell, whole: Cell) -> tuple[float, float]:
-    """Force and largest nodal pressure relative to the whole; infinite where the contact set is another, NaN unreached."""
+    """Force and largest nodal pressure relative to the whole; infinite for another contact set, NaN where unreached."""
     if any(each.find_step(delta_mm=labels.DELTA) is None for each in (cell, whole)):
         return float("nan"), float("nan")
     force = abs(cell.value("force_N", delta_mm=labels.DELTA) / whole.value("force_N", delta_mm=labels.DELTA) - 1)
