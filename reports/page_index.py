@@ -67,8 +67,9 @@ def _completeness(store: Store) -> str:
         title = "Cells that did not go as asked, or were not expected to"
         parts.append(table(title, ["cell", "what happened", "expected"], (_unusual(cell) for cell in unusual), words=3))
         events = [[cell.label, event] for cell in unusual for event in cell.cuts()]
+        events += [[cell.label, cell.result["reason"]] for cell in unusual if not cell.converged]
         if events:
-            parts.append(machine(table("Rejected steps", ["cell", "event"], events, words=2)))
+            parts.append(machine(table("Rejected steps, and how it ended", ["cell", "event"], events, words=2)))
         parts.append(commands(cell.command for cell in unusual))
     return "\n\n".join(parts)
 
@@ -83,7 +84,7 @@ def _counts(cells: list[Cell]) -> list[str]:
 
 def _unusual(cell: Cell) -> list[str]:
     if not cell.converged:
-        happened = f"not converged: {cell.result['reason']}"
+        happened = f"not converged: {cell.result['outcome']}"
     else:
         happened = "converged after its step was cut" if cell.cuts() else "converged as asked"
     return [cell.label, happened, labels.EXPECTED_TO_FAIL.get(cell.label, "converges as asked")]

@@ -98,7 +98,7 @@ Every algorithm and setting, and the solvers of quadratic programmes alone and a
 obstacle problems, classics of linear complementarity and linearised steps of shells in contact. The judge recomputes
 each answer that is called solved; *false* is one that it does not accept, *largest error* that of a displacement so
 called, over the largest displacement. Of our own {int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are
-false; false are {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
+false; false are: {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
     header = ["who", "problems", "refused", "claimed", "false", "largest error"]
     return Part(f"{text}\n\n{table('Claims of success, judged', header, rows)}")
 

@@ -164,7 +164,7 @@ def test_cycles_and_false_claims_are_counted(store: Path) -> None:
     text = algorithms_page(load_store(store)).text
     assert row(text, "| 3x3 |")[1:4] == ["cycles, period 3", "converged, cycle detected", "iteration-limit"]
     assert row(text, "| mild |")[1] == "settles"
-    assert "Of our own 18 claims 0 are false; false are osqp alone, defaults 3 of 5." in text
+    assert "Of our own 18 claims 0 are false; false are: osqp alone, defaults 3 of 5." in text
     assert row(text, "| lcp | 9 |")[1:] == ["9", "0", "9", "0", "under 1e-09"]
     assert row(text, "| osqp alone, defaults |")[-1] == "5e-01"
 
