@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
+from formulations.dissection import dissection
 from formulations.dofs import DofMap, Images
 from formulations.element import MixedElement
 from formulations.element_geometry import N_DOF, ElementGeometry
@@ -54,6 +55,7 @@ class Discretisation:
     dofs: np.ndarray = field(repr=False)
     pattern: Pattern = field(repr=False)
     scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
+    ordered: bool = False
 
     @classmethod
     def build(
@@ -66,17 +68,24 @@ class Discretisation:
         kinematics: Kinematics = FULL,
         interpolation: str = "curvilinear",
         images: Images | None = None,
+        *,
+        ordered: bool = False,
     ) -> Discretisation:
         """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
 
-        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.
+        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.  ``ordered``:
+        number the unknowns by nested dissection, so that a factorisation may keep their order; else as the nodes are.
         """
-        dof_map = DofMap.build(fixed, hinged, images)
+        order = None
+        if ordered:
+            last = None if images is None else images.followed
+            order = dissection(grid.node_shape, periodic=grid.periodic, last=last)
+        dof_map = DofMap.build(fixed, hinged, images, order)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n)
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
         geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
-        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
+        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
@@ -197,6 +206,11 @@ class ShellModel:
         object.__setattr__(self, "_element", element)
         dead = shell.gather(self._dead_contributions())
         object.__setattr__(self, "_dead", dead if self.forces is None else dead + self.forces)
+
+    @property
+    def ordered(self) -> bool:
+        """Whether the unknowns are numbered for elimination, so that a factorisation need not look for an order."""
+        return self.discretisation.ordered
 
     def scaled(self, factor: float) -> ShellModel:
         """The same shell under ``factor`` times its pressure, forces, couples and prescribed displacements."""

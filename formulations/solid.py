@@ -170,6 +170,11 @@ class SolidModel:
         object.__setattr__(self, "_pattern", Pattern.build(number[self._dofs], len(free)))
         object.__setattr__(self, "_geometry", self._reference_gradients())
 
+    @property
+    def ordered(self) -> bool:
+        """False: the unknowns are numbered as the nodes are, a factorisation has to look for an order."""
+        return False
+
     def scaled(self, factor: float) -> SolidModel:
         """The same body under ``factor`` times its loads; geometry and pattern are shared."""
         pressure = None if self.pressure is None else replace(self.pressure, value=factor * self.pressure.value)
