@@ -82,7 +82,7 @@ class Discretisation:
             order = dissection(grid.node_shape, periodic=grid.periodic, last=last)
         dof_map = DofMap.build(fixed, hinged, images, order)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
-        pattern = Pattern.build(dof_map.number[dofs], dof_map.n)
+        pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.sign[dofs])
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
         geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
         return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered)
@@ -118,9 +118,6 @@ class Discretisation:
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
-        if self.map.signed:
-            sign = self.map.sign[self.dofs]
-            element_matrices = element_matrices * sign[:, :, None] * sign[:, None, :]
         return self.pattern.assemble(element_matrices)
 
     def displacement_operator(self, nodes: np.ndarray, face: int) -> sparse.csr_matrix:
@@ -265,7 +262,9 @@ class ShellModel:
         A hinge midway between the faces acts on both alike. Nodal forces put on a support itself are not counted.
         """
         force, external, _ = self.element_contributions(u, None)
-        total = force - self._dead_contributions() - (0.0 if external is None else external)
+        return self._reactions(force - self._loads(external))
+
+    def _reactions(self, total: np.ndarray) -> np.ndarray:
         shell = self.discretisation
         nodal = shell.nodal(total)
         on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
@@ -276,10 +275,9 @@ class ShellModel:
 
         In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
         """
-        reactions = self.reactions(u)
-        _, external, _ = self.element_contributions(u, None)
-        loads = self._dead_contributions() + (0.0 if external is None else external)
-        nodal = self.discretisation.nodal(loads) + reactions
+        force, external, _ = self.element_contributions(u, None)
+        loads = self._loads(external)
+        nodal = self.discretisation.nodal(loads) + self._reactions(force - loads)
         if self.forces is not None:
             nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.expand(self.forces))
         return self._resultant(nodal)
@@ -313,6 +311,9 @@ class ShellModel:
         if self.couples is not None:
             self.couples.follower_force(self.discretisation.grid, v, external, tangent)
         return force, external, tangent
+
+    def _loads(self, external: np.ndarray | None) -> np.ndarray:
+        return self._dead_contributions() + (0.0 if external is None else external)
 
     def _dead_contributions(self) -> np.ndarray:
         """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""

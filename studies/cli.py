@@ -9,7 +9,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
@@ -112,8 +113,6 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _solve(options: argparse.Namespace) -> int:
-    from rich.console import Console
-
     from studies.scene import UsageError
     from studies.solve import resolve, solve
     from studies.store import write_by
@@ -132,8 +131,8 @@ def _solve(options: argparse.Namespace) -> int:
     )
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out} is a file, not a directory")
-    with Console(stderr=True).status("building") as status:
-        result = solve(scene, request, lambda text: status.update(f"reached {text}"))
+    with _told() as tell:
+        result = solve(scene, request, tell)
     if result.unsupported:
         raise UsageError(result.unsupported)
     result.write(options.out)
@@ -154,6 +153,18 @@ def _solve(options: argparse.Namespace) -> int:
         return OK
     print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
     return NOT_CONVERGED
+
+
+@contextmanager
+def _told() -> Iterator[Callable[[str], None]]:
+    """Say on the terminal what has been reached; where there is none, nothing, and nothing is loaded for it."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("building") as status:
+        yield lambda text: status.update(f"reached {text}")
 
 
 def _resolve(options: argparse.Namespace) -> int:
