@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 ROUNDING = 1e-13  # of the terms that make up w_i; less than that below zero is no violation
 SYMMETRIC = 1e-9  # largest |M - M^T| over the largest |M| that still counts as rounding
@@ -95,6 +94,8 @@ def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> Lc
     touch: its answer is checked, and where wrong the active set goes on from it; the event says so.
     Raises NotApplicableError unless M is symmetric, LcpError unless it is positive definite.
     """
+    from scipy.optimize import nnls  # loads all of scipy.optimize: only where it is asked for
+
     asymmetry = np.max(np.abs(M - M.T), initial=0.0)
     if asymmetry > SYMMETRIC * np.max(np.abs(M), initial=0.0):
         raise NotApplicableError(

@@ -120,7 +120,7 @@ def judge(
     energy, energy_rounding = (
         (None, 0.0)
         if problem.energy is None
-        else _energy_balance(problem, problem.energy, np.zeros_like(u) if since is None else since, u, contact)
+        else _energy_balance(problem, problem.energy, np.zeros_like(u) if since is None else since, u, contact, lin)
     )
     force, force_rounding = _force_balance(problem, lin, u, pressure)
     return Verdict(
@@ -143,6 +143,7 @@ def _energy_balance(
     since: np.ndarray,
     u: np.ndarray,
     contact: np.ndarray,
+    at_end: Linearisation,
 ) -> tuple[float, float]:
     """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
 
@@ -152,16 +153,20 @@ def _energy_balance(
     Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
     by rounding, a frozen step at its own answer, there is no work to balance.
     """
-    du, at_end = u - since, problem.linearise(u, None)
+    du = u - since
     forces = max(at_end.scale, float(np.linalg.norm(contact)))
     last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
     ends = [potential(u), -potential(since)]
     # what the pressures say less what the model says, with the same weight whatever the panels
     told = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
     noise = rounding_floor(at_end, u) * float(np.linalg.norm(du))
+
+    def residual(t: float) -> np.ndarray:
+        return at_end.residual if t == 1.0 else problem.linearise(since + t * du, None).residual
+
     for panels in PANELS:
         works = [
-            weight / panels * float(problem.linearise(since + (panel + t) / panels * du, None).residual @ du)
+            weight / panels * float(residual((panel + t) / panels) @ du)
             for panel in range(panels)
             for t, weight in LOBATTO
         ]

@@ -2,13 +2,15 @@
 
 SuperLU needs ``permc_spec="MMD_AT_PLUS_A"``, ``SymmetricMode`` and a small pivot threshold for matrices of symmetric
 pattern: 4 times faster than its defaults at 10,000 unknowns, and the default threshold with MMD never ends.
-PARDISO (extra ``mkl``) needs its weighted matching switched off: left on, it can return a residual of 1e37 in silence.
+A matrix that comes in an order of elimination (``ordered``) keeps it: by nested dissection 250,000 unknowns of a shell
+take less than half the time of MMD. PARDISO (extra ``mkl``) finds its own order, and needs its weighted matching
+switched off: left on, it can return a residual of 1e37 in silence.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from scipy import sparse
@@ -31,10 +33,11 @@ class Factor(Protocol):
         ...
 
 
-def _superlu(A: sparse.csc_matrix) -> Factor:
+def _superlu(A: sparse.csc_matrix, ordered: bool) -> Factor:
+    order: Literal["NATURAL", "MMD_AT_PLUS_A"] = "NATURAL" if ordered else "MMD_AT_PLUS_A"
     # 1e-3 serves definite, saddle-point and non-symmetric tangents alike: same speed as 0, errors of 1e-14
     try:
-        return splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+        return splu(A, permc_spec=order, diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
     except RuntimeError as error:
         raise SingularMatrixError(str(error)) from error
 
@@ -42,7 +45,7 @@ def _superlu(A: sparse.csc_matrix) -> Factor:
 class _Pardiso:
     """PARDISO with its weighted matching off; the analysis is not reused between matrices."""
 
-    def __init__(self, A: sparse.csc_matrix) -> None:
+    def __init__(self, A: sparse.csc_matrix, ordered: bool) -> None:
         from pypardiso import PyPardisoSolver
 
         self._matrix = sparse.csr_matrix(A)
@@ -58,15 +61,15 @@ class _Pardiso:
         self._solver.free_memory(everything=True)
 
 
-SOLVERS: dict[str, Callable[[sparse.csc_matrix], Factor]] = {"splu": _superlu, "pardiso": _Pardiso}
+SOLVERS: dict[str, Callable[[sparse.csc_matrix, bool], Factor]] = {"splu": _superlu, "pardiso": _Pardiso}
 
 
-def factorise(A: sparse.csc_matrix, solver: str = "splu") -> Factor:
-    """Factorise with the named solver.
+def factorise(A: sparse.csc_matrix, solver: str = "splu", *, ordered: bool = False) -> Factor:
+    """Factorise with the named solver; ``ordered``: elimination in the order of the unknowns fills in little.
 
     Raises SingularMatrixError, KeyError for an unknown name, ModuleNotFoundError for a solver that is not installed.
     """
-    return SOLVERS[solver](A)
+    return SOLVERS[solver](A, ordered)
 
 
 def negative_pivots(A: sparse.csc_matrix) -> int:

@@ -164,7 +164,7 @@ class NewtonRun:
     def factorise(self, A: sparse.csc_matrix) -> Factor:
         """Factorise, counted and timed; raises SingularMatrixError."""
         start = time.perf_counter()
-        factor = factorise(A, self.solver)
+        factor = factorise(A, self.solver, ordered=self.problem.ordered)
         self.spend("factorisation_s", start)
         self.counters["factorisations"] += 1
         return factor

@@ -54,6 +54,8 @@ class ContactProblem:
     The rest only lets the judge see more, where there is such a thing: energy(u) -> [N mm], the potential of r, that is
     r = d energy/du;  directions(u) -> (m, 3), unit vectors in which the foundation pushes the candidates;  others(u) ->
     (3,) [N], the resultant of all loads and supports on the body, of everything but the foundation.
+
+    ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
     """
 
     linearise: Callable[[np.ndarray, object], Linearisation]
@@ -65,6 +67,7 @@ class ContactProblem:
     energy: Callable[[np.ndarray], float] | None = None
     directions: Callable[[np.ndarray], np.ndarray] | None = None
     others: Callable[[np.ndarray], np.ndarray] | None = None
+    ordered: bool = False
 
     def nodal_forces(self, pressure: np.ndarray) -> np.ndarray:
         """Normal forces f = W p (m,) [N] of the foundation on the candidate nodes."""
@@ -98,11 +101,15 @@ def excused(residual: float, rounding: float, correction: float) -> bool:
     return residual <= rounding and (residual <= ROUNDING_ALONE or harmless)
 
 
-def without_contact(linearise: Callable[[np.ndarray, object], Linearisation], n: int) -> ContactProblem:
+def without_contact(
+    linearise: Callable[[np.ndarray, object], Linearisation], n: int, *, ordered: bool = False
+) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))
     nowhere = np.zeros((0, 3))
-    return ContactProblem(linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0), directions=lambda u: nowhere)
+    return ContactProblem(
+        linearise, lambda u: np.zeros(0), lambda u: empty, np.zeros(0), directions=lambda u: nowhere, ordered=ordered
+    )
 
 
 class Outcome(enum.Enum):

@@ -153,7 +153,7 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
     if len(nodes):
         pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).homogeneous()
         A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
-    factor = factorise(A)
+    factor = factorise(A, ordered=problem.ordered)
 
     def comply(b: np.ndarray) -> np.ndarray:
         return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]

@@ -25,6 +25,11 @@ class Images:
     of: np.ndarray
     signs: np.ndarray
 
+    @property
+    def followed(self) -> np.ndarray:
+        """The nodes that others follow."""
+        return np.unique(self.of[self.of != self.nodes])
+
 
 @dataclass(frozen=True, eq=False)
 class DofMap:
@@ -34,10 +39,17 @@ class DofMap:
     sign: np.ndarray
 
     @classmethod
-    def build(cls, fixed: np.ndarray, hinged: np.ndarray | None = None, images: Images | None = None) -> DofMap:
+    def build(
+        cls,
+        fixed: np.ndarray,
+        hinged: np.ndarray | None = None,
+        images: Images | None = None,
+        order: np.ndarray | None = None,
+    ) -> DofMap:
         """``fixed`` (N, 6) bool: held at zero.  ``hinged`` (N, 3) bool: mid-surface components held, rotation free.
 
-        ``images``: take over the supports of the nodes they follow.
+        ``images``: take over the supports of the nodes they follow.  ``order`` (N,): the nodes in the order in which
+        their unknowns are numbered, the order of the nodes unless given.
         Raises ValueError when nothing is free, when a hinged component is also held on one face, or when an image
         follows an image.
         """
@@ -63,7 +75,11 @@ class DofMap:
         own = (master.ravel() == np.arange(fixed.size)) & (sign.ravel() != 0)
         if not own.any():
             raise ValueError("every displacement is held: nothing to solve")
-        unknown = np.where(own, np.cumsum(own) - 1, -1)
+        nodes = np.arange(len(fixed)) if order is None else order
+        free = (N_V * nodes[:, None] + np.arange(N_V)).ravel()
+        free = free[own[free]]
+        unknown = np.full(fixed.size, -1)
+        unknown[free] = np.arange(len(free))
         number = np.where(sign.ravel() != 0, unknown[master.ravel()], -1)
         return cls(number, sign.ravel())
 

@@ -1,4 +1,4 @@
-"""The (a1, a2) grid: a tensor-product mesh of scikit-fem quadrilaterals, graded, possibly periodic in a2.
+"""The (a1, a2) grid: a tensor-product mesh of quadrilaterals, graded, possibly periodic in a2.
 
 Only coordinates and connectivity live here; no displacement, no material.
 """
@@ -7,9 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from skfem import MeshQuad
+
+if TYPE_CHECKING:
+    from skfem import MeshQuad
 
 # Corners of the reference square, in the order of ``Grid.elements``.
 CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -33,7 +36,7 @@ class Grid:
     nodes (N, 2): coordinates, a1 slowest, so that a nodal array reshapes to ``node_shape``.
     elements (E, 4): node numbers in the order of :data:`CORNERS`.
     centre, half (E, 2): element centres and half lengths (unwrapped across a periodic seam).
-    mesh: the scikit-fem mesh before its seam is closed.
+    lines: of a1 and of a2, both ends included.
     """
 
     nodes: np.ndarray
@@ -42,27 +45,29 @@ class Grid:
     half: np.ndarray
     node_shape: tuple[int, int]
     periodic: bool
-    mesh: MeshQuad
+    lines: tuple[np.ndarray, np.ndarray]
 
     @classmethod
     def tensor(cls, lines1: np.ndarray, lines2: np.ndarray, *, periodic: bool = False) -> Grid:
         """Grid of the given lines; ``periodic`` identifies the last line of a2 with the first."""
-        mesh = MeshQuad.init_tensor(np.asarray(lines1, float), np.asarray(lines2, float))
+        lines1, lines2 = np.asarray(lines1, float), np.asarray(lines2, float)
         n1, n2 = len(lines1), len(lines2) - periodic
-        i, j = np.searchsorted(lines1, mesh.p[0]), np.searchsorted(lines2, mesh.p[1])
-        node = i * n2 + j % n2
-        corners = mesh.p[:, mesh.t]  # (2, 4, E)
-        low, high = corners.min(axis=1).T, corners.max(axis=1).T
-        centre, half = 0.5 * (low + high), 0.5 * (high - low)
-        side = np.sign(corners - centre.T[:, None, :]).astype(int)  # scikit-fem's own corner order, made ours
-        elements = np.empty((mesh.t.shape[1], 4), dtype=np.intp)
-        for corner, (s1, s2) in enumerate(CORNERS):
-            which = np.argmax((side[0] == s1) & (side[1] == s2), axis=0)
-            elements[:, corner] = node[mesh.t[which, np.arange(mesh.t.shape[1])]]
-        order = np.lexsort((centre[:, 1], centre[:, 0]))
+        i, j = (index.ravel() for index in np.indices((n1 - 1, len(lines2) - 1)))
+        side = (CORNERS + 1) // 2
+        elements = (i[:, None] + side[:, 0]) * n2 + (j[:, None] + side[:, 1]) % n2
+        low = np.stack([lines1[i], lines2[j]], axis=-1)
+        high = np.stack([lines1[i + 1], lines2[j + 1]], axis=-1)
         first, second = np.meshgrid(lines1, lines2[:n2], indexing="ij")
         nodes = np.stack([first.ravel(), second.ravel()], axis=-1)
-        return cls(nodes, elements[order], centre[order], half[order], (n1, n2), periodic, mesh)
+        centre, half = 0.5 * (low + high), 0.5 * (high - low)
+        return cls(nodes, elements, centre, half, (n1, n2), periodic, (lines1, lines2))
+
+    @property
+    def mesh(self) -> MeshQuad:
+        """The scikit-fem mesh before its seam is closed."""
+        from skfem import MeshQuad  # slow to load, and no solve needs it
+
+        return MeshQuad.init_tensor(*self.lines)
 
     @property
     def n_nodes(self) -> int:

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
+from formulations.dissection import dissection
 from formulations.dofs import DofMap, Images
 from formulations.element import MixedElement
 from formulations.element_geometry import N_DOF, ElementGeometry
@@ -54,6 +55,7 @@ class Discretisation:
     dofs: np.ndarray = field(repr=False)
     pattern: Pattern = field(repr=False)
     scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
+    ordered: bool = False
 
     @classmethod
     def build(
@@ -66,17 +68,24 @@ class Discretisation:
         kinematics: Kinematics = FULL,
         interpolation: str = "curvilinear",
         images: Images | None = None,
+        *,
+        ordered: bool = False,
     ) -> Discretisation:
         """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
 
-        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.
+        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.  ``ordered``:
+        number the unknowns by nested dissection, so that a factorisation may keep their order; else as the nodes are.
         """
-        dof_map = DofMap.build(fixed, hinged, images)
+        order = None
+        if ordered:
+            last = None if images is None else images.followed
+            order = dissection(grid.node_shape, periodic=grid.periodic, last=last)
+        dof_map = DofMap.build(fixed, hinged, images, order)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
-        pattern = Pattern.build(dof_map.number[dofs], dof_map.n)
+        pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.sign[dofs])
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
         geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
-        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch)
+        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
@@ -109,9 +118,6 @@ class Discretisation:
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
-        if self.map.signed:
-            sign = self.map.sign[self.dofs]
-            element_matrices = element_matrices * sign[:, :, None] * sign[:, None, :]
         return self.pattern.assemble(element_matrices)
 
     def displacement_operator(self, nodes: np.ndarray, face: int) -> sparse.csr_matrix:
@@ -198,6 +204,11 @@ class ShellModel:
         dead = shell.gather(self._dead_contributions())
         object.__setattr__(self, "_dead", dead if self.forces is None else dead + self.forces)
 
+    @property
+    def ordered(self) -> bool:
+        """Whether the unknowns are numbered for elimination, so that a factorisation need not look for an order."""
+        return self.discretisation.ordered
+
     def scaled(self, factor: float) -> ShellModel:
         """The same shell under ``factor`` times its pressure, forces, couples and prescribed displacements."""
         pressure = None if self.pressure is None else replace(self.pressure, value=factor * self.pressure.value)
@@ -251,7 +262,9 @@ class ShellModel:
         A hinge midway between the faces acts on both alike. Nodal forces put on a support itself are not counted.
         """
         force, external, _ = self.element_contributions(u, None)
-        total = force - self._dead_contributions() - (0.0 if external is None else external)
+        return self._reactions(force - self._loads(external))
+
+    def _reactions(self, total: np.ndarray) -> np.ndarray:
         shell = self.discretisation
         nodal = shell.nodal(total)
         on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
@@ -262,10 +275,9 @@ class ShellModel:
 
         In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
         """
-        reactions = self.reactions(u)
-        _, external, _ = self.element_contributions(u, None)
-        loads = self._dead_contributions() + (0.0 if external is None else external)
-        nodal = self.discretisation.nodal(loads) + reactions
+        force, external, _ = self.element_contributions(u, None)
+        loads = self._loads(external)
+        nodal = self.discretisation.nodal(loads) + self._reactions(force - loads)
         if self.forces is not None:
             nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.expand(self.forces))
         return self._resultant(nodal)
@@ -299,6 +311,9 @@ class ShellModel:
         if self.couples is not None:
             self.couples.follower_force(self.discretisation.grid, v, external, tangent)
         return force, external, tangent
+
+    def _loads(self, external: np.ndarray | None) -> np.ndarray:
+        return self._dead_contributions() + (0.0 if external is None else external)
 
     def _dead_contributions(self) -> np.ndarray:
         """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""

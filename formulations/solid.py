@@ -13,7 +13,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
-from skfem import Basis, ElementHex2, MeshHex
 
 from formulations.laminate import Laminate
 from formulations.loads import Pressure
@@ -92,6 +91,8 @@ class SolidMesh:
         bottoms = np.append(laminate.d_minus, tops[:-1])
         layers = np.concatenate([np.linspace(b, t, per_ply + 1)[:-1] for b, t in zip(bottoms, tops, strict=True)])
         lines3 = np.append(layers, tops[-1])
+        from skfem import Basis, ElementHex2, MeshHex  # slow to load, and shells have no need of it
+
         basis = Basis(MeshHex.init_tensor(lines1, lines2, lines3), ElementHex2(), intorder=1)
         parameter, elements = basis.doflocs.T.copy(), basis.element_dofs.T.astype(np.intp)
         low = parameter[elements].min(axis=1)
@@ -169,6 +170,11 @@ class SolidModel:
         object.__setattr__(self, "free", free)
         object.__setattr__(self, "_pattern", Pattern.build(number[self._dofs], len(free)))
         object.__setattr__(self, "_geometry", self._reference_gradients())
+
+    @property
+    def ordered(self) -> bool:
+        """False: the unknowns are numbered as the nodes are, a factorisation has to look for an order."""
+        return False
 
     def scaled(self, factor: float) -> SolidModel:
         """The same body under ``factor`` times its loads; geometry and pattern are shared."""

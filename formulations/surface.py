@@ -16,7 +16,6 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +161,8 @@ def through_points(points: np.ndarray) -> SurfaceOfRevolution:
         raise ValueError(f"points {np.argmin(chord)} and {np.argmin(chord) + 1} of the meridian coincide")
     length = np.append(0.0, np.cumsum(chord))
     closed = np.array_equal(points[0], points[-1])
+    from scipy.interpolate import CubicSpline  # as slow to load as all the rest, and rarely needed
+
     spline = CubicSpline(length, points, bc_type="periodic" if closed else "not-a-knot")
 
     def coordinate(axis: int) -> Curve:

@@ -14,7 +14,7 @@ from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from contact.semismooth import Semismooth
 from formulations.shell import ShellModel
-from studies.scenes.tyre import Tyre
+from studies.scenes.tyre import Tyre, TyreModel
 from studies.solve import resolve
 
 
@@ -41,13 +41,19 @@ def bench(mesh: str = "42x40", delta_mm: float = 20.0, repeats: int = 9) -> Iter
     """Bring the paper's tyre into contact, then repeat one iteration of mixed semismooth Newton from that state."""
     _, request = resolve("tyre", {"delta_mm": f"{delta_mm:g}"}, mesh, model="full")
     model = Tyre().build(request)
+    problem, state = pressed(model)
+    return _measure(model.shell, problem, state, repeats)
+
+
+def pressed(model: TyreModel) -> tuple[ContactProblem, ContactSolution]:
+    """The last problem of the path and its solution."""
     state: ContactSolution | None = None
     for stage in model.stages():
         problem_at, start = stage.begin(state)
         problem = problem_at(stage.targets[-1])
-        state = Semismooth().solve(problem, start)
+        state = stage.lifted(Semismooth().solve(problem, start))
     assert state is not None
-    return _measure(model.shell, problem, state, repeats)
+    return problem, state
 
 
 def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution, repeats: int) -> IterationCost:
@@ -57,9 +63,9 @@ def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution,
     totals, runs, elements, scatter = [], [], [], []
     for _ in range(repeats):  # interleaved, so that a slow moment of the machine meets every part
         runs.append(NewtonRun(problem))
-        totals.append(_timed(partial(_iterate, runs[-1], state, memory)))
-        elements.append(_timed(lambda: shell.element_contributions(u, memory)))
-        scatter.append(_timed(lambda: grid.assemble(tangents)))
+        totals.append(timed(partial(iterate, runs[-1], state, memory)))
+        elements.append(timed(lambda: shell.element_contributions(u, memory)))
+        scatter.append(timed(lambda: grid.assemble(tangents)))
     part = {key: statistics.median(run.counters[key] for run in runs) for key in runs[0].counters}
     assembly = statistics.median(elements) + statistics.median(scatter)
     return IterationCost(
@@ -74,7 +80,7 @@ def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution,
     )
 
 
-def _iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
+def iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
     """Everything an algorithm does between two iterates."""
     lin = run.linearise(state.u, memory)
     run.imbalance(lin, state.u, state.pressure)
@@ -83,7 +89,8 @@ def _iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
     run.remember(lin, du)
 
 
-def _timed(work: Callable[[], object]) -> float:
+def timed(work: Callable[[], object]) -> float:
+    """Wall time [s]."""
     start = time.perf_counter()
     work()
     return time.perf_counter() - start

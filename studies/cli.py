@@ -9,7 +9,8 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NoReturn
 
@@ -85,8 +86,11 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(command=_report)
 
     command = commands.add_parser("bench", help="cost of one Newton iteration, as ratios")
-    command.add_argument("--mesh", default="42x40")
-    command.add_argument("--repeats", type=int, default=9)
+    command.add_argument("--mesh", help="N1xN2, default 42x40; with --scaling several, comma-separated")
+    command.add_argument("--repeats", type=int, help="default 9")
+    command.add_argument("--scaling", action="store_true", help="one Newton step from 2,000 to 250,000 unknowns")
+    command.add_argument("--machine", choices=("floors",), help="with --scaling: times over the machine's own, too")
+    command.add_argument("--table", type=Path, metavar="FILE", help="with --scaling: write the table as CSV, too")
     command.set_defaults(command=_bench)
     return parser
 
@@ -109,8 +113,6 @@ def _list(options: argparse.Namespace) -> int:
 
 
 def _solve(options: argparse.Namespace) -> int:
-    from rich.console import Console
-
     from studies.scene import UsageError
     from studies.solve import resolve, solve
     from studies.store import write_by
@@ -129,8 +131,8 @@ def _solve(options: argparse.Namespace) -> int:
     )
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out} is a file, not a directory")
-    with Console(stderr=True).status("building") as status:
-        result = solve(scene, request, lambda text: status.update(f"reached {text}"))
+    with _told() as tell:
+        result = solve(scene, request, tell)
     if result.unsupported:
         raise UsageError(result.unsupported)
     result.write(options.out)
@@ -151,6 +153,18 @@ def _solve(options: argparse.Namespace) -> int:
         return OK
     print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
     return NOT_CONVERGED
+
+
+@contextmanager
+def _told() -> Iterator[Callable[[str], None]]:
+    """Say on the terminal what has been reached; where there is none, nothing, and nothing is loaded for it."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("building") as status:
+        yield lambda text: status.update(f"reached {text}")
 
 
 def _resolve(options: argparse.Namespace) -> int:
@@ -233,17 +247,48 @@ def _report(options: argparse.Namespace) -> int:
 
 
 def _bench(options: argparse.Namespace) -> int:
-    from studies.bench import bench
     from studies.scene import UsageError
 
-    if not 1 <= options.repeats <= 1000:
-        raise UsageError(f"repeats = {options.repeats} must be a whole number in [1, 1000]")
-    cost = bench(options.mesh, repeats=options.repeats)
-    print(f"one Newton iteration, tyre {options.mesh}, {cost.dofs} dofs, medians of {options.repeats}")
+    if options.scaling:
+        if options.repeats is not None:
+            raise UsageError("--repeats does not go with --scaling, which repeats for a time")
+        return _scaling(options)
+    if options.machine or options.table:
+        raise UsageError("--machine and --table go with --scaling only")
+    mesh, repeats = options.mesh or "42x40", 9 if options.repeats is None else options.repeats
+    if not 1 <= repeats <= 1000:
+        raise UsageError(f"repeats = {repeats} must be a whole number in [1, 1000]")
+    from studies.bench import bench
+
+    cost = bench(mesh, repeats=repeats)
+    print(f"one Newton iteration, tyre {mesh}, {cost.dofs} dofs, medians of {repeats}")
     print(f"{'part':16s}{'ms':>10s}{'/ factorisation':>18s}")
     for part in ("elements", "scatter", "prediction", "contact", "factorisation", "solution", "total"):
         seconds = getattr(cost, part)
         print(f"{part:16s}{1e3 * seconds:10.2f}{seconds / cost.factorisation:18.3f}")
+    return OK
+
+
+def _scaling(options: argparse.Namespace) -> int:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from studies.scaling import MESHES, lines, request_of, scaling
+    from studies.store import write_table
+
+    meshes = options.mesh.split(",") if options.mesh else MESHES
+    for mesh in meshes:
+        request_of(mesh)  # what is wrong is said before the bar is drawn
+    with Progress(console=Console(stderr=True)) as bar:
+        task = bar.add_task("scaling")
+        table = scaling(
+            meshes,
+            lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label),
+        )
+    if options.table is not None:
+        write_table(options.table, table)
+    print("one Newton step in contact, tyre, element paper, model full, shortest times in ms")
+    print("\n".join(lines(table, floors=options.machine == "floors")))
     return OK
 
 

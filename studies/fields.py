@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import meshio
 import numpy as np
 
 from formulations.quantities import STRAINS
@@ -40,6 +39,8 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     corners = np.where(left_handed[:, None], corners[:, ::-1], corners)  # a hexahedron of positive volume
     resultants = shell.resultants(u)[:, : len(STRAINS)]
     names = ["H_" + strain.lstrip("2").replace("E", "") for strain in STRAINS]
+    import meshio  # slow to load: only where something is written
+
     mesh = meshio.Mesh(
         points=np.concatenate([inner, outer]),
         cells=[("hexahedron", np.hstack([corners, corners + n]))],
@@ -60,6 +61,8 @@ def write_solid_fields(path: Path, solid: SolidModel, u: np.ndarray, pressure: n
     """
     mesh = solid.mesh
     order = _VTK_27 if mesh.orientation > 0 else _VTK_27[:, [1, 0, 2]]  # a hexahedron of positive volume
+    import meshio
+
     fields = meshio.Mesh(
         points=mesh.x,
         cells=[("hexahedron27", mesh.elements[:, order @ (9, 3, 1)])],

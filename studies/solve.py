@@ -14,7 +14,7 @@ import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -278,8 +278,9 @@ def _account(result: Result, stage: str, counters: Mapping[str, float], history:
     result.history += [{"stage": stage, **row} for row in history]
 
 
+@cache
 def provenance() -> dict[str, Any]:
-    """Version, commit (or "unknown"), packages and machine."""
+    """Version, commit (or "unknown"), packages and machine: those of this process, asked for once."""
     here = Path(__file__).parent
     asked = subprocess.run(["git", "rev-parse", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
     machine = {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count()}

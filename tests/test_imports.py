@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -72,3 +74,13 @@ def test_the_packages_are_there() -> None:
 )
 def test_offences_are_seen(file, source, found) -> None:
     assert offences(file, source) == found
+
+
+HEAVY = ("clarabel", "cvxpy", "matplotlib", "meshio", "osqp", "rich", "scipy.interpolate", "scipy.optimize", "skfem")
+
+
+def test_a_solve_does_not_wait_for_what_it_may_never_need() -> None:
+    """Each of these takes as long to load as a small solve takes."""
+    told = f"import sys, studies.cli, studies.solve; print([m for m in {HEAVY} if m in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", told], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"

@@ -6,7 +6,7 @@ The tyre has stages of its own; see :mod:`studies.scenes.tyre_press`.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -72,7 +72,8 @@ class ContactModel(ShellSceneModel):
 
     def problem_at(self, t: float) -> ContactProblem:
         """The shell and the plane at a point of the path."""
-        return against_plane(self.body_at(t).linearise, self.candidates, self.plane_at(t))
+        body = self.body_at(t)
+        return replace(against_plane(body.linearise, self.candidates, self.plane_at(t)), ordered=body.ordered)
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)

@@ -6,14 +6,14 @@ Euler-Bernoulli. The derivations are the project's own; tables computed by a bea
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.special import gamma
 
-QUARTER_1 = float(np.sqrt(np.pi) * gamma(0.25) / (2 * gamma(0.75)))  # int_0^{pi/2} dt/sqrt(sin t) = 2.62205755
-QUARTER_2 = float(np.sqrt(np.pi) * gamma(0.75) / (2 * gamma(1.25)))  # int_0^{pi/2} sqrt(sin t) dt = 1.19814023
+QUARTER_1 = math.sqrt(math.pi) * math.gamma(0.25) / (2 * math.gamma(0.75))  # int_0^{pi/2} dt/sqrt(sin t) = 2.62205755
+QUARTER_2 = math.sqrt(math.pi) * math.gamma(0.75) / (2 * math.gamma(1.25))  # int_0^{pi/2} sqrt(sin t) dt = 1.19814023
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def strip_contact(q: float, lam: float) -> StripContact:
         raised = phi * (T * length**2 / (2 * lam) + length**3 / (6 * lam**2))
         return float(raised - q * length**4 / 24 + q * length**2 * lam**2 / 2 - 1)
 
-    length = float(brentq(missing, 1e-3, 1 - 1e-12, xtol=1e-14))
+    length = _root(missing, 1e-3, 1 - 1e-12)
     phi, T = edge(length)
     return StripContact(length, float(q * (1 - length) + phi / lam**2), float(q + phi / lam**3 * T))
 
@@ -78,7 +78,7 @@ def lifted_strip(lam: float) -> tuple[float, float]:
         raised = phi * length**2 / (2 * lam) + phi * length**3 / (6 * lam**2)
         return raised - length**4 / 24 + length**2 * lam**2 / 2 - 1
 
-    length = float(brentq(missing, 1e-3, 10.0, xtol=1e-14))
+    length = _root(missing, 1e-3, 10.0)
     return length, length - edge(length) / lam**2
 
 
@@ -103,7 +103,7 @@ def plate_contact(load: float) -> tuple[float, float]:
         ]
         return np.linalg.solve(A, [0.0, 0.0, 1.0, 0.0, 0.0])
 
-    c = float(brentq(lambda c: constants(c)[0] - load, 1e-5, 0.95, xtol=1e-14))
+    c = _root(lambda c: float(constants(c)[0]) - load, 1e-5, 0.95)
     # the shear force at the clamp is (lap w)' = q/2 + 4 C4
     clamp = 2 * np.pi * (load / 2 + 4 * constants(c)[4])
     return c, float(np.pi * load - clamp)
@@ -119,3 +119,17 @@ def flattened_ring(height: float) -> tuple[float, float]:
     if flat < 0:
         raise ValueError(f"H/2R = {height:g}: the ring is not flat before {np.pi / 2 * QUARTER_2 / QUARTER_1:.6f}")
     return (QUARTER_2 / height) ** 2, float(flat)
+
+
+def _root(f: Callable[[float], float], low: float, high: float) -> float:
+    """The zero between two arguments of different sign, halved down to neighbouring numbers.
+
+    scipy.optimize would take longer to load than all references to compute.
+    """
+    positive = f(low) > 0
+    while low < (middle := 0.5 * (low + high)) < high:
+        if (f(middle) > 0) == positive:
+            low = middle
+        else:
+            high = middle
+    return middle

@@ -39,7 +39,7 @@ def discretise(
     hinged: np.ndarray | None = None,
     images: Images | None = None,
 ) -> Discretisation:
-    """The discretisation with the interpolation asked for.
+    """The discretisation with the interpolation asked for, its unknowns numbered for elimination.
 
     Raises UsageError for a measure that leaves gradients out where positions are interpolated.
     """
@@ -48,4 +48,4 @@ def discretise(
     if interpolation == "isoparametric" and kinematics != FULL:
         whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
         raise UsageError(f"interpolation 'isoparametric' needs a measure with full gradients: one of {whole}")
-    return Discretisation.build(surface, grid, laminate, fixed, hinged, kinematics, interpolation, images)
+    return Discretisation.build(surface, grid, laminate, fixed, hinged, kinematics, interpolation, images, ordered=True)

@@ -107,7 +107,8 @@ class StaticModel(ShellSceneModel):
     def problem_at(self, fraction: float) -> ContactProblem:
         """The shell under a fraction of its load."""
         shell = self.shell.scaled(fraction)
-        return with_balances(without_contact(shell.linearise, shell.discretisation.n_free), shell)
+        n = shell.discretisation.n_free
+        return with_balances(without_contact(shell.linearise, n, ordered=shell.ordered), shell)
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, fraction: float) -> Observation:
         displacements = self.measure_at(self.shell, state.u)

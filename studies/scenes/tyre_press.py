@@ -7,7 +7,7 @@ from that first touch. What the wall is made of does not enter here.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol, Self
 
 import numpy as np
@@ -23,6 +23,11 @@ OVERLAP = 1e-6  # mm
 
 class Body(Protocol):
     """A loaded body, shell or solid."""
+
+    @property
+    def ordered(self) -> bool:
+        """Whether its unknowns are numbered for elimination."""
+        ...
 
     def scaled(self, factor: float) -> Self:
         """The same under ``factor`` times its loads."""
@@ -98,14 +103,15 @@ class PressedTyre:
     ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
         n = self.n_unknowns
         start = ContactSolution.at_rest(n, 0) if previous is None else previous  # rest, or what a column has found
-        return lambda t: without_contact(self.body.scaled(t).linearise, n), start
+        return lambda t: without_contact(self.body.scaled(t).linearise, n, ordered=self.body.ordered), start
 
     def _begin_column(
         self, previous: ContactSolution | None
     ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
         assert self.column is not None
         body, n = self.column.body, self.column.n
-        return lambda t: without_contact(body.scaled(t).linearise, n), ContactSolution.at_rest(n, 0)
+        start = ContactSolution.at_rest(n, 0)
+        return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
 
     def _begin_press(
         self, previous: ContactSolution | None
@@ -121,7 +127,8 @@ class PressedTyre:
 
         def at(delta: float) -> ContactProblem:
             there = self.foundation.moved((first_touch - delta) * NORMAL)
-            return self.with_balances(against(self.body.linearise, self.candidates, there))
+            problem = against(self.body.linearise, self.candidates, there)
+            return self.with_balances(replace(problem, ordered=self.body.ordered))
 
         return at, start
 
