@@ -248,8 +248,11 @@ class ShellModel:
 
     def resultants(self, u: np.ndarray) -> np.ndarray:
         """Mode resultants H (E, 22) [N/mm]; the first 11 are the element means in the order of the strains."""
-        strains = self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
-        return self._element.resultants(strains)
+        return self._element.resultants(self.mode_strains(u))
+
+    def mode_strains(self, u: np.ndarray) -> np.ndarray:
+        """Mode strains E (E, 22), in the order of :data:`formulations.element.MODES`."""
+        return self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
 
     def displacements(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6), the prescribed ones included."""

@@ -12,7 +12,11 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
+
+if TYPE_CHECKING:
+    from studies.scene import Request, Scene
+    from studies.solve import Result
 
 OK, FAILED, WRONG_USE, NOT_CONVERGED = 0, 1, 2, 3
 PAGES = Path("reports/pages")
@@ -58,6 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--contact", default="semismooth")
     command.add_argument("--newton", default="mixed", help="plain or mixed")
     command.add_argument("--mesh", help="N1xN2")
+    command.add_argument("--error", metavar="E", help="choose the mesh for an error of the force, e.g. 1%%")
     command.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
     command.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
     command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
@@ -114,7 +119,7 @@ def _list(options: argparse.Namespace) -> int:
 
 def _solve(options: argparse.Namespace) -> int:
     from studies.scene import UsageError
-    from studies.solve import resolve, solve
+    from studies.solve import resolve
     from studies.store import write_by
 
     given: dict[str, str] = {}
@@ -123,6 +128,7 @@ def _solve(options: argparse.Namespace) -> int:
         if not separator:
             raise UsageError(f"--set {pair!r} must be KEY=VALUE")
         given[key] = value
+    wanted = _wanted_error(options, given)
     scene, request = resolve(
         options.scene,
         given,
@@ -132,7 +138,7 @@ def _solve(options: argparse.Namespace) -> int:
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out} is a file, not a directory")
     with _told() as tell:
-        result = solve(scene, request, tell)
+        result, enough = _solved(scene, request, wanted, tell)
     if result.unsupported:
         raise UsageError(result.unsupported)
     result.write(options.out)
@@ -149,10 +155,51 @@ def _solve(options: argparse.Namespace) -> int:
             draw_result(options.out)
         except StoreError as error:
             raise UsageError(str(error)) from None
-    if result.outcome.converged:
-        return OK
-    print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
-    return NOT_CONVERGED
+    if not result.outcome.converged:
+        print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
+        return NOT_CONVERGED
+    if wanted is not None:
+        _print_ladder(result, enough)
+    return OK if enough else NOT_CONVERGED
+
+
+def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> float | None:
+    """The error that is asked for; the grid is then an adapted one. Raises UsageError beside a mesh or a grading."""
+    if options.error is None:
+        return None
+    from studies.error_control import parse_error
+    from studies.scene import UsageError
+    from studies.scenes import SCENES
+
+    if not hasattr(SCENES.get(options.scene), "adapted"):
+        raise UsageError(f"scene {options.scene!r} has no --error; choose its mesh")
+    if options.mesh is not None or given.get("grading", "adapted") != "adapted":
+        raise UsageError("--error chooses an adapted mesh: leave out --mesh and grading")
+    given["grading"] = "adapted"
+    return parse_error(options.error)
+
+
+def _solved(scene: Scene, request: Request, wanted: float | None, tell: Callable[[str], None]) -> tuple[Result, bool]:
+    """The result, and whether its error is the one wanted, if any is."""
+    if wanted is None:
+        from studies.solve import solve
+
+        return solve(scene, request, tell), True
+    from studies.error_control import AdaptiveScene, solve_to_error
+
+    assert isinstance(scene, AdaptiveScene)
+    return solve_to_error(scene, request, wanted, tell)
+
+
+def _print_ladder(result: Result, enough: bool) -> None:
+    """The rungs, and the mesh that was chosen, or none."""
+    print(result.tables["ladder"][0].to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    seen = result.quantities
+    if "error_high" in seen:
+        low, at, high = (100 * seen[key] for key in ("error_low", "error_estimate", "error_high"))
+        print(f"force {seen['force_N']:.6g} N, error {at:.2g} % in [{low:.2g}, {high:.2g}] %")
+    n1, n2 = result.request.mesh
+    print(f"mesh for {100 * seen['error_asked']:g} %: " + (f"{n1}x{n2}" if enough else f"none; {result.reason}"))
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from reports.schema import load_cell
 from studies.campaign import CAMPAIGNS, Cell, identity
 from studies.cli import main
 from studies.scene import Setting, UsageError
-from studies.scenes.tyre import tyre_lines
+from studies.scenes.tyre_lines import tyre_lines
 from studies.scenes.tyre_press import asymmetries, half_extent, to_edges
 from studies.store import write_by, write_json
 

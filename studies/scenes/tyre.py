@@ -15,7 +15,7 @@ from scipy import sparse
 from contact.foundation import Candidates, Foundation
 from contact.problem import ContactProblem, ContactSolution
 from formulations.dofs import Images
-from formulations.grid import Grid, graded_lines
+from formulations.grid import Grid
 from formulations.laminate import SECTIONS, Laminate, Ply
 from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import ShellModel
@@ -27,8 +27,10 @@ from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell, with_balances
 from studies.scenes.tyre_foundation import NORMAL, foundation
+from studies.scenes.tyre_lines import GRADING, checked_mesh, tyre_lines
 from studies.scenes.tyre_parts import MODELS, Part, column_of, part_of, settle_model
 from studies.scenes.tyre_press import Column, PressedTyre, Wall
+from studies.scenes.tyre_sizes import TyreSizes
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
@@ -56,6 +58,7 @@ SETTINGS = (
     Setting("R1_mm", 50.0, "radius of the inner meridian", low=0, high=1e4, open_low=True),
     Setting("R0_mm", 250.0, "radius of the inner equator", low=0, high=1e5, open_low=True),
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
+    GRADING,
     *tyre_foundation.SETTINGS,
     *ELEMENT,
     SOLVER,
@@ -83,7 +86,10 @@ def _references() -> tuple[Reference, ...]:
 
 @dataclass(frozen=True)
 class Tyre:
-    """Inflation, then contact with a plane."""
+    """Inflation, then contact with a plane.
+
+    sizes: of the elements of adapted grids, where they are known already.
+    """
 
     name: str = "tyre"
     title: str = "Pneumatic tyre pressed on a rigid plane (the 2004 paper)"
@@ -91,6 +97,7 @@ class Tyre:
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = _references()
     models: tuple[str, ...] = MODELS
+    sizes: TyreSizes | None = None
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Add the paper's elastic constants, unless the tyre is isotropic; raises UsageError on a mixture."""
@@ -110,9 +117,35 @@ class Tyre:
 
     def build(self, request: Request) -> TyreModel:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
+        return self.build_on(request, *self.lines(request))
+
+    def lines(self, request: Request) -> tuple[np.ndarray, np.ndarray]:
+        """Grid lines psi, phi [rad]; raises UsageError on impossible geometry, plies or meshes."""
+        clamp, grading = checked_wall(request.settings)[3], str(request.settings["grading"])
+        checked_mesh(request.mesh)
+        if grading != "adapted":
+            return tyre_lines(request.mesh, clamp, grading)
+        sizes = self.adapted(request).sizes
+        assert sizes is not None
+        return sizes.lines(request.mesh)
+
+    def adapted(self, request: Request) -> Tyre:
+        """The scene with the sizes of its elements estimated; raises UsageError where a coarse tyre is not solved."""
+        if self.sizes is not None:
+            return self
+        return replace(self, sizes=TyreSizes.estimated(request, checked_wall(request.settings)[3], self.build_on))
+
+    def mesh_of(self, request: Request, elements: float) -> tuple[int, int]:
+        """The best proportions of about so many elements."""
+        sizes = self.adapted(request).sizes
+        assert sizes is not None
+        return sizes.proportioned(elements)
+
+    def build_on(self, request: Request, psi: np.ndarray, phi: np.ndarray) -> TyreModel:
+        """The model of the request on the given grid lines."""
         settings = request.settings
         laminate, _, _, clamp = checked_wall(settings)
-        part = part_of(request.model, *tyre_lines(request.mesh, clamp))
+        part = part_of(request.model, psi, phi)
         shell = _inflated_shell(request, laminate, part.grid, part.planes, part.images)
         column = None if request.model == "full" else _column(request, laminate, part, shell)
         outside = np.union1d(part.grid.on_line(0, np.deg2rad(clamp)), part.grid.on_line(0, -np.deg2rad(clamp)))
@@ -161,22 +194,6 @@ def _column(request: Request, laminate: Laminate, part: Part, shell: ShellModel)
         return shell.discretisation.map.restrict(column.discretisation.expand(u)[2 * rows])
 
     return Column(column, column.discretisation.n_free, lift)
-
-
-def tyre_lines(mesh: tuple[int, int], clamp_deg: float) -> tuple[np.ndarray, np.ndarray]:
-    """Grid lines psi, phi [rad] of an N x M mesh in the proportions of 42x40.
-
-    psi: 12, 18, 12 elements between -clamp, -0.375 clamp, 0.375 clamp, clamp; phi: 11, 18, 11 between -180, -22.5,
-    22.5, 180 degrees. Raises UsageError unless both numbers are even, so that a node lies at (0, 0), and at least 6.
-    """
-    n1, n2 = mesh
-    if n1 % 2 or n2 % 2 or min(mesh) < 6:
-        raise UsageError(f"mesh {n1}x{n2}: both numbers must be even and at least 6")
-    side1, side2 = round(n1 * 12 / 42), round(n2 * 11 / 40)
-    middle = 0.375 * clamp_deg
-    psi = graded_lines([-clamp_deg, -middle, middle, clamp_deg], [side1, n1 - 2 * side1, side1])
-    phi = graded_lines([-180, -22.5, 22.5, 180], [side2, n2 - 2 * side2, side2])
-    return np.deg2rad(psi), np.deg2rad(phi)
 
 
 def checked_wall(settings: Mapping[str, Value]) -> tuple[Laminate, float, float, float]:

@@ -19,14 +19,15 @@ from formulations.surface import torus
 from studies.fields import write_solid_fields
 from studies.scene import Reference, Request, Setting, UsageError, Value
 from studies.scenes.element import ELEMENT
-from studies.scenes.tyre import ORTHOTROPIC, Tyre, checked_wall, inflation, number, travels, tyre_lines
+from studies.scenes.tyre import ORTHOTROPIC, Tyre, checked_wall, inflation, number, travels
 from studies.scenes.tyre_foundation import foundation
+from studies.scenes.tyre_lines import tyre_lines
 from studies.scenes.tyre_parts import mirrored
 from studies.scenes.tyre_press import PressedTyre, Wall
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
 ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
-NOT_OF_A_SOLID = {"section", *(setting.key for setting in ELEMENT)}
+NOT_OF_A_SOLID = {"section", "grading", *(setting.key for setting in ELEMENT)}
 
 
 def _settings() -> tuple[Setting, ...]:

@@ -1,0 +1,75 @@
+"""Recovery of smoother displacements, and what their strains say of the error of the elements.
+
+A cubic spline through the nodal displacements, along one coordinate at a time, is closer to the truth than their linear
+interpolation; its strains E*, taken by elements a few times shorter along that coordinate, are set against the strains
+E of the elements in the norm of D::
+
+    |dE|^2 = sum over the parts of the element of w dE . D dE,    dE = E* - E
+
+This is the idea of Zienkiewicz and Zhu (IJNME 24 (1987) 337-357) with the displacements recovered, not the stresses: a
+curved element that moves rigidly feels a strain of the order of its length squared (see
+:class:`formulations.element_geometry.ElementGeometry`), its neighbours feel the same, and no average of strains shows
+it. No contact and no scene may enter here.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from formulations.element import MODES
+from formulations.grid import Grid
+from formulations.quantities import N_E
+from formulations.shell import ShellModel
+
+PARTS = 3  # of an element, along the coordinate
+
+
+def refined(lines: np.ndarray) -> np.ndarray:
+    """The lines with every interval cut in PARTS."""
+    return np.interp(np.arange(PARTS * (len(lines) - 1) + 1) / PARTS, np.arange(len(lines)), lines)
+
+
+def recovery_errors(shell: ShellModel, u: np.ndarray, finer: ShellModel, axis: int) -> np.ndarray:
+    """The dE (E, PARTS, 11) of the displacements u of the shell.
+
+    finer: the same shell on the grid whose lines along a_{axis+1} are :func:`refined`.
+    """
+    grid, fine = shell.discretisation.grid, finer.discretisation.grid
+    v = _spline(grid, fine, shell.displacements(u), axis)
+    smooth = finer.mode_strains(finer.discretisation.map.restrict(v))[:, :N_E]
+    counts = [n - 1 + (axis_ == 1 and grid.periodic) for axis_, n in enumerate(grid.node_shape)]
+    cut = smooth.reshape(counts[0], PARTS, counts[1], N_E) if axis == 0 else smooth.reshape(*counts, PARTS, N_E)
+    parts = np.moveaxis(cut, axis + 1, 2).reshape(-1, PARTS, N_E)
+    return parts - _at_parts(shell.mode_strains(u), axis)
+
+
+def energy_products(shell: ShellModel, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """|dE| |dE'| (E,) [N mm] of two fields of :func:`recovery_errors`, with the symmetric part of D."""
+    D = shell.discretisation.laminate.stiffness(shell.section)
+    weight = shell.discretisation.geometry.weight / PARTS
+    squares = [weight * np.einsum("epi,ij,epj->e", d, 0.5 * (D + D.T), d) for d in (first, second)]
+    return np.sqrt(np.maximum(squares[0], 0.0) * np.maximum(squares[1], 0.0))
+
+
+def _spline(grid: Grid, fine: Grid, v: np.ndarray, axis: int) -> np.ndarray:
+    """Nodal values (N, 6) of the grid on the finer one: not-a-knot at ends, periodic where the grid is."""
+    lines, values = grid.nodes[:, axis].reshape(grid.node_shape), v.reshape(*grid.node_shape, -1)
+    at = fine.nodes[:, axis].reshape(fine.node_shape)
+    along, points = (lines[:, 0], at[:, 0]) if axis == 0 else (lines[0], at[0])
+    if axis == 1 and grid.periodic:
+        along, values = np.append(along, along[0] + 2 * np.pi), np.concatenate([values, values[:, :1]], axis=1)
+        return CubicSpline(along, values, axis=1, bc_type="periodic")(points).reshape(fine.n_nodes, -1)
+    return np.asarray(CubicSpline(along, values, axis=axis)(points).reshape(fine.n_nodes, -1))
+
+
+def _at_parts(modes: np.ndarray, axis: int) -> np.ndarray:
+    """The strains (E, PARTS, 11) of the elements in the middles of their parts, of mode strains (E, 22)."""
+    xi = (2 * np.arange(PARTS) + 1) / PARTS - 1
+    found, start = np.zeros((len(modes), PARTS, N_E)), 0
+    for (r1, r2), rows in MODES.items():
+        along, across = (r1, r2) if axis == 0 else (r2, r1)
+        if across == 0:
+            found[:, :, list(rows)] += modes[:, None, start : start + len(rows)] * xi[:, None] ** along
+        start += len(rows)
+    return found

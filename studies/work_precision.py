@@ -1,0 +1,77 @@
+"""Work and precision of the tyre's grids: the force on uniform, patch and adapted ones, and what it costs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import pandas as pd
+
+from studies.error_control import AdaptiveScene
+from studies.scene import Request, Scene
+from studies.solve import resolve, solve
+
+SQUARE = tuple((n, n) for n in range(20, 84, 4))  # of the uniform and of the patch family
+ELEMENTS = (400, 500, 600, 700, 800, 900, 1000, 1200, 1400, 1700, 2000, 2500)  # of the adapted one
+REFERENCE = (7000, 10_000)  # elements of adapted grids whose mean force is the extrapolated value where none is given
+COLUMNS = ("family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s")
+
+
+def work_precision(
+    settings: Mapping[str, str],
+    families: Mapping[str, Sequence[tuple[int, int]]] | None = None,
+    elements: Sequence[int] = ELEMENTS,
+    reference: float | None = None,
+) -> pd.DataFrame:
+    """One row a grid with COLUMNS: force at the last travel [N], signed relative error, seconds.
+
+    families: grids of each grading but "adapted", whose numbers of elements are ``elements``; their total time has
+    its share, the whole, of the estimate on coarse grids. reference [N]: what the errors are against.
+    """
+    families = {"uniform": SQUARE, "patch": SQUARE} if families is None else families
+    rows = [_row(settings, family, mesh) for family, meshes in families.items() for mesh in meshes]
+    scene, request = resolve("tyre", {**settings, "grading": "adapted"})
+    assert isinstance(scene, AdaptiveScene)
+    start = time.perf_counter()
+    scene = scene.adapted(request)
+    estimate = time.perf_counter() - start
+    adapted = [_solved(scene, request, scene.mesh_of(request, count), estimate) for count in elements]
+    if reference is None:
+        fine = [_solved(scene, request, scene.mesh_of(request, count), estimate) for count in REFERENCE]
+        reference = sum(row["force_N"] for row in fine) / len(fine)
+    table = pd.DataFrame(rows + adapted)
+    table["error"] = table["force_N"] / reference - 1
+    return table[list(COLUMNS)]
+
+
+def reaching(table: pd.DataFrame, family: str, error: float) -> pd.Series | None:
+    """The smallest grid of the family from which on every larger one stays below the error; None if there is none.
+
+    A force goes up and down with the place of the rim between the lines: one good grid may be chance.
+    """
+    rows = table[table["family"] == family].sort_values("unknowns")
+    beyond = (rows["error"].abs() > error).to_numpy()
+    first = int(beyond.nonzero()[0][-1]) + 1 if beyond.any() else 0
+    return rows.iloc[first] if first < len(rows) else None
+
+
+def _row(settings: Mapping[str, str], family: str, mesh: tuple[int, int]) -> dict[str, Any]:
+    scene, request = resolve("tyre", {**settings, "grading": family})
+    return _solved(scene, request, mesh, 0.0)
+
+
+def _solved(scene: Scene, request: Request, mesh: tuple[int, int], before: float) -> dict[str, Any]:
+    """A row without its error; raises RuntimeError where the tyre is not solved."""
+    result = solve(scene, replace(request, mesh=mesh))
+    if not result.outcome.converged:
+        raise RuntimeError(f"{mesh[0]}x{mesh[1]}: {result.reason}")
+    return {
+        "family": str(request.settings["grading"]),
+        "mesh": f"{mesh[0]}x{mesh[1]}",
+        "unknowns": result.counters["dofs"],
+        "force_N": float(result.steps[-1]["force_N"]),
+        "factorisation_s": result.timing["factorisation"],
+        "total_s": result.timing["total"] + before,
+    }
