@@ -1,17 +1,34 @@
-"""The page of cost: what a smaller model saves, and that it changes nothing."""
+"""The page of cost: what a smaller model and a better grid save, and what one Newton step costs."""
 
 from __future__ import annotations
 
 import re
 
 import numpy as np
+import pandas as pd
 
-from reports import labels
+from reports import figures_cost, labels
 from reports.maps import at_delta
-from reports.markdown import Part, commands, fixed, joined, machine, percent, prose, scientific, table
+from reports.markdown import (
+    NOTHING,
+    Part,
+    commands,
+    fixed,
+    joined,
+    machine,
+    percent,
+    picture,
+    prose,
+    scientific,
+    table,
+)
 from reports.navigation import links
 from reports.schema import Cell, Store
 
+PRECISION = "cost-precision.svg"
+STEP = ("elements", "scatter", "factorisation", "solve", "contact", "total")
+FITTED_FROM = 9_000  # unknowns
+WITHIN = 0.01  # error of the force that an engineer asks for
 SAME = 1e-9  # relative difference below which a part of the tyre gives the whole
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
@@ -23,7 +40,7 @@ def cost_page(store: Store) -> Part:
 {links("cost.md")}
 
 Times are wall times of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
-    return joined([Part(introduction), _models(store)])
+    return joined([Part(introduction), _models(store), _precision(store), _scaling(store)])
 
 
 def _models(store: Store) -> Part:
@@ -54,6 +71,70 @@ for angle plies.""")
     steady = table(f"Inflation and {delta} mm, against the whole", header, rows, words=2)
     timed = machine(table("Wall times", spent_on, times, words=2))
     return Part("\n\n".join([text, steady, timed, commands(cell.command for cell in cells)]))
+
+
+def _precision(store: Store) -> Part:
+    """Force against unknowns on uniform, hand-made and adapted grids."""
+    data = store.table("work_precision")
+    rows, found = [], []
+    for element, own in data.groupby("element", sort=False):
+        needed = {family: reaching(grids, WITHIN) for family, grids in own.groupby("family", sort=False)}
+        uniform, adapted = needed.get("uniform"), needed.get("adapted")
+        if uniform is not None and adapted is not None:
+            share = adapted["unknowns"] / uniform["unknowns"]
+            found.append(f"element `{element}`: {percent(share, 0, sign=False)} of the unknowns of a uniform grid")
+        for family, grid in needed.items():
+            named = [f"`{element}`", f"`{family}`"]
+            rows.append([*named, *([NOTHING] * 4 if grid is None else _grid(grid))])
+    delta, within = fixed(labels.DELTA, 0), percent(WITHIN, 0, sign=False)
+    text = prose(f"""## Put the elements where the force is decided
+
+Force of the paper's tyre at {delta} mm against the mean of two fine adapted grids. `patch` is the spacing of the paper,
+finer around the patch; `adapted` follows an estimate of the error of the force from two coarse solutions. A force goes
+up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
+*reaches* {within} when all finer ones of its family stay below. Adapted grids need, {"; ".join(found) or "as yet unknown"}.
+`footprint solve tyre --error 1%` chooses such a grid by itself.""")
+    header = ["element", "grid", "first mesh", "unknowns", "force [N]", "error"]
+    body = table(f"Grids that reach {within}", header, rows, words=2)
+    shown = picture(PRECISION, "Error of the force over the unknowns, and over the time, by grid")
+    return Part(f"{text}\n\n{body}\n\n{shown}", {PRECISION: figures_cost.precision(data)})
+
+
+def reaching(grids: pd.DataFrame, error: float) -> pd.Series | None:
+    """The smallest grid from which on every larger one stays below the error; None if there is none."""
+    rows = grids.sort_values("unknowns")
+    beyond = np.flatnonzero((rows["error"].abs() > error).to_numpy())
+    first = int(beyond[-1]) + 1 if len(beyond) else 0
+    return rows.iloc[first] if first < len(rows) else None
+
+
+def _grid(grid: pd.Series) -> list[str]:
+    return [str(grid["mesh"]), str(grid["unknowns"]), fixed(grid["force_N"], 1), percent(grid["error"])]
+
+
+def _scaling(store: Store) -> Part:
+    """One Newton step over the unknowns; it takes memory and a quiet machine, so no campaign measures it by itself."""
+    command = "footprint bench --scaling --table .footprint/store/tables/scaling.csv"
+    heading = "## One Newton step over the number of unknowns"
+    if not store.has_table("scaling"):
+        return Part(f"{heading}\n\n" + machine(f"Not measured here; `{command}` does."))
+    data = store.table("scaling")
+    rows = [
+        [row["mesh"], str(row["dofs"]), *(fixed(1e3 * row[f"{part}_s"], 1) for part in STEP), fixed(row["peak_GiB"], 2)]
+        for row in data.to_dict("records")
+    ]
+    large = data[data["dofs"] >= FITTED_FROM]
+    powers = [fixed(_exponent(large["dofs"], large[f"{part}_s"]), 2) for part in STEP]
+    text = prose(f"""The whole tyre, the paper's element, in contact; shortest of several times, each size in a process of
+its own. The last line is the exponent of the unknowns, fitted from {FITTED_FROM} on: a factorisation by nested
+dissection goes like 1.5, all else like 1.""")
+    header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
+    body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
+    return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
+
+
+def _exponent(size: pd.Series, time: pd.Series) -> float:
+    return float(np.polyfit(np.log(size), np.log(time), 1)[0]) if len(size) > 1 else float("nan")
 
 
 def _words(cell: Cell) -> tuple[str, str]:

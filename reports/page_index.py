@@ -47,7 +47,7 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
   says "solved" and is wrong, and how far the tyre can be pressed.
 - [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
-- [Cost](cost.md): what a smaller model saves, and that it changes nothing.""")
+- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step costs.""")
 
 
 def _list(names: Iterable[str]) -> str:

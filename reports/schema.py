@@ -57,6 +57,21 @@ STORE_COLUMNS = {
     ),
     "cycles": ("problem", "plain_period", "trial-and-error", "semismooth, settle 1", "semismooth"),
     "false_success": ("contender", "problems", "refused", "claimed", "false", "largest_error"),
+    "work_precision": ("element", "family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s"),
+    "scaling": (
+        *(
+            "mesh",
+            "dofs",
+            "elements",
+            "elements_s",
+            "scatter_s",
+            "assembly_s",
+            "factorisation_s",
+            "solve_s",
+            "contact_s",
+        ),
+        *("total_s", "same_matrix_s", "gemm_s", "copy_s", "peak_GiB", "repeats"),
+    ),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
 }
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
@@ -156,6 +171,10 @@ class Store:
             if all(row["at"].get(key) == value for key, value in at.items()):
                 return row
         raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene} at {at}")
+
+    def has_table(self, name: str) -> bool:
+        """True when a table that no campaign makes by itself has been put there."""
+        return (self.path / "tables" / f"{name}.csv").exists()
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""

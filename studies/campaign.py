@@ -37,6 +37,7 @@ from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve, solve
 from studies.store import SCHEMA, plain, write_json, write_table_once, write_text
+from studies.work_precision import work_precision_study
 
 Task = tuple[str, Callable[[], object]]
 SOURCES = ("formulations", "contact", "studies")
@@ -192,10 +193,12 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "cycles": cycles,
     "false_success": false_success,
     "ladders": convergence_cells.ladder_table,
+    "work_precision": work_precision_study,
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),
     "convergence": ("ladders",),
+    "models": ("work_precision",),
     "agreement": ("epsilon", "cycles", "false_success"),
     "report": tuple(TABLES),
 }

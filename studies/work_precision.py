@@ -46,6 +46,15 @@ def work_precision(
     return table[list(COLUMNS)]
 
 
+def work_precision_study() -> pd.DataFrame:
+    """The paper's tyre at 20 mm with the paper's element and with the default one, told apart by a column."""
+    tables = [
+        work_precision({"element": element, "delta_mm": "20"}).assign(element=element)
+        for element in ("paper", "refined")
+    ]
+    return pd.concat(tables, ignore_index=True)
+
+
 def reaching(table: pd.DataFrame, family: str, error: float) -> pd.Series | None:
     """The smallest grid of the family from which on every larger one stays below the error; None if there is none.
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.page_cost import cost_page
+from reports.page_cost import STEP, cost_page, reaching
 from reports.schema import load_store
 from studies.campaign import MODELS
 from studies.store import write_json, write_table
@@ -45,3 +45,29 @@ def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
     assert f"{len(MODELS) - 2} of {len(MODELS)} models give the force" in text
     assert row(text, "| angle plies | `half` | 10 ")[-2:] == ["3.0e-08", "under 1e-09"]
     assert row(text, "| isotropic | `mirror` | 10 ")[-1] == "inf"
+
+
+def test_grids_that_reach_one_per_cent(store: Path) -> None:
+    text = cost_page(load_store(store)).text
+    assert row(text, "| `paper` | `uniform` |")[2:] == ["4001x1", "4001", "2020.0", "+1.00 %"]
+    assert row(text, "| `paper` | `adapted` |")[2:4] == ["1001x1", "1001"]
+    assert row(text, "| `paper` | `patch` |")[2:] == ["–"] * 4
+    assert "element `paper`: 25 % of the unknowns of a uniform grid; element `refined`: 25 %" in text
+
+
+def test_one_good_grid_does_not_count() -> None:
+    grids = pd.DataFrame({"unknowns": [1, 2, 3, 4], "error": [0.1, 0.001, -0.02, 0.005]})
+    assert reaching(grids, 0.01)["unknowns"] == 4
+    assert reaching(grids.iloc[:3], 0.01) is None
+
+
+def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:
+    assert "Not measured here" in cost_page(load_store(own_store)).text
+    n = [1000, 10_000, 100_000]
+    times = {f"{part}_s": [1e-6 * k for k in n] for part in (*STEP, "assembly", "same_matrix", "gemm", "copy")}
+    times["factorisation_s"] = [1e-9 * k**1.5 for k in n]
+    sizes = {"mesh": ["a", "b", "c"], "dofs": n, "elements": n, "peak_GiB": [1.0] * 3, "repeats": [3] * 3}
+    write_table(own_store / "tables" / "scaling.csv", pd.DataFrame({**sizes, **times}))
+    text = cost_page(load_store(own_store)).text
+    assert row(text, "| exponent |")[2:6] == ["1.00", "1.00", "1.50", "1.00"]
+    assert row(text, "| c |")[1:3] == ["100000", "100.0"]
