@@ -77,7 +77,8 @@ def _precision(store: Store) -> Part:
     """Force against unknowns on uniform, hand-made and adapted grids."""
     data = store.table("work_precision")
     rows, found = [], []
-    for element, own in data.groupby("element", sort=False):
+    for element in dict.fromkeys(data["element"]):
+        own = data[data["element"] == element]
         needed = {family: reaching(grids, WITHIN) for family, grids in own.groupby("family", sort=False)}
         uniform, adapted = needed.get("uniform"), needed.get("adapted")
         if uniform is not None and adapted is not None:
@@ -92,7 +93,7 @@ def _precision(store: Store) -> Part:
 Force of the paper's tyre at {delta} mm against the mean of two fine adapted grids. `patch` is the spacing of the paper,
 finer around the patch; `adapted` follows an estimate of the error of the force from two coarse solutions. A force goes
 up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
-*reaches* {within} when all finer ones of its family stay below. Adapted grids need, {"; ".join(found) or "as yet unknown"}.
+*reaches* {within} when all finer ones of its family stay below. Adapted grids need, {"; ".join(found) or "unknown yet"}.
 `footprint solve tyre --error 1%` chooses such a grid by itself.""")
     header = ["element", "grid", "first mesh", "unknowns", "force [N]", "error"]
     body = table(f"Grids that reach {within}", header, rows, words=2)
@@ -125,8 +126,8 @@ def _scaling(store: Store) -> Part:
     ]
     large = data[data["dofs"] >= FITTED_FROM]
     powers = [fixed(_exponent(large["dofs"], large[f"{part}_s"]), 2) for part in STEP]
-    text = prose(f"""The whole tyre, the paper's element, in contact; shortest of several times, each size in a process of
-its own. The last line is the exponent of the unknowns, fitted from {FITTED_FROM} on: a factorisation by nested
+    text = prose(f"""The whole tyre, the paper's element, in contact; shortest of several times, each size in a process
+of its own. The last line is the exponent of the unknowns, fitted from {FITTED_FROM} on: a factorisation by nested
 dissection goes like 1.5, all else like 1.""")
     header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
     body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
