@@ -93,8 +93,8 @@ def _precision(store: Store) -> Part:
 Force of the paper's tyre at {delta} mm against the mean of two fine adapted grids. `patch` is the spacing of the paper,
 finer around the patch; `adapted` follows an estimate of the error of the force from two coarse solutions. A force goes
 up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
-*reaches* {within} when all finer ones of its family stay below. Adapted grids need, {"; ".join(found) or "unknown yet"}.
-`footprint solve tyre --error 1%` chooses such a grid by itself.""")
+*reaches* {within} when all finer ones of its family stay below. Adapted grids need,
+{"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` chooses such a grid by itself.""")
     header = ["element", "grid", "first mesh", "unknowns", "force [N]", "error"]
     body = table(f"Grids that reach {within}", header, rows, words=2)
     shown = picture(PRECISION, "Error of the force over the unknowns, and over the time, by grid")
