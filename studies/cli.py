@@ -291,7 +291,7 @@ def _scaling(options: argparse.Namespace) -> int:
         )
     if options.table is not None:
         write_table(options.table, table)
-    print("one Newton step in contact, tyre, element paper, model full, shortest times in ms")
+    print("one Newton step in contact, tyre, element paper, model full, shortest processor times in ms")
     print("\n".join(lines(table, floors=options.machine == "floors")))
     return OK
 
