@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +53,7 @@ class Qp:
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:
             return settle_set(run, at, at.expected)
-        K, begun = run.stiffness(at.lin, at.u, at.pressure), time.perf_counter()
+        K, begun = run.stiffness(at.lin, at.u, at.pressure), run.clock()
         asymmetry = _asymmetry(K)
         if asymmetry > SYMMETRIC:
             reason = f"the tangent differs from its transpose by {asymmetry:.1e} of its size: no energy to minimise"

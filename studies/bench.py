@@ -89,8 +89,8 @@ def iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
     run.remember(lin, du)
 
 
-def timed(work: Callable[[], object]) -> float:
-    """Wall time [s]."""
-    start = time.perf_counter()
+def timed(work: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
+    """Time [s] by the clock, wall time unless given."""
+    start = clock()
     work()
-    return time.perf_counter() - start
+    return clock() - start

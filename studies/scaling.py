@@ -25,7 +25,8 @@ from contact.linear import Factor, factorise
 from contact.newton import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.bench import iterate, pressed, timed
+from studies.bench import iterate, pressed
+from studies.bench import timed as timed_by
 from studies.scene import Request, UsageError
 from studies.scenes.tyre import Tyre, TyreModel
 from studies.solve import resolve
@@ -47,6 +48,8 @@ FLOORS = {
     "total": "same_matrix",
 }
 GEMM, COPIED = 1000, 100_000_000  # rows and columns of the matrices multiplied; bytes
+CLOCK = time.process_time  # of one thread: long work always meets other programs, short work may slip between them
+timed = partial(timed_by, clock=CLOCK)
 P = ParamSpec("P")
 T = TypeVar("T")
 
@@ -82,8 +85,9 @@ def scaling(
 ) -> pd.DataFrame:
     """One row a mesh: mesh, dofs, elements, shortest times [s] of the parts and the floors, peak memory [GiB].
 
-    Tyre of the paper with its element, model ``full``, 20 mm. The shortest of several repetitions is the one that other
-    programs on the machine have disturbed least. Raises UsageError for a mesh that the tyre cannot have.
+    Times are processor time of one thread (OPENBLAS_NUM_THREADS=1, as the command line sets it), the shortest of
+    several repetitions: other programs on the machine disturb that least. Tyre of the paper with its element, model
+    ``full``, 20 mm. Raises UsageError for a mesh that the tyre cannot have.
     """
     for mesh in (*meshes, coarse):
         request_of(mesh)
@@ -203,7 +207,7 @@ def _sample(
     shell: ShellModel, problem: ContactProblem, state: ContactSolution, memory: object
 ) -> tuple[dict[str, float], sparse.csc_matrix]:
     """One Newton step, whole and by its parts [s], and the matrix that it has factorised."""
-    run = _Kept(problem)
+    run = _Kept(problem, clock=CLOCK)
     total = timed(partial(iterate, run, state, memory))
     elements = timed(partial(shell.element_contributions, state.u, memory))
     scatter = timed(partial(shell.discretisation.assemble, shell.discretisation.scratch[1]))
