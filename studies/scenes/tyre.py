@@ -6,7 +6,7 @@ a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-cl
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import ShellModel
 from formulations.supports import Supports
 from formulations.surface import torus
-from studies.scene import SOLVER, Observation, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
+from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
 from studies.scenes import tyre_foundation
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
@@ -30,16 +30,7 @@ from studies.scenes.tyre_foundation import NORMAL, foundation
 from studies.scenes.tyre_lines import GRADING, checked_mesh, tyre_lines
 from studies.scenes.tyre_parts import MODELS, Part, base_of, column_of, part_of, settle_model
 from studies.scenes.tyre_press import Column, PressedTyre, Wall
-from studies.scenes.tyre_sector import (
-    SECTOR,
-    check_patch,
-    check_reach,
-    cut_of,
-    settle_sector,
-    truncation_estimate,
-    with_line_at,
-    within,
-)
+from studies.scenes.tyre_sector import SECTOR, check_reach, cut_of, sector_stage, settle_sector, with_line_at, within
 from studies.scenes.tyre_sizes import TyreSizes
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
@@ -299,27 +290,8 @@ class TyreModel(ShellSceneModel, PressedTyre):
     def stages(self) -> Iterator[Stage]:
         """The stages of every tyre; a sector also tells what it leaves out."""
         for stage in super().stages():
-            yield stage if self.part.whole or stage.name != "press" else self._sector_stage(stage)
-
-    def _sector_stage(self, stage: Stage) -> Stage:
-        """The stage ``press`` with the error of the cut beside the force."""
-        inflated: list[np.ndarray] = []
-
-        def begin(previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
-            problem_at, start = stage.begin(previous)
-            inflated[:] = [start.u]
-            return problem_at, start
-
-        def observe(problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
-            seen = stage.observe(problem, state, delta)
-            check_patch(self.part, self.outer_pressure(state) > 0)
-            force = seen.quantities["force_N"]
-            told = {
-                "truncation_estimate": truncation_estimate(self.shell, self.part, inflated[0], state.u, delta, force)
-            }
-            return replace(seen, quantities=seen.quantities | told, step={**(seen.step or {}), **told})
-
-        return replace(stage, begin=begin, observe=observe)
+            cut = stage.name == "press" and not self.part.whole
+            yield sector_stage(stage, self.shell, self.part, self.outer_pressure) if cut else stage
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the nodes of the part; zero during inflation."""

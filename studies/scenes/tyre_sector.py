@@ -14,12 +14,14 @@ to waves is anything; DECAY/cut is taken instead, the mean rate measured on the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.scene import Request, Setting, UsageError, Value
+from studies.scene import Observation, Request, Setting, Stage, UsageError, Value
 from studies.scenes.tyre_parts import Part
 
 SECTOR = Setting(
@@ -80,6 +82,27 @@ def check_patch(part: Part, active: np.ndarray) -> None:
     phi = np.unique(part.grid.nodes[:, 1])
     if np.any(active & (part.grid.nodes[:, 1] > phi[-3] + 1e-9)):
         raise UsageError(f"sector_deg = {np.rad2deg(part.cut):g} is too small: the patch reaches the cut")
+
+
+def sector_stage(
+    stage: Stage, shell: ShellModel, part: Part, pressure: Callable[[ContactSolution], np.ndarray]
+) -> Stage:
+    """The stage that presses a tyre, with the error of the cut beside the force; pressure (N,) of a solution."""
+    inflated: list[np.ndarray] = []
+
+    def begin(previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        problem_at, start = stage.begin(previous)
+        inflated[:] = [start.u]
+        return problem_at, start
+
+    def observe(problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
+        check_patch(part, pressure(state) > 0)
+        seen = stage.observe(problem, state, delta)
+        estimate = truncation_estimate(shell, part, inflated[0], state.u, delta, seen.quantities["force_N"])
+        told = {"truncation_estimate": estimate}
+        return replace(seen, quantities=seen.quantities | told, step={**(seen.step or {}), **told})
+
+    return replace(stage, begin=begin, observe=observe)
 
 
 def truncation_estimate(
