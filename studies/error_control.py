@@ -8,6 +8,7 @@ rung is |F - L|/|L|, its band covers both sides by Student's t, and a rung passe
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol, Self, runtime_checkable
@@ -90,6 +91,7 @@ def solve_to_error(
     Its quantities hold the ladder and the estimate, its table ``ladder`` the same in columns. A rung that does not
     converge ends the ladder: its result is returned.
     """
+    start = time.perf_counter()
     progress("an estimate on coarse grids")
     scene = scene.adapted(request)
     rungs: list[dict[str, float]] = []
@@ -98,6 +100,7 @@ def solve_to_error(
         if result.unsupported or not result.outcome.converged:
             return result, False
         rungs.append(_rung(result))
+        result.timing["ladder"] = time.perf_counter() - start
         enough = len(rungs) >= FEWEST
         found = extrapolate(*([rung[key] for rung in rungs] for key in ("elements", "force_N"))) if enough else None
         _record(result, rungs, found, error)

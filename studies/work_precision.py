@@ -27,8 +27,8 @@ def work_precision(
 ) -> pd.DataFrame:
     """One row a grid with COLUMNS: force at the last travel [N], signed relative error, seconds.
 
-    families: grids of each grading but "adapted", whose numbers of elements are ``elements``; their total time has
-    its share, the whole, of the estimate on coarse grids. reference [N]: what the errors are against.
+    families: grids of each grading but "adapted", whose numbers of elements are ``elements``; the total time of each of
+    these includes the estimate on coarse grids, once. reference [N]: what the errors are against.
     """
     families = {"uniform": SQUARE, "patch": SQUARE} if families is None else families
     rows = [_row(settings, family, mesh) for family, meshes in families.items() for mesh in meshes]

@@ -157,7 +157,7 @@ def test_epsilon_differs_from_the_exact_multiplier_by_parts_in_a_million() -> No
 
 @pytest.mark.slow
 def test_plain_newton_and_trial_and_error_reach_the_same_state(paper: Result) -> None:
-    plain = run({**TO_20, "epsilon": "inf"}, contact="trial-and-error", newton="plain", steps=4)
+    plain = run({**TO_20, "epsilon": "inf"}, contact="trial-and-error", newton="plain", steps=4, model="full")
     assert plain.outcome.converged
     assert plain.steps[-1]["force_N"] == pytest.approx(paper.steps[-1]["force_N"], rel=1e-8)
     assert np.array_equal(plain.last.active, paper.last.active)

@@ -6,7 +6,7 @@ a1 = psi from the outer equator, a2 = phi around the axis; both edges psi = +-cl
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,15 +21,16 @@ from formulations.loads import PRESSURE_AREAS, Pressure
 from formulations.shell import ShellModel
 from formulations.supports import Supports
 from formulations.surface import torus
-from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, UsageError, Value
+from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
 from studies.scenes import tyre_foundation
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell, with_balances
 from studies.scenes.tyre_foundation import NORMAL, foundation
 from studies.scenes.tyre_lines import GRADING, checked_mesh, tyre_lines
-from studies.scenes.tyre_parts import MODELS, Part, column_of, part_of, settle_model
+from studies.scenes.tyre_parts import MODELS, Part, base_of, column_of, part_of, settle_model
 from studies.scenes.tyre_press import Column, PressedTyre, Wall
+from studies.scenes.tyre_sector import SECTOR, check_reach, cut_of, sector_stage, settle_sector, with_line_at, within
 from studies.scenes.tyre_sizes import TyreSizes
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
@@ -59,6 +60,7 @@ SETTINGS = (
     Setting("R0_mm", 250.0, "radius of the inner equator", low=0, high=1e5, open_low=True),
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
     GRADING,
+    SECTOR,
     *tyre_foundation.SETTINGS,
     *ELEMENT,
     SOLVER,
@@ -113,7 +115,8 @@ class Tyre:
     def settle(self, request: Request) -> Request:
         """The smallest valid model, or the one asked for; raises UsageError when that is not valid."""
         model, reason = settle_model(request.model, request.settings)
-        return replace(request, model=model, model_reason=reason)
+        settings = settle_sector(model, request.settings)
+        return replace(request, model=model, model_reason=reason, settings=settings)
 
     def build(self, request: Request) -> TyreModel:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
@@ -123,11 +126,9 @@ class Tyre:
         """Grid lines psi, phi [rad]; raises UsageError on impossible geometry, plies or meshes."""
         clamp, grading = checked_wall(request.settings)[3], str(request.settings["grading"])
         checked_mesh(request.mesh)
-        if grading != "adapted":
-            return tyre_lines(request.mesh, clamp, grading)
-        sizes = self.adapted(request).sizes
-        assert sizes is not None
-        return sizes.lines(request.mesh)
+        sizes = self.adapted(request).sizes if grading == "adapted" else None
+        psi, phi = tyre_lines(request.mesh, clamp, grading) if sizes is None else sizes.lines(request.mesh)
+        return psi, with_line_at(phi, cut_of(request)) if request.model == "sector" else phi
 
     def adapted(self, request: Request) -> Tyre:
         """The scene with the sizes of its elements estimated; raises UsageError where a coarse tyre is not solved."""
@@ -145,7 +146,11 @@ class Tyre:
         """The model of the request on the given grid lines."""
         settings = request.settings
         laminate, _, _, clamp = checked_wall(settings)
-        part = part_of(request.model, psi, phi)
+        if request.model == "sector":
+            check_reach(cut_of(request), number(settings, "R0_mm") + laminate.thickness, travels(settings)[-1])
+            part = part_of(base_of(settings), psi, within(phi, cut_of(request)))
+        else:
+            part = part_of(request.model, psi, phi)
         shell = _inflated_shell(request, laminate, part.grid, part.planes, part.images)
         column = None if request.model == "full" else _column(request, laminate, part, shell)
         outside = np.union1d(part.grid.on_line(0, np.deg2rad(clamp)), part.grid.on_line(0, -np.deg2rad(clamp)))
@@ -275,10 +280,18 @@ class TyreModel(ShellSceneModel, PressedTyre):
     def with_balances(self, problem: ContactProblem) -> ContactProblem:
         """Energy and forces of the inflated shell; of a part only those along the normal of the plane balance."""
         seen = with_balances(problem, self.shell)
+        if not self.part.whole:  # the seam at the cut carries what is not counted
+            return replace(seen, others=None)
         if self.part.copies == 1 or seen.directions is None or seen.others is None:
             return seen
         directions, others = seen.directions, seen.others
         return replace(seen, directions=lambda u: directions(u) * NORMAL, others=lambda u: others(u) * NORMAL)
+
+    def stages(self) -> Iterator[Stage]:
+        """The stages of every tyre; a sector also tells what it leaves out."""
+        for stage in super().stages():
+            cut = stage.name == "press" and not self.part.whole
+            yield sector_stage(stage, self.shell, self.part, self.outer_pressure) if cut else stage
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the nodes of the part; zero during inflation."""

@@ -17,7 +17,7 @@ from formulations.dofs import Images
 from formulations.grid import Grid
 from studies.scene import UsageError, Value
 
-MODELS = ("auto", "full", "half", "mirror", "quarter")
+MODELS = ("auto", "full", "half", "mirror", "quarter", "sector")
 TURNED = np.array([1.0, -1.0, -1.0])  # a turn by 180 degrees about e_x: Cartesian components
 TURN_OF_FRAME = np.array([-1.0, -1.0, 1.0])  # and those along a1, a2, normal
 
@@ -26,8 +26,11 @@ TURN_OF_FRAME = np.array([-1.0, -1.0, 1.0])  # and those along a1, a2, normal
 class Part:
     """The grid of what is solved.
 
+    A sector ends at |phi| = cut with the seam that a half has at pi: the tyre has its contact again every 2 cut, which
+    is smooth, in equilibrium with itself, and leaves inflation as it is. Its wall shows what lies inside the cut.
+
     planes: (nodes, axis) of each mirror plane, normal to a_{axis+1}.  images: nodes on a seam that mirror others.
-    copies: how many such parts the whole tyre is.  angles (N, 2), shape: the grid of the whole tyre, psi slowest;
+    copies: how many such parts show the whole patch.  angles (N, 2), shape: the grid of the whole tyre, psi slowest;
     node (N,), sign (N, 3): the part's node that each of its nodes is or mirrors, and the signs of x, y, z.
     """
 
@@ -39,6 +42,16 @@ class Part:
     shape: tuple[int, int]
     node: np.ndarray
     sign: np.ndarray
+
+    @property
+    def cut(self) -> float:
+        """The seam opposite the contact [rad]: pi unless the part is a sector."""
+        return float(np.max(np.abs(self.angles[:, 1])))
+
+    @property
+    def whole(self) -> bool:
+        """Whether it shows the tyre all around."""
+        return self.cut > np.pi - 1e-9
 
     def merging(self) -> np.ndarray:
         """(n,) the node of the part that each of its nodes shares displacements with, itself or the one it mirrors."""
@@ -53,6 +66,11 @@ def mirrored(settings: Mapping[str, Value]) -> bool:
     return "E_MPa" in settings or settings["gamma_deg"] in (-90.0, 0.0, 90.0)
 
 
+def base_of(settings: Mapping[str, Value]) -> str:
+    """The smallest part that shows the whole tyre exactly."""
+    return "quarter" if mirrored(settings) else "half"
+
+
 def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
     """The model that will be solved, the smallest for "auto", and why; raises UsageError for one that is not valid."""
     if mirrored(settings):
@@ -64,12 +82,15 @@ def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
         if model in ("mirror", "quarter"):
             raise UsageError(f"model {model!r} needs isotropic plies or cords at 0 or 90 deg: {why}")
     if model == "auto":
-        return ("quarter" if mirrored(settings) else "half"), why
+        return base_of(settings), why
     return model, "as asked"
 
 
 def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
-    """The part of the tyre with the grid lines psi (n1 + 1,) and phi (n2 + 1,), both symmetric about 0, n1, n2 even."""
+    """The part of the tyre with the grid lines psi (n1 + 1,) and phi (n2 + 1,), both symmetric about 0, n1, n2 even.
+
+    Where phi ends before pi, the part is a sector.
+    """
     n1, n2 = len(psi) - 1, len(phi) - 1
     lines = np.meshgrid(psi, phi[:n2], indexing="ij")
     angles, shape = np.stack([line.ravel() for line in lines], axis=-1), (n1 + 1, n2)
@@ -92,16 +113,16 @@ def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
     if model in ("mirror", "quarter"):
         planes.append((grid.on_line(0, 0.0), 0))
     if model == "quarter":
-        planes += [(grid.on_line(1, end), 1) for end in (0.0, np.pi)]
+        planes += [(grid.on_line(1, end), 1) for end in (0.0, phi[-1])]
     if model == "half":
-        images = _turned(grid)
+        images = _turned(grid, (0.0, float(phi[-1])))
     copies = {"full": 1, "half": 2, "mirror": 2, "quarter": 4}[model]
     return Part(grid, tuple(planes), images, copies, angles, shape, row * grid.node_shape[1] + column, sign)
 
 
-def _turned(grid: Grid) -> Images:
-    """On the seams phi = 0 and pi the nodes with psi <= 0 mirror those with -psi."""
-    nodes = np.concatenate([grid.on_line(1, end) for end in (0.0, np.pi)])
+def _turned(grid: Grid, seams: tuple[float, float]) -> Images:
+    """On the seams phi = 0 and pi, or the cut, the nodes with psi <= 0 mirror those with -psi."""
+    nodes = np.concatenate([grid.on_line(1, end) for end in seams])
     nodes = nodes[grid.nodes[nodes, 0] <= 1e-12]
     rows, columns = divmod(nodes, grid.node_shape[1])
     of = (grid.node_shape[0] - 1 - rows) * grid.node_shape[1] + columns

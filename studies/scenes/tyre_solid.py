@@ -27,7 +27,7 @@ from studies.scenes.tyre_press import PressedTyre, Wall
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
 ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
-NOT_OF_A_SOLID = {"section", "grading", *(setting.key for setting in ELEMENT)}
+NOT_OF_A_SOLID = {"section", "grading", "sector_deg", *(setting.key for setting in ELEMENT)}
 
 
 def _settings() -> tuple[Setting, ...]:
