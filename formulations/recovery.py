@@ -15,7 +15,6 @@ it. No contact and no scene may enter here.
 from __future__ import annotations
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from formulations.element import MODES
 from formulations.grid import Grid
@@ -54,6 +53,8 @@ def energy_products(shell: ShellModel, first: np.ndarray, second: np.ndarray) ->
 
 def _spline(grid: Grid, fine: Grid, v: np.ndarray, axis: int) -> np.ndarray:
     """Nodal values (N, 6) of the grid on the finer one: not-a-knot at ends, periodic where the grid is."""
+    from scipy.interpolate import CubicSpline  # slow to load, and only adapted grids need it
+
     lines, values = grid.nodes[:, axis].reshape(grid.node_shape), v.reshape(*grid.node_shape, -1)
     at = fine.nodes[:, axis].reshape(fine.node_shape)
     along, points = (lines[:, 0], at[:, 0]) if axis == 0 else (lines[0], at[0])
