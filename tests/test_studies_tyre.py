@@ -85,6 +85,15 @@ def test_mixed_semismooth_needs_at_most_twenty_iterations_from_rest() -> None:
     assert found.steps[-1]["substeps"] == 1
 
 
+@pytest.mark.parametrize("element", ["paper", "refined"])
+def test_a_load_deflection_curve_of_eight_points_takes_at_most_fifty_iterations(element: str) -> None:
+    """From rest, inflation included: each point starts from the state and the set of the one before."""
+    found = run({"delta_mm": "2.5,5,7.5,10,12.5,15,17.5,20", "element": element})
+    assert len(found.steps) == 8
+    assert all(step["substeps"] == 1 for step in found.steps)
+    assert found.counters["newton_iterations"] <= 50
+
+
 @pytest.mark.slow
 def test_one_step_takes_no_more_iterations_on_a_finer_mesh() -> None:
     """20 mm from the inflated state: Newton on the linearised contact problem does not feel the mesh."""
