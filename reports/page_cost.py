@@ -76,7 +76,7 @@ for angle plies.""")
 def _precision(store: Store) -> Part:
     """Force against unknowns on uniform, hand-made and adapted grids."""
     data = store.table("work_precision")
-    rows, found = [], []
+    rows, times, found = [], [], []
     for element in dict.fromkeys(data["element"]):
         own = data[data["element"] == element]
         needed = {family: reaching(grids, WITHIN) for family, grids in own.groupby("family", sort=False)}
@@ -87,6 +87,8 @@ def _precision(store: Store) -> Part:
         for family, grid in needed.items():
             named = [f"`{element}`", f"`{family}`"]
             rows.append([*named, *([NOTHING] * 4 if grid is None else _grid(grid))])
+            if grid is not None:
+                times.append([*named, fixed(grid["factorisation_s"], 2), fixed(grid["total_s"], 2)])
     delta, within = fixed(labels.DELTA, 0), percent(WITHIN, 0, sign=False)
     text = prose(f"""## Put the elements where the force is decided
 
@@ -97,8 +99,10 @@ up and down with the place of the rim of the patch between the lines, so that a 
 {"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` chooses such a grid by itself.""")
     header = ["element", "grid", "first mesh", "unknowns", "force [N]", "error"]
     body = table(f"Grids that reach {within}", header, rows, words=2)
-    shown = picture(PRECISION, "Error of the force over the unknowns, and over the time, by grid")
-    return Part(f"{text}\n\n{body}\n\n{shown}", {PRECISION: figures_cost.precision(data)})
+    spent = ["element", "grid", "factorisation [s]", "total with its estimate [s]"]
+    timed = machine(table(f"Wall times of the grids that reach {within}", spent, times, words=2))
+    shown = picture(PRECISION, "Error of the force over the unknowns, by grid")
+    return Part(f"{text}\n\n{body}\n\n{timed}\n\n{shown}", {PRECISION: figures_cost.precision(data)})
 
 
 def reaching(grids: pd.DataFrame, error: float) -> pd.Series | None:
