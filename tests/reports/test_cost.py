@@ -49,9 +49,10 @@ def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
 
 def test_grids_that_reach_one_per_cent(store: Path) -> None:
     text = cost_page(load_store(store)).text
-    assert row(text, "| `paper` | `uniform` |")[2:] == ["4001x1", "4001", "2020.0", "+1.00 %"]
+    assert row(text, "| `paper` | `uniform` |")[2:6] == ["4001x1", "4001", "2020.0", "+1.00 %"]
     assert row(text, "| `paper` | `adapted` |")[2:4] == ["1001x1", "1001"]
     assert row(text, "| `paper` | `patch` |")[2:] == ["–"] * 4
+    assert row(text, "| `paper` | `uniform` |")[6:] == ["`paper`", "`uniform`", "0.10", "0.20"]
     assert "element `paper`: 25 % of the unknowns of a uniform grid; element `refined`: 25 %" in text
 
 
