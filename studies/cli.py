@@ -95,11 +95,14 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(command=_report)
 
     command = commands.add_parser("bench", help="cost of one Newton iteration, as ratios")
-    command.add_argument("--mesh", help="N1xN2, default 42x40; with --scaling several, comma-separated")
+    command.add_argument("--mesh", help="N1xN2, default 42x40; with --scaling, --peers several, comma-separated")
     command.add_argument("--repeats", type=int, help="default 9")
     command.add_argument("--scaling", action="store_true", help="one Newton step from 2,000 to 250,000 unknowns")
+    command.add_argument(
+        "--peers", action="store_true", help="NGSolve's solids beside shells, --mesh 8x8,14x12 of a quarter"
+    )
     command.add_argument("--machine", choices=("floors",), help="with --scaling: times over the machine's own, too")
-    command.add_argument("--table", type=Path, metavar="FILE", help="with --scaling: write the table as CSV, too")
+    command.add_argument("--table", type=Path, metavar="FILE", help="with --scaling, --peers: write the table as CSV")
     command.set_defaults(command=_bench)
     return parser
 
@@ -300,12 +303,20 @@ def _report(options: argparse.Namespace) -> int:
 def _bench(options: argparse.Namespace) -> int:
     from studies.scene import UsageError
 
+    if options.scaling and options.peers:
+        raise UsageError("--scaling and --peers are two tables: one at a time")
     if options.scaling:
         if options.repeats is not None:
             raise UsageError("--repeats does not go with --scaling, which repeats for a time")
         return _scaling(options)
+    if options.peers:
+        if options.repeats is not None:
+            raise UsageError("--repeats does not go with --peers, whose solids take long")
+        if options.machine:
+            raise UsageError("--machine goes with --scaling only")
+        return _peers(options)
     if options.machine or options.table:
-        raise UsageError("--machine and --table go with --scaling only")
+        raise UsageError("--machine goes with --scaling only, --table with --scaling or --peers")
     mesh, repeats = options.mesh or "42x40", 9 if options.repeats is None else options.repeats
     if not 1 <= repeats <= 1000:
         raise UsageError(f"repeats = {repeats} must be a whole number in [1, 1000]")
@@ -341,6 +352,20 @@ def _scaling(options: argparse.Namespace) -> int:
     print("one Newton step in contact, tyre, element paper, model full, shortest processor times in ms")
     print("\n".join(lines(table, floors=options.machine == "floors")))
     return OK
+
+
+def _peers(options: argparse.Namespace) -> int:
+    from studies.peers import DELTA_MM, PEER_MESHES, lines, peers
+    from studies.store import write_table
+
+    table = peers(options.mesh.split(",") if options.mesh else PEER_MESHES)
+    if options.table is not None:
+        write_table(options.table, table)
+    print(
+        f"isotropic tyre, {DELTA_MM:g} mm, a quarter; meshes of footprint count the whole, those of ngsolve the quarter"
+    )
+    print("\n".join(lines(table)))
+    return NOT_CONVERGED if table["force_N"].isna().any() else OK
 
 
 if __name__ == "__main__":
