@@ -40,7 +40,7 @@ def cost_page(store: Store) -> Part:
 {links("cost.md")}
 
 Times are wall times of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
-    return joined([Part(introduction), _models(store), _precision(store), _scaling(store)])
+    return joined([Part(introduction), _models(store), _precision(store), _scaling(store), _peers(store)])
 
 
 def _models(store: Store) -> Part:
@@ -135,6 +135,33 @@ of its own. The last line is the exponent of the unknowns, fitted from {FITTED_F
 dissection goes like 1.5, all else like 1.""")
     header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
     body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
+    return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
+
+
+def _peers(store: Store) -> Part:
+    """Shells beside another program's solids; it takes that program, so no campaign measures it by itself."""
+    command = "footprint bench --peers --table .footprint/store/tables/peers.csv"
+    heading = "## Beside three-dimensional solids of another program"
+    if not store.has_table("peers"):
+        return Part(f"{heading}\n\n" + machine(f"Not measured here; `{command}` does, with the extra peers."))
+    rows = [
+        [
+            row["program"],
+            row["elements"],
+            row["unknowns"],
+            fixed(row["force_N"], 2),
+            percent(row["error"]),
+            fixed(row["seconds"], 2),
+            fixed(row["ratio"], 1),
+        ]
+        for row in store.table("peers").to_dict("records")
+    ]
+    text = prose("""The isotropic tyre at 10 mm, a quarter against a quarter, by shells and by NGSolve's cubic hexahedra
+in the same run: processor time of one thread from the request to the force. Meshes of `footprint` count the whole tyre,
+those of `ngsolve` the quarter. *Error*: of the force against a finer solid, which is known to 0.3 %. *Ratio*: of the
+time to that of the coarsest shell from which on all finer ones are within 0.3 %.""")
+    header = ["program", "mesh", "unknowns", "force [N]", "error", "time [s]", "ratio"]
+    body = table("Force against cost", header, rows, words=2)
     return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
 
 

@@ -58,6 +58,7 @@ STORE_COLUMNS = {
     "cycles": ("problem", "plain_period", "trial-and-error", "semismooth, settle 1", "semismooth"),
     "false_success": ("contender", "problems", "refused", "claimed", "false", "largest_error"),
     "work_precision": ("element", "family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s"),
+    "peers": ("program", "elements", "unknowns", "force_N", "seconds", "error", "ratio"),
     "scaling": (
         *(
             "mesh",

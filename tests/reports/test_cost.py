@@ -72,3 +72,12 @@ def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:
     text = cost_page(load_store(own_store)).text
     assert row(text, "| exponent |")[2:6] == ["1.00", "1.00", "1.50", "1.00"]
     assert row(text, "| c |")[1:3] == ["100000", "100.0"]
+
+
+def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
+    assert "with the extra peers" in cost_page(load_store(own_store)).text
+    columns = ["program", "elements", "unknowns", "force_N", "seconds", "error", "ratio"]
+    rows = [("footprint", "36x34", 1836, 524.3, 0.16, 0.001, 1.0), ("ngsolve", "8x8", 7500, 524.57, 3.2, 0.0016, 20.0)]
+    write_table(own_store / "tables" / "peers.csv", pd.DataFrame(rows, columns=columns))
+    text = cost_page(load_store(own_store)).text
+    assert row(text, "| ngsolve |")[1:] == ["8x8", "7500", "524.57", "+0.16 %", "3.20", "20.0"]
