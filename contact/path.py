@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from contact.stability import Ending, State, why_it_ends
+from contact.stability import Ending, State, branches_passed, why_it_ends
 
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 SMALLEST = 2.0**-10  # of the step asked for
@@ -40,7 +40,9 @@ def follow(
 ) -> Iterator[PathPoint]:
     """Follow the path of problems from the converged ``solution`` at ``start`` through the targets, in order.
 
-    ``steps``: equal steps between two targets. The iteration ends with the first point that is not converged.
+    ``steps``: equal steps between two targets. The iteration ends with the first point that is not converged. Once a
+    step has been cut, a state with more negative eigenvalues than that at the last target is no state of the path, but
+    one beyond it: the step is cut again.
     """
     at = start
     for target in targets:
@@ -64,7 +66,7 @@ def _reach(
     step, substeps = asked, 0
     counters: dict[str, float] = {}
     history: list[dict[str, object]] = []
-    reached, outcome, end = at, Outcome.CONVERGED, None
+    reached, outcome, end, cut = at, Outcome.CONVERGED, None, False
     states: list[State] = [(at, solution)]
     while reached != target:
         last = abs(target - reached) <= abs(step) * (1 + 1e-9)
@@ -74,7 +76,12 @@ def _reach(
         # an algorithm without a history still gets a row, for the event
         rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history or ({},))]
         history += rows
-        if attempt.outcome.converged:
+        failure = None if attempt.outcome.converged else _why(attempt)
+        if failure is None and cut:  # the way is difficult: is it still the same?
+            passed = branches_passed(problem_at, states[0], (trial, attempt), algorithm.epsilon)
+            if passed:
+                failure = f"a state beyond the path, {passed} more eigenvalues are negative than at {at:g}"
+        if failure is None:
             solution, reached, substeps = attempt, trial, substeps + 1
             states = [states[0], *states[1:][-2:], (reached, replace(attempt, history=()))]
             if on_substep is not None:
@@ -90,10 +97,10 @@ def _reach(
         if abs(step) / 2 < SMALLEST * abs(asked):
             outcome = Outcome.STEP_LIMIT
             end = why_it_ends(problem_at, states, algorithm.epsilon)
-            rows[-1]["event"] = f"{_why(attempt)}; {outcome.value}; {end.sentence}"
+            rows[-1]["event"] = f"{failure}; {outcome.value}; {end.sentence}"
             break
-        step = (trial - reached) / 2
-        rows[-1]["event"] = f"{_why(attempt)}: step cut to {step:.6g}"
+        step, cut = (trial - reached) / 2, True
+        rows[-1]["event"] = f"{failure}: step cut to {step:.6g}"
     spent = replace(solution, counters=counters, history=tuple(history))
     return PathPoint(target, reached, outcome, spent, substeps, end)
 

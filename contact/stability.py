@@ -162,6 +162,28 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
     return Spectrum(1.0 / compliances, modes, _negative(problem, K, nodes, pivots, epsilon) if symmetric else None)
 
 
+def branches_passed(problem_at: Callable[[float], ContactProblem], before: State, after: State, epsilon: float) -> int:
+    """How many more eigenvalues of the tangent are negative after than before; 0 where that cannot be told.
+
+    A large step may find an equilibrium beyond the end of its path, which is not stable where the path was.
+    """
+    counts = [_count_negative(problem_at(t), state, epsilon) for t, state in (before, after)]
+    return max(0, counts[1] - counts[0]) if counts[0] is not None and counts[1] is not None else 0
+
+
+def _count_negative(problem: ContactProblem, state: ContactSolution, epsilon: float) -> int | None:
+    """Negative eigenvalues of the tangent on what the set leaves free; None where they cannot be counted."""
+    K = NewtonRun(problem, epsilon).stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+    if problem.coupling is not None or abs(K - K.T).max() > SYMMETRIC * abs(K).max():
+        return None
+    nodes = np.flatnonzero(state.active)
+    try:
+        pivots = Pivots.choose(problem, state.u, nodes, K, epsilon) if len(nodes) else None
+    except ValueError:  # two candidates share an unknown
+        return None
+    return _negative(problem, K, nodes, pivots, epsilon)
+
+
 def _largest(comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of largest size of a compliance (n, n), given by its products, and unit vectors (n, k).
 

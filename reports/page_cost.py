@@ -130,9 +130,9 @@ def _scaling(store: Store) -> Part:
     ]
     large = data[data["dofs"] >= FITTED_FROM]
     powers = [fixed(_exponent(large["dofs"], large[f"{part}_s"]), 2) for part in STEP]
-    text = prose(f"""The whole tyre, the paper's element, in contact; shortest of several times, each size in a process
-of its own. The last line is the exponent of the unknowns, fitted from {FITTED_FROM} on: a factorisation by nested
-dissection goes like 1.5, all else like 1.""")
+    text = prose(f"""The whole tyre, the paper's element, in contact; shortest processor time of several, each size in a
+process of its own. The last line is the exponent of the unknowns, fitted from {FITTED_FROM} on; in theory nested
+dissection takes 1.5 to factorise, and all else is linear but for a logarithm.""")
     header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
     body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
     return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
