@@ -41,8 +41,9 @@ def follow(
     """Follow the path of problems from the converged ``solution`` at ``start`` through the targets, in order.
 
     ``steps``: equal steps between two targets. The iteration ends with the first point that is not converged. Once a
-    step has been cut, a state with more negative eigenvalues than that at the last target is no state of the path, but
-    one beyond it: the step is cut again.
+    step has been cut, a state in contact with more negative eigenvalues than that at the last target is no state of the
+    path, but one beyond it: the step is cut again. Without contact, paths of large rotations pass bifurcations and are
+    followed.
     """
     at = start
     for target in targets:
@@ -77,7 +78,7 @@ def _reach(
         rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history or ({},))]
         history += rows
         failure = None if attempt.outcome.converged else _why(attempt)
-        if failure is None and cut:  # the way is difficult: is it still the same?
+        if failure is None and cut and attempt.active.any():  # the way is difficult: is it still the same?
             passed = branches_passed(problem_at, states[0], (trial, attempt), algorithm.epsilon)
             if passed:
                 failure = f"a state beyond the path, {passed} more eigenvalues are negative than at {at:g}"

@@ -9,7 +9,7 @@ from scipy.linalg import null_space
 
 from contact.algorithms import ALGORITHMS
 from contact.path import follow
-from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
+from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.stability import MODES, spectrum, why_it_ends
 
 EXACT = 1e-9
@@ -206,24 +206,25 @@ def test_nothing_is_free_to_move(contacts) -> None:
 
 
 def test_a_state_beyond_the_path_is_no_state_of_it(contacts) -> None:
-    """r = u - u^3/3 ends at u = 1, r = 2/3; above it Newton finds u < -2, where the tangent 1 - u^2 is negative."""
+    """r = u - u^3/3 ends at u = 1, r = 2/3; above it Newton finds u < -2, where the tangent 1 - u^2 is negative.
+
+    Beside it a spring that a load of 1 presses on a wall at 0.5.
+    """
 
     def at(load: float) -> ContactProblem:
         def linearise(u, memory):
-            return contacts.Linear(u - u**3 / 3 - load, sparse.csc_matrix([[1.0 - u[0] ** 2]]), 1.0)
+            residual = np.array([u[0] - u[0] ** 3 / 3 - load, u[1] - 1.0])
+            return contacts.Linear(residual, sparse.csc_matrix(np.diag([1.0 - u[0] ** 2, 1.0])), 1.0)
 
-        return without_contact(linearise, 1)
+        G = sparse.csr_matrix([[0.0, -1.0]])
+        return ContactProblem(linearise, lambda u: 0.5 + G @ u, lambda u: G, np.ones(1))
 
-    beyond = ALGORITHMS["semismooth"]().solve(at(0.8), in_contact_with_nothing(0.5))
+    beyond = ALGORITHMS["semismooth"]().solve(at(0.8), in_contact([0.5, 0.5], 0.5))
     assert beyond.outcome is Outcome.CONVERGED  # must fail beside must pass: by itself it is an equilibrium
     assert beyond.u[0] < -2
-    (point,) = follow(at, 0.0, [1.0], ALGORITHMS["semismooth"](), ContactSolution.at_rest(1, 0))
+    (point,) = follow(at, 0.0, [1.0], ALGORITHMS["semismooth"](), in_contact([0.0, 0.5], 0.5))
     assert point.outcome is Outcome.STEP_LIMIT
     assert point.reached <= 2 / 3
     assert any("a state beyond the path" in row.get("event", "") for row in point.solution.history)
     assert point.end is not None
     assert point.end.limit == pytest.approx(2 / 3, abs=1e-3)
-
-
-def in_contact_with_nothing(u: float) -> ContactSolution:
-    return ContactSolution(np.array([u]), np.zeros(0), np.zeros(0, bool), Outcome.CONVERGED)
