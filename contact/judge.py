@@ -162,7 +162,10 @@ def _energy_balance(
     noise = rounding_floor(at_end, u) * float(np.linalg.norm(du))
 
     def residual(t: float) -> np.ndarray:
-        return at_end.residual if t == 1.0 else problem.linearise(since + t * du, None).residual
+        if t == 1.0:
+            return at_end.residual
+        at = since + t * du
+        return problem.linearise(at, None).residual if problem.residual is None else problem.residual(at)
 
     for panels in PANELS:
         works = [

@@ -53,7 +53,8 @@ class ContactProblem:
 
     The rest only lets the judge see more, where there is such a thing: energy(u) -> [N mm], the potential of r, that is
     r = d energy/du;  directions(u) -> (m, 3), unit vectors in which the foundation pushes the candidates;  others(u) ->
-    (3,) [N], the resultant of all loads and supports on the body, of everything but the foundation.
+    (3,) [N], the resultant of all loads and supports on the body, of everything but the foundation;  residual(u) ->
+    r (n,) alone, where that costs less than a linearisation.
 
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
     """
@@ -67,6 +68,7 @@ class ContactProblem:
     energy: Callable[[np.ndarray], float] | None = None
     directions: Callable[[np.ndarray], np.ndarray] | None = None
     others: Callable[[np.ndarray], np.ndarray] | None = None
+    residual: Callable[[np.ndarray], np.ndarray] | None = None
     ordered: bool = False
 
     def nodal_forces(self, pressure: np.ndarray) -> np.ndarray:

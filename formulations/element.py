@@ -149,9 +149,9 @@ class MixedElement:
         v: np.ndarray,
         predicted: np.ndarray | None,
         force: np.ndarray,
-        tangent: np.ndarray,
+        tangent: np.ndarray | None = None,
     ) -> None:
-        """Internal force (E, 24) and tangent (E, 24, 24) at v (E, 24), written into the given arrays.
+        """Internal force (E, 24) and tangent (E, 24, 24), unless that is None, at v (E, 24), written into the arrays.
 
         ``predicted`` (E, 22): the resultants that build the geometric stiffness; None takes D E(v).
         """
@@ -162,6 +162,8 @@ class MixedElement:
             H = self.resultants(self._onto_modes(self._samples(geometry, part, q, at_nodes), geometry, part))
             B = self._mode_gradient(geometry, part, q, at_nodes)
             force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None, :], B)[:, 0]
+            if tangent is None:
+                continue
             np.matmul(B.transpose(0, 2, 1), np.matmul(stiffness, B) * weight[..., None], out=tangent[part])
             H_geometric = H if predicted is None else predicted[part]
             work = MODE_WEIGHTS * (H_geometric + self.initial) * weight

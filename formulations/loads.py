@@ -46,7 +46,9 @@ class Pressure:
         force[:, _INNER] = self.value * self.weights(geometry)[:, None, None] * along_normal
         return force
 
-    def follower_force(self, geometry: ElementGeometry, v: np.ndarray, force: np.ndarray, tangent: np.ndarray) -> None:
+    def follower_force(
+        self, geometry: ElementGeometry, v: np.ndarray, force: np.ndarray, tangent: np.ndarray | None = None
+    ) -> None:
         """Add p n dA of the deformed inner face to ``force`` (E, 24), take its derivative off ``tangent`` (E, 24, 24).
 
         With g1 = (1 + l1, w1, -t1), g2 = (w2, 1 + l2, -t2) the area vector is their component cross product times the
@@ -61,6 +63,8 @@ class Pressure:
             normal, slope = _area_vector(q)
             spread = _inner_displacement(geometry.value if len(geometry.value) == 1 else geometry.value[part])
             force[part] += weight[:, None] * np.matmul(normal.reshape(-1, 1, 3 * N_GAUSS), spread)[:, 0]
+            if tangent is None:
+                continue
             turning = np.matmul(slope, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, 3 * N_GAUSS, N_DOF)
             tangent[part] -= np.matmul(spread.swapaxes(1, 2), turning) * weight[:, None, None]
 
@@ -103,7 +107,7 @@ class Couples:
         """The same couples times ``factor``."""
         return replace(self, moments=factor * self.moments)
 
-    def follower_force(self, grid: Grid, v: np.ndarray, force: np.ndarray, tangent: np.ndarray) -> None:
+    def follower_force(self, grid: Grid, v: np.ndarray, force: np.ndarray, tangent: np.ndarray | None = None) -> None:
         """Add the forces to ``force`` (E, 24) and take their derivative off ``tangent`` (E, 24, 24), at v (E, 24).
 
         dF/dd = M ([a x] - 2 (a x d) d^T/|d|^2)/|d|^2. Each node acts through the first element that has it.
@@ -119,6 +123,8 @@ class Couples:
         F = self.moments[:, None] * lever / square
         np.add.at(force, (each, outer), F)
         np.add.at(force, (each, inner), -F)
+        if tangent is None:
+            return
         spin = np.cross(self.axes[:, None, :], np.eye(3)).swapaxes(1, 2)  # [a x], a x d = spin @ d
         turning = spin - 2 * lever[:, :, None] * d[:, None, :] / square[:, :, None]
         slope = (self.moments[:, None] / square)[:, :, None] * turning

@@ -152,9 +152,14 @@ def request_of(mesh: str) -> Request:
     return request
 
 
+def _model(mesh: str) -> TyreModel:
+    request = request_of(mesh)
+    return Tyre().build_on(request, *Tyre().lines(request))
+
+
 def _pressed(mesh: str) -> Pressed:
     """The solution on a coarse mesh, off its unknowns."""
-    model = Tyre().build(request_of(mesh))
+    model = _model(mesh)
     _, state = pressed(model)
     shape = model.part.grid.node_shape
     psi, phi = _lines(model)
@@ -184,7 +189,7 @@ def _hats(lines: np.ndarray, at: np.ndarray) -> np.ndarray:
 
 
 def _cost(mesh: str, coarse: Pressed, seconds: float) -> dict[str, Any]:
-    model = Tyre().build(request_of(mesh))
+    model = _model(mesh)
     u, pressure = _interpolated(model, coarse)
     *_, stage = model.stages()
     rest = ContactSolution.at_rest(model.n_unknowns, 0)

@@ -205,7 +205,9 @@ def _run_stages(
             seen = stage.observe(problem, point.solution, point.requested)
             counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
             spent = {**counts, "substeps": point.substeps}
-            _record(result, seen, certificate(problem, point.solution, algorithm.epsilon), spent)
+            # what no step shows is not judged by itself: the next stage starts from it, and its end is
+            judged = certificate(problem, point.solution, algorithm.epsilon) if seen.step is not None else {}
+            _record(result, seen, judged, spent)
 
 
 def _freeze(problem_at: Callable[[float], ContactProblem], point: PathPoint, result: Result, stage: str) -> FrozenStep:
@@ -231,7 +233,7 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
     _account(result, stage.name, trace.counters, trace.history)
     for point in trace.points[1:]:
         result.last = replace(rest, u=point.u)
-        problem = replace(problem_at(point.factor), energy=None)  # four assemblies more at every point of a curve
+        problem = replace(problem_at(point.factor), energy=None)  # costs as much again
         seen = stage.observe(problem, result.last, point.factor)
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
         _record(result, seen, certificate(problem, result.last), spent)

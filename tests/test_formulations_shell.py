@@ -115,6 +115,14 @@ def test_tangent_is_the_derivative_of_the_residual(
     assert_central_error(errors, np.linalg.norm(exact), quadratic(measure), fitted_order)
 
 
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_residual_alone_is_that_of_the_linearisation(patch, rng, make_shell, model) -> None:
+    shell = make_shell(patch.surface, patch.grid(2, 3), **model)
+    u, du = amplitude(model.get("measure", "exact")) * rng.normal(size=(2, shell.discretisation.n_free))
+    lin = shell.linearise(u, shell.linearise(u - du).remember(du))
+    np.testing.assert_allclose(shell.residual(u), lin.residual, rtol=0, atol=ROUNDING * largest(lin.residual))
+
+
 @each_section
 @pytest.mark.parametrize("load", LOADS)
 def test_tangent_is_symmetric_where_a_potential_exists(patch, rng, make_shell, section, load) -> None:

@@ -158,7 +158,7 @@ WRONG = {
     "isotropic mixture": (["solve", "tyre", "--set", "E_MPa=20", "--set", "nu=0.3", "--set", "E_L_MPa=5"], "together"),
     "incompressible": (["solve", "tyre", "--set", "E_MPa=20", "--set", "nu=0.5"], "(-1, 0.5)"),
     "falling deltas": (["solve", "tyre", "--set", "delta_mm=10,5"], "increasing"),
-    "negative delta": (["solve", "tyre", "--set", "delta_mm=-5"], "(0, 100]"),
+    "negative delta": (["solve", "tyre", "--set", "delta_mm=-5"], "[0, 100]"),
     "zero epsilon": (["solve", "tyre", "--set", "epsilon=0"], "(0, inf]"),
     "half a ply": (["solve", "tyre", "--set", "plies=2.5"], "whole number"),
     "unknown choice": (["solve", "tyre", "--set", "load=heavy"], "dead, follower"),

@@ -85,8 +85,45 @@ def test_inflation_of_a_column_is_that_of_the_whole() -> None:
 
 
 @pytest.mark.parametrize(
+    "settings",
+    [
+        {"element": "paper"},
+        {"load": "follower", "pressure_area": "face", "interpolation": "isoparametric", "grading": "uniform"},
+        {"element": "paper", "load": "follower", "pressure_area": "face"},
+        {"element": "paper", "gamma_deg": "30", "section": "nonsymmetric"},
+        {**ISOTROPIC, "element": "paper"},
+        {"grading": "uniform"},
+    ],
+    ids=str,
+)
+def test_a_column_turned_around_is_the_inflated_whole(settings: dict[str, str]) -> None:
+    """Twist included; other elements than the paper's look at the shape of each, so there all columns are alike."""
+    column, whole = (run(model, {"delta_mm": "0", **settings}) for model in ("axisymmetric", "full"))
+    states = [np.stack(found.model.wall.faces(found.last.u)) for found in (column, whole)]
+    moved = states[1] - np.stack(whole.model.wall.faces(np.zeros_like(whole.last.u)))
+    assert np.max(np.abs(states[0] - states[1])) <= EXACT * np.max(np.abs(moved))
+    for name, value in column.quantities.items():
+        assert whole.quantities[name] == pytest.approx(value, rel=EXACT), name
+    for key in ("force_N", "contact_nodes", "centre_pressure_MPa", "half_length_mm", "half_width_mm"):
+        assert column.steps[0][key] == whole.steps[0][key] == 0, key
+    assert column.steps[0]["patch_to_clamp_mm"] == pytest.approx(whole.steps[0]["patch_to_clamp_mm"], rel=EXACT)
+    assert column.model.n_unknowns < whole.model.n_unknowns / 15
+    if "E_MPa" not in settings:  # angle plies twist
+        assert np.max(np.abs(moved[0].reshape(17, 18, 3)[:, 9, 1])) > 1e-3
+
+
+def test_contact_is_not_the_same_all_around() -> None:
+    with pytest.raises(UsageError, match="needs delta_mm = 0"):
+        resolve("tyre", {}, model="axisymmetric")
+    with pytest.raises(UsageError, match="needs delta_mm = 0"):
+        resolve("tyre", {"delta_mm": "0,5"}, model="axisymmetric")
+
+
+@pytest.mark.parametrize(
     ("settings", "model", "reason"),
     [
+        ({"delta_mm": "0"}, "axisymmetric", "the same all around"),
+        ({"delta_mm": "0,5"}, "half", "plies at +-52 deg"),
         ({}, "half", "plies at +-52 deg"),
         ({"gamma_deg": "0"}, "quarter", "cords at 0 deg"),
         (ISOTROPIC, "quarter", "isotropic plies"),
@@ -103,7 +140,7 @@ def test_angle_plies_have_no_mirror(model: str) -> None:
     with pytest.raises(UsageError, match="no mirror plane") as caught:
         resolve("tyre", {}, model=model)
     assert "\n" not in str(caught.value)
-    with pytest.raises(UsageError, match="one of auto, full, half, mirror, quarter"):
+    with pytest.raises(UsageError, match="one of auto, full, half, mirror, quarter, sector, axisymmetric"):
         resolve("tyre", {}, model="eighth")
 
 

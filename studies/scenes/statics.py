@@ -86,6 +86,7 @@ def with_balances(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
         problem,
         energy=shell.energy if shell.conservative else None,
         others=lambda u: shell.outside_force(u) - shell.spurious_force(u),
+        residual=shell.residual,
     )
 
 

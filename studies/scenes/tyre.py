@@ -14,34 +14,30 @@ from scipy import sparse
 
 from contact.foundation import Candidates, Foundation
 from contact.problem import ContactProblem, ContactSolution
-from formulations.dofs import Images
-from formulations.grid import Grid
-from formulations.laminate import SECTIONS, Laminate, Ply
-from formulations.loads import PRESSURE_AREAS, Pressure
+from formulations.laminate import SECTIONS
+from formulations.loads import PRESSURE_AREAS
 from formulations.shell import ShellModel
-from formulations.supports import Supports
-from formulations.surface import torus
 from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
 from studies.scenes import tyre_foundation
 from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import loaded_shell, with_balances
+from studies.scenes.element import ELEMENT
+from studies.scenes.statics import with_balances
+from studies.scenes.tyre_column import InflatedTyre, column
 from studies.scenes.tyre_foundation import NORMAL, foundation
 from studies.scenes.tyre_lines import GRADING, checked_mesh, tyre_lines
-from studies.scenes.tyre_parts import MODELS, Part, base_of, column_of, part_of, settle_model
+from studies.scenes.tyre_parts import MODELS, Part, base_of, part_of, settle_model
 from studies.scenes.tyre_press import Column, PressedTyre, Wall
 from studies.scenes.tyre_sector import SECTOR, check_reach, cut_of, sector_stage, settle_sector, with_line_at, within
 from studies.scenes.tyre_sizes import TyreSizes
+from studies.scenes.tyre_wall import ORTHOTROPIC, checked_wall, inflated_shell, number, travels
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
 
-ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa": 1.77, "nu_LT": 0.46, "nu_TT": 0.95}
-
 SETTINGS = (
     Setting("gamma_deg", 52.0, "cord angle from the meridian; the plies alternate in sign", low=-90, high=90),
     Setting("p0_MPa", 0.15, "inflation pressure", low=-10, high=10),
-    Setting("delta_mm", (5.0, 10.0, 15.0, 20.0), "travel of the plane from first touch", "floats", 0.0, 100.0, True),
+    Setting("delta_mm", (5.0, 10.0, 15.0, 20.0), "travel from first touch, or 0: inflation", "floats", 0, 100),
     Setting("load", "dead", "whether the pressure follows the wall", "choice", choices=("dead", "follower")),
     Setting(
         "pressure_area", "mid", "area that carries pressures: mubar or the true faces", "choice", choices=PRESSURE_AREAS
@@ -118,8 +114,10 @@ class Tyre:
         settings = settle_sector(model, request.settings)
         return replace(request, model=model, model_reason=reason, settings=settings)
 
-    def build(self, request: Request) -> TyreModel:
+    def build(self, request: Request) -> TyreModel | InflatedTyre:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
+        if request.model == "axisymmetric":
+            return InflatedTyre.of(request, checked_wall(request.settings)[0], *self.lines(request))
         return self.build_on(request, *self.lines(request))
 
     def lines(self, request: Request) -> tuple[np.ndarray, np.ndarray]:
@@ -151,8 +149,8 @@ class Tyre:
             part = part_of(base_of(settings), psi, within(phi, cut_of(request)))
         else:
             part = part_of(request.model, psi, phi)
-        shell = _inflated_shell(request, laminate, part.grid, part.planes, part.images)
-        column = None if request.model == "full" else _column(request, laminate, part, shell)
+        shell = inflated_shell(request, laminate, part.grid, part.planes, part.images)
+        one = None if request.model == "full" else column(request, laminate, part, shell)
         outside = np.union1d(part.grid.on_line(0, np.deg2rad(clamp)), part.grid.on_line(0, -np.deg2rad(clamp)))
         own = part.merging()
         free = np.setdiff1d(np.unique(own), outside)
@@ -165,86 +163,7 @@ class Tyre:
             weights=(merge @ shell.discretisation.nodal_areas(area))[free],
             coupling=mass if settings["coupling"] == "consistent" else None,
         )
-        return TyreModel.of(shell, part, candidates, free, travels(settings), foundation(settings), column)
-
-
-def _inflated_shell(
-    request: Request,
-    laminate: Laminate,
-    grid: Grid,
-    planes: Sequence[tuple[np.ndarray, int]],
-    images: Images | None,
-) -> ShellModel:
-    """The shell on the grid, clamped at its edges, under the pressure inside."""
-    settings = request.settings
-    _, R1, R0, clamp = checked_wall(settings)
-    supports = Supports.none(grid)
-    for nodes, axis in planes:
-        supports = supports.symmetric(nodes, axis)
-    for side in (-1, 1):
-        supports = supports.clamped(grid.on_line(0, side * np.deg2rad(clamp)))
-    fixed, _ = supports.masks
-    discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed, images=images)
-    return loaded_shell(discretisation, request, section=str(settings["section"]), pressure=inflation(settings))
-
-
-def _column(request: Request, laminate: Laminate, part: Part, shell: ShellModel) -> Column:
-    """Inflation of one column with the mirror plane of the part, if it has one, and how it is lifted to the part."""
-    grid, images = column_of(part)
-    planes = [(grid.on_line(0, 0.0), 0)] if any(axis == 0 for _, axis in part.planes) else []
-    column = _inflated_shell(request, laminate, grid, planes, images)
-    rows = np.arange(part.grid.n_nodes) // part.grid.node_shape[1]
-
-    def lift(u: np.ndarray) -> np.ndarray:
-        return shell.discretisation.map.restrict(column.discretisation.expand(u)[2 * rows])
-
-    return Column(column, column.discretisation.n_free, lift)
-
-
-def checked_wall(settings: Mapping[str, Value]) -> tuple[Laminate, float, float, float]:
-    """Laminate, R1, R0 [mm] and clamp [deg]; raises UsageError on impossible geometry or plies."""
-    try:
-        laminate = _laminate(settings)
-    except ValueError as error:
-        raise UsageError(str(error)) from None
-    R1, R0, clamp = (number(settings, key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
-    if not laminate.thickness < R1:
-        raise UsageError(
-            f"thickness plies*ply_thickness_mm = {laminate.thickness:g} mm must be below R1_mm = {R1:g} mm"
-        )
-    if not R0 - R1 + (R1 + laminate.thickness) * np.cos(np.deg2rad(clamp)) > 0 or not R0 >= R1:
-        raise UsageError(f"R0_mm = {R0:g} is too small: the wall at clamp_deg = {clamp:g} would cross the axis")
-    return laminate, R1, R0, clamp
-
-
-def inflation(settings: Mapping[str, Value]) -> Pressure:
-    """The pressure inside."""
-    return Pressure(number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"]))
-
-
-def travels(settings: Mapping[str, Value]) -> tuple[float, ...]:
-    """The values of delta [mm]."""
-    deltas = settings["delta_mm"]
-    assert isinstance(deltas, tuple)
-    return deltas
-
-
-def number(settings: Mapping[str, Value], key: str) -> float:
-    """A setting that is one number."""
-    value = settings[key]
-    assert isinstance(value, float | int)
-    return float(value)
-
-
-def _laminate(settings: Mapping[str, Value]) -> Laminate:
-    thickness, plies = number(settings, "ply_thickness_mm"), int(number(settings, "plies"))
-    if "E_MPa" in settings:
-        ply = Ply.isotropic(number(settings, "E_MPa"), number(settings, "nu"), thickness)
-        return Laminate((ply,) * plies, d_minus=0.0)
-    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (number(settings, key) for key in ORTHOTROPIC)
-    gamma = np.deg2rad(number(settings, "gamma_deg"))
-    angles = [(-1) ** k * gamma for k in range(plies)]
-    return Laminate(tuple(Ply(E_L, E_T, G_LT, G_TT, nu_LT, nu_TT, a, thickness) for a in angles), d_minus=0.0)
+        return TyreModel.of(shell, part, candidates, free, travels(settings), foundation(settings), one)
 
 
 @dataclass(frozen=True, eq=False)

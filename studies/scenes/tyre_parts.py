@@ -17,7 +17,7 @@ from formulations.dofs import Images
 from formulations.grid import Grid
 from studies.scene import UsageError, Value
 
-MODELS = ("auto", "full", "half", "mirror", "quarter", "sector")
+MODELS = ("auto", "full", "half", "mirror", "quarter", "sector", "axisymmetric")
 TURNED = np.array([1.0, -1.0, -1.0])  # a turn by 180 degrees about e_x: Cartesian components
 TURN_OF_FRAME = np.array([-1.0, -1.0, 1.0])  # and those along a1, a2, normal
 
@@ -73,6 +73,10 @@ def base_of(settings: Mapping[str, Value]) -> str:
 
 def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
     """The model that will be solved, the smallest for "auto", and why; raises UsageError for one that is not valid."""
+    if model in ("auto", "axisymmetric") and settings["delta_mm"] == (0.0,):
+        return "axisymmetric", "delta_mm = 0 asks for inflation, which is the same all around"
+    if model == "axisymmetric":
+        raise UsageError("model 'axisymmetric' needs delta_mm = 0: contact is not the same all around")
     if mirrored(settings):
         plies = "isotropic plies" if "E_MPa" in settings else f"cords at {settings['gamma_deg']:g} deg"
         why = f"{plies} leave two mirror planes"
@@ -136,5 +140,10 @@ def column_of(part: Part) -> tuple[Grid, Images]:
     """
     psi, phi = part.grid.nodes[:: part.grid.node_shape[1], 0], np.unique(np.abs(part.angles[:, 1]))
     grid = Grid.tensor(psi, phi[:2])
-    nodes = grid.on_line(1, phi[1])
-    return grid, Images(nodes, grid.on_line(1, phi[0]), np.ones((len(nodes), 3)))
+    return grid, sides_alike(grid)
+
+
+def sides_alike(column: Grid) -> Images:
+    """The second side of a column of elements has the displacements of the first, in the turning frame."""
+    nodes = np.arange(1, column.n_nodes, 2)
+    return Images(nodes, nodes - 1, np.ones((len(nodes), 3)))

@@ -79,11 +79,15 @@ class TyreSizes:
     def estimated(cls, request: Request, clamp_deg: float, build: Build, passes: int = PASSES) -> TyreSizes:
         """From ``passes`` coarse solutions at the last travel of the request.
 
-        Raises UsageError when a coarse tyre cannot be pressed so far.
+        Raises UsageError when a coarse tyre cannot be pressed so far, or is not pressed at all.
         """
         settings = dict(request.settings)
         deltas = settings["delta_mm"]
         assert isinstance(deltas, tuple)
+        if deltas == (0.0,):
+            raise UsageError(
+                "an adapted mesh follows the contact: delta_mm = 0 has none, take grading=patch or uniform"
+            )
         settings["delta_mm"] = ((1 - SECANT) * deltas[-1], deltas[-1])
         coarse = replace(request, settings=settings, mesh=COARSE, model="full")
         lines = tyre_lines(COARSE, clamp_deg)

@@ -19,11 +19,12 @@ from formulations.surface import torus
 from studies.fields import write_solid_fields
 from studies.scene import Reference, Request, Setting, UsageError, Value
 from studies.scenes.element import ELEMENT
-from studies.scenes.tyre import ORTHOTROPIC, Tyre, checked_wall, inflation, number, travels
+from studies.scenes.tyre import Tyre
 from studies.scenes.tyre_foundation import foundation
 from studies.scenes.tyre_lines import tyre_lines
 from studies.scenes.tyre_parts import mirrored
 from studies.scenes.tyre_press import PressedTyre, Wall
+from studies.scenes.tyre_wall import ORTHOTROPIC, checked_wall, inflation, number, travels
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
 ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
