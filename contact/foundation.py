@@ -93,29 +93,11 @@ class Candidates:
         """X (m, 3)."""
         return self.reference + (self.operator @ u).reshape(-1, 3)
 
-    def inside(self, u: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-        """Which points (m,) lie in the box low <= x <= high (3,) at u; infinite bounds leave a side open."""
-        x = self.positions(u)
-        return np.all((x >= low) & (x <= high), axis=1)
-
-    def within_reach(self, u: np.ndarray, foundation: Foundation, reach: float) -> np.ndarray:
-        """Which points (m,) can touch while none moves further than ``reach`` relative to the foundation.
-
-        The gap changes by no more than the point moves, so those with gap > reach at u stay open: no box around the
-        foundation is needed, and none is as tight. The premise is tested afterwards by :func:`overlooked`.
-        """
-        return foundation.gap(self.positions(u)) <= reach
-
     def only(self, chosen: np.ndarray) -> Candidates:
-        """The chosen points (m,) bool; with consistent coupling, the others carry no pressure."""
-        rows = np.repeat(chosen, 3)
-        coupling = None if self.coupling is None else sparse.csr_matrix(self.coupling[chosen][:, chosen])
-        return Candidates(self.reference[chosen], self.operator[rows], self.weights[chosen], coupling)
-
-
-def overlooked(candidates: Candidates, chosen: np.ndarray, foundation: Foundation, u: np.ndarray) -> np.ndarray:
-    """Numbers of the points left out, not ``chosen`` (m,) bool, that yet penetrate at u; none is the proof."""
-    return np.flatnonzero(~chosen & (foundation.gap(candidates.positions(u)) < 0))
+        """The chosen points (m,) bool; raises ValueError with consistent coupling, which ties neighbours together."""
+        if self.coupling is not None:
+            raise ValueError("candidates with consistent coupling cannot be taken apart")
+        return Candidates(self.reference[chosen], self.operator[np.repeat(chosen, 3)], self.weights[chosen])
 
 
 def against(
@@ -125,6 +107,18 @@ def against(
 
     dg/du = n.A with n = dg/dx and A = dx/du;  sum_i f_i d2g_i/du2 = A^T diag(f_i d2g_i/dx2) A.
     """
+    if candidates.coupling is None:
+
+        def only(chosen: np.ndarray) -> ContactProblem:
+            return _against(linearise, candidates.only(chosen), foundation)
+
+        return replace(_against(linearise, candidates, foundation), only=only)
+    return _against(linearise, candidates, foundation)
+
+
+def _against(
+    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, foundation: Foundation
+) -> ContactProblem:
     if isinstance(foundation, RigidPlane):
         return against_plane(linearise, candidates, foundation)
     A, m = candidates.operator, len(candidates.reference)

@@ -129,7 +129,7 @@ class NewtonRun:
 
         Not less than at the start: a body that goes back to zero brings the rounding of its way with it.
         """
-        size = float(np.max(np.abs(gap) + abs(self.problem.gap_jacobian(u)) @ np.abs(u), initial=0.0))
+        size = self.problem.size_of_gaps(u, gap)
         self._first_gap_size = self._first_gap_size or size
         return max(size, self._first_gap_size)
 

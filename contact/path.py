@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.reach import solve_within_reach
 from contact.stability import Ending, State, branches_passed, why_it_ends
 
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
@@ -72,7 +73,7 @@ def _reach(
     while reached != target:
         last = abs(target - reached) <= abs(step) * (1 + 1e-9)
         trial = target if last else reached + step
-        attempt = algorithm.solve(problem_at(trial), solution)
+        attempt = solve_within_reach(algorithm, problem_at(trial), solution)
         counters = {key: counters.get(key, 0) + value for key, value in attempt.counters.items()}
         # an algorithm without a history still gets a row, for the event
         rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history or ({},))]

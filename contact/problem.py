@@ -56,6 +56,10 @@ class ContactProblem:
     (3,) [N], the resultant of all loads and supports on the body, of everything but the foundation;  residual(u) ->
     r (n,) alone, where that costs less than a linearisation.
 
+    only(chosen): the same problem with the ``chosen`` candidates (m,) bool alone, where the others then carry no
+    pressure; None where they cannot be told apart.  gap_size: least size [mm] of the terms of a gap, where the
+    candidates at hand do not show it.
+
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
     """
 
@@ -69,11 +73,17 @@ class ContactProblem:
     directions: Callable[[np.ndarray], np.ndarray] | None = None
     others: Callable[[np.ndarray], np.ndarray] | None = None
     residual: Callable[[np.ndarray], np.ndarray] | None = None
+    only: Callable[[np.ndarray], ContactProblem] | None = None
+    gap_size: float = 0.0
     ordered: bool = False
 
     def nodal_forces(self, pressure: np.ndarray) -> np.ndarray:
         """Normal forces f = W p (m,) [N] of the foundation on the candidate nodes."""
         return self.weights * pressure if self.coupling is None else self.coupling @ pressure
+
+    def size_of_gaps(self, u: np.ndarray, gap: np.ndarray) -> float:
+        """Largest size [mm] of the terms |g| + |G| |u| that make up a gap; their rounding is the gap's."""
+        return float(np.max(np.abs(gap) + abs(self.gap_jacobian(u)) @ np.abs(u), initial=self.gap_size))
 
     def contact_force(self, u: np.ndarray, pressure: np.ndarray) -> np.ndarray:
         """G^T W p (n,): the force of the foundation on the unknowns."""

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.foundation import Candidates, Foundation, RigidPlane, against, overlooked
+from contact.foundation import Candidates, Foundation, RigidPlane, against
 from contact.profile import Arc, Line, Profile, cleat, rounded, step
 from contact.round import Drum, Sphere
 
@@ -244,36 +244,6 @@ def test_pieces_meet_with_one_tangent() -> None:
             (g_line, n_line, _), (g_arc, n_arc, _) = line.local(joint[None]), arc.local(joint[None])
             np.testing.assert_allclose([g_arc, g_line], 0, rtol=0, atol=ROUNDING)
             np.testing.assert_allclose(n_arc, n_line, rtol=0, atol=ROUNDING)
-
-
-# --- candidates ---------------------------------------------------------------------------------------------------
-
-
-def test_candidates_out_of_reach_are_left_out_and_proved_open(rng) -> None:
-    x = CENTRE + 2 * rng.normal(size=(200, 3))
-    W = sparse.csr_matrix(np.diag(rng.uniform(1, 2, 200)) + np.diag(rng.uniform(0, 0.1, 199), 1))
-    every = Candidates(x, sparse.csr_matrix(np.eye(600)), rng.uniform(1, 2, 200), W)
-    ball, rest = FOUNDATIONS["sphere"], np.zeros(600)
-    chosen = every.within_reach(rest, ball, 0.5)
-    assert 20 < chosen.sum() < 180
-    step_of_half = rng.normal(size=(200, 3))
-    step_of_half *= 0.5 / np.linalg.norm(step_of_half, axis=1, keepdims=True)
-    assert len(overlooked(every, chosen, ball, step_of_half.ravel())) == 0
-    assert len(overlooked(every, chosen, ball, 6 * step_of_half.ravel())) > 0
-    fewer = every.only(chosen)
-    np.testing.assert_array_equal(fewer.positions(step_of_half.ravel()), every.positions(step_of_half.ravel())[chosen])
-    np.testing.assert_array_equal(fewer.coupling.toarray(), W.toarray()[np.ix_(chosen, chosen)])
-    np.testing.assert_array_equal(fewer.weights, every.weights[chosen])
-
-
-def test_candidates_of_a_box(rng) -> None:
-    x = rng.uniform(-1, 1, (100, 3))
-    every = Candidates(x, sparse.csr_matrix(np.eye(300)), np.ones(100))
-    shift = np.tile([0.5, 0.0, 0.0], 100)
-    low, high = np.array([0.2, -np.inf, -0.3]), np.array([0.9, np.inf, 0.3])
-    expected = [(0.2 <= a + 0.5 <= 0.9) and abs(c) <= 0.3 for a, _, c in x]
-    np.testing.assert_array_equal(every.inside(shift, low, high), expected)
-    assert 0 < sum(expected) < 100
 
 
 # --- the contact problem ------------------------------------------------------------------------------------------

@@ -1,0 +1,53 @@
+"""Candidates that a step can bring into contact: the others are left out of it, and looked at afterwards.
+
+How a step is solved is the business of the algorithm, which does not see that anything was left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+
+REACH = 1.0  # of the deepest penetration at the start of the step: who is nearer than that may touch
+
+
+def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """The solution from ``start`` with only those candidates that can touch, where the problem tells how to choose.
+
+    A foundation that has come by d penetrates by no more than d. A gap changes by no more than its point moves, so one
+    above d stays open unless its point moves by more than the foundation has: that is looked at when the step is
+    solved. Who did is taken in, and the step goes on from there: the answer is that with all candidates.
+    """
+    gap = problem.gap(start.u)
+    depth = -float(np.min(gap, initial=0.0))
+    if problem.only is None or depth <= 0:
+        return algorithm.solve(problem, start)
+    chosen = (gap <= REACH * depth) | start.active
+    size = problem.size_of_gaps(start.u, gap)
+    before: ContactSolution | None = None
+    while True:
+        near = replace(problem.only(chosen), gap_size=size, ordered=problem.ordered)
+        at = start if before is None else before
+        part = algorithm.solve(near, replace(at, pressure=at.pressure[chosen], active=at.active[chosen]))
+        found = _spread(part, chosen, before)
+        missed = ~chosen & (problem.gap(found.u) < 0)
+        if not (found.outcome.converged and missed.any()):
+            return found
+        *rows, last = found.history
+        event = f"{int(missed.sum())} candidates that were left out penetrate: they are taken in"
+        before = replace(found, history=(*rows, {**last, "event": event}))
+        chosen |= missed
+
+
+def _spread(part: ContactSolution, chosen: np.ndarray, before: ContactSolution | None) -> ContactSolution:
+    """The solution for all candidates (m,); counters and history go on from those of the attempt before it."""
+    pressure, active = np.zeros(len(chosen)), np.zeros(len(chosen), bool)
+    pressure[chosen], active[chosen] = part.pressure, part.active
+    counters, history = part.counters, part.history
+    if before is not None:
+        counters = {key: before.counters[key] + value for key, value in counters.items()}
+        history = (*before.history, *history)
+    return replace(part, pressure=pressure, active=active, counters=counters, history=history)
