@@ -9,7 +9,8 @@ from reports import labels
 from reports.element_choice import choices
 from reports.ladders import read_ladders
 from reports.maps import at_delta
-from reports.markdown import Part, commands, digits, fixed, machine, percent, prose, scientific, table
+from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
+from reports.outcomes import completeness, refusals
 from reports.page_benchmarks import BENCHMARKS, limit
 from reports.page_convergence import WITHIN, split
 from reports.page_locking import worst_energy
@@ -60,7 +61,8 @@ def _completeness(store: Store) -> str:
     rows = [[scene, *_counts([c for c in cells if c.scene == scene])] for scene in scenes]
     rows.append(["all", *_counts(cells)])
     header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "refused", "not converged"]
-    parts = ["## Completeness", table("Cells of the campaign", header, rows)]
+    parts = ["## Completeness", completeness(store)]
+    parts.append(table("Cells behind the pages", header, rows))
     asked = [cell for cell in cells if not cell.unsupported]  # what an algorithm refuses stands on its own page
     unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
     if unusual:
@@ -71,6 +73,7 @@ def _completeness(store: Store) -> str:
         if events:
             parts.append(machine(table("Rejected steps, and how it ended", ["cell", "event"], events, words=2)))
         parts.append(commands(cell.command for cell in unusual))
+    parts.append(folded("Why cells were refused", refusals(store)))
     return "\n\n".join(parts)
 
 
@@ -190,7 +193,7 @@ def _locking(store: Store) -> str:
 def _machine(store: Store) -> str:
     """Versions and times, skipped by comparisons."""
     made = [cell.result["provenance"] for cell in store.cells.values()]
-    total = sum(cell.result["timing_s"]["total"] for cell in store.cells.values())
+    total = sum(cell.result["timing_s"].get("total", 0.0) for cell in store.cells.values())
     packages = dict.fromkeys(f"{name} {version}" for p in made for name, version in p["packages"].items())
     machines = dict.fromkeys(", ".join(f"{key} {value}" for key, value in p["machine"].items()) for p in made)
     rows = [

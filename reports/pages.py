@@ -12,9 +12,11 @@ from reports import labels
 from reports.compare import differences
 from reports.files import write_texts
 from reports.markdown import Part
+from reports.outcomes import completeness_line
 from reports.page_agreement import agreement_page
 from reports.page_algorithms import algorithms_page
 from reports.page_benchmarks import benchmarks_page
+from reports.page_campaign import campaign_page
 from reports.page_convergence import convergence_page
 from reports.page_cost import cost_page
 from reports.page_epsilon import epsilon_page
@@ -38,21 +40,31 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "epsilon.md": epsilon_page,
     "cost.md": cost_page,
 }
+CAMPAIGN_PAGES: Mapping[str, Callable[[Store], Part]] = {"index.md": campaign_page}
 FIGURES = "figures"
+ALL = "all"  # what a campaign says whose cells are those of all pages
 
 
-def write_pages(store: Path, out: Path) -> list[Path]:
+def write_pages(store: Path, out: Path, campaign: str | None = None) -> list[Path]:
     """Render everything, then write it into ``out``; returns the paths. After a StoreError nothing is written."""
-    return write_texts(out, rendered(load_store(store)))
+    return write_texts(out, rendered(load_store(store, campaign)))
 
 
-def check_pages(store: Path, out: Path) -> list[str]:
+def check_pages(store: Path, out: Path, campaign: str | None = None) -> list[str]:
     """Differences between the pages in ``out`` and those of the store, a line each; pictures need only be there."""
-    return compare_pages(rendered(load_store(store)), out)
+    return compare_pages(rendered(load_store(store, campaign)), out)
+
+
+def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
+    """The folder below the pages that those of a campaign belong to, and how complete it is in one line."""
+    loaded = load_store(store, campaign)
+    return "" if loaded.pages == ALL else loaded.campaign, completeness_line(loaded)
 
 
 def rendered(store: Store) -> dict[str, str]:
     """All files by name: pictures first, so that a page never links to one that is not there yet."""
+    if store.pages != ALL:
+        return {name: page(store).text for name, page in CAMPAIGN_PAGES.items()}
     for delta in labels.CURVES:
         store.cell(labels.PAPER).step(delta_mm=delta)
     parts = {name: page(store) for name, page in PAGES.items()}
