@@ -113,7 +113,7 @@ def _pairs(store: Store) -> Part:
 The largest deviation of each pair over all checks that are not broken by design, over what the tolerance of the solver
 allows: below 1 nothing is broken.""")
     header = ["measure", *(f"`{name}`" for name in algorithms)]
-        grid = table("Largest deviation over the tolerance of the solver", header, rows)
+    grid = table("Largest deviation over the tolerance of the solver", header, rows)
     return Part("\n\n".join([text, machine(grid)]))
 
 
