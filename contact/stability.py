@@ -167,11 +167,11 @@ def branches_passed(problem_at: Callable[[float], ContactProblem], before: State
 
     A large step may find an equilibrium beyond the end of its path, which is not stable where the path was.
     """
-    counts = [_count_negative(problem_at(t), state, epsilon) for t, state in (before, after)]
+    counts = [negative_eigenvalues(problem_at(t), state, epsilon) for t, state in (before, after)]
     return max(0, counts[1] - counts[0]) if counts[0] is not None and counts[1] is not None else 0
 
 
-def _count_negative(problem: ContactProblem, state: ContactSolution, epsilon: float) -> int | None:
+def negative_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: float) -> int | None:
     """Negative eigenvalues of the tangent on what the set leaves free; None where they cannot be counted."""
     K = NewtonRun(problem, epsilon).stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     if problem.coupling is not None or abs(K - K.T).max() > SYMMETRIC * abs(K).max():

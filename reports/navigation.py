@@ -12,6 +12,7 @@ TITLES: Mapping[str, str] = {
     "measures.md": "Strain measures",
     "rigid-body.md": "Rigid motions",
     "locking.md": "Locking",
+    "symmetry.md": "Symmetry",
     "contact-agreement.md": "Contact: agreement",
     "algorithms.md": "Contact: costs",
     "epsilon.md": "Contact: ε",

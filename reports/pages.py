@@ -24,6 +24,7 @@ from reports.page_index import index_page
 from reports.page_locking import locking_page
 from reports.page_measures import measures_page
 from reports.page_rigid_body import rigid_body_page
+from reports.page_symmetry import symmetry_page
 from reports.page_tyre import tyre_page
 from reports.schema import Store, load_store
 
@@ -35,6 +36,7 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "measures.md": measures_page,
     "rigid-body.md": rigid_body_page,
     "locking.md": locking_page,
+    "symmetry.md": symmetry_page,
     "contact-agreement.md": agreement_page,
     "algorithms.md": algorithms_page,
     "epsilon.md": epsilon_page,

@@ -61,6 +61,14 @@ STORE_COLUMNS = {
     ),
     "cycles": ("problem", "plain_period", "trial-and-error", "semismooth, settle 1", "semismooth"),
     "false_success": ("contender", "problems", "refused", "claimed", "false", "largest_error"),
+    "symmetry": (
+        *("check", "measure", "algorithm", "deviation", "rounding", "tolerance", "class", "reason"),
+        *("contact_nodes", "nodes_unlike", "iterations", "iterations_other"),
+    ),
+    "mirror": (
+        *("measure", "mesh", "gamma_deg", "kind", "outcome", "delta_mm", "negative", "command"),
+        *("peak_MPa", "contact_nodes", "mirror_MPa", "mirror_both_MPa", "central_MPa"),
+    ),
     "work_precision": ("element", "family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s"),
     "peers": ("program", "elements", "unknowns", "force_N", "seconds", "error", "ratio"),
     "scaling": (

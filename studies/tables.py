@@ -13,8 +13,10 @@ from studies.cycles import cycles
 from studies.epsilon import epsilon_study
 from studies.false_success import table as false_success
 from studies.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
+from studies.mirror import mirror_table
 from studies.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.store import SCHEMA, write_table_once
+from studies.symmetry import symmetry_table
 from studies.work_precision import work_precision_study
 
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
@@ -28,6 +30,8 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "epsilon": epsilon_study,
     "cycles": cycles,
     "false_success": false_success,
+    "symmetry": symmetry_table,
+    "mirror": mirror_table,
     "ladders": ladder_table,
     "work_precision": work_precision_study,
 }
