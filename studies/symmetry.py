@@ -215,7 +215,7 @@ class Inflated:
 def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     settings = {"gamma_deg": f"{gamma:g}", "delta_mm": f"{TYRE_TRAVEL:g}", "element": "paper"}
     _, request = resolve("tyre", settings, TYRE_MESH, model="full")
-    model = Tyre().build(request)
+    model = Tyre().build_on(request, *Tyre().lines(request))
     shell = replace(model.shell, measure=measure)
     model = replace(model, shell=shell, body=shell)
     stage = next(iter(model.stages()))
