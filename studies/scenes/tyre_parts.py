@@ -73,7 +73,7 @@ def base_of(settings: Mapping[str, Value]) -> str:
 
 def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
     """The model that will be solved, the smallest for "auto", and why; raises UsageError for one that is not valid."""
-    if model in ("auto", "axisymmetric") and settings["delta_mm"] == (0.0,):
+    if model in ("auto", "axisymmetric") and settings.get("delta_mm") == (0.0,):
         return "axisymmetric", "delta_mm = 0 asks for inflation, which is the same all around"
     if model == "axisymmetric":
         raise UsageError("model 'axisymmetric' needs delta_mm = 0: contact is not the same all around")
