@@ -77,7 +77,8 @@ def test_the_table_has_a_row_for_everything_that_was_planned(tmp_path: Path) -> 
     path = tmp_path / "c.toml"
     path.write_text(
         '[[cross]]\ncontacts = ["semismooth", "qp"]\ntolerances = [1e-3]\n'
-        '[cross.scenes.cantilever]\nmeshes = ["2x1"]\n[cross.scenes.tyre]\nmeshes = ["12x12"]\nset = { delta_mm = "5,10" }\n'
+        '[cross.scenes.cantilever]\nmeshes = ["2x1"]\n[cross.scenes.tyre]\nmeshes = ["12x12"]\n'
+        'set = { delta_mm = "5,10" }\n'
     )
     run(find(str(path)), tmp_path / "store")
     next(iter((tmp_path / "store/cells").glob("*.json"))).unlink()

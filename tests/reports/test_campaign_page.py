@@ -45,9 +45,8 @@ def store(tmp_path: Path) -> Path:
             write_json(tmp_path / "failures" / f"{cell_id}.json", told)
         elif ended != "missing":
             write_json(tmp_path / "cells" / f"{cell_id}.json", record(cell_id, n, ended))
-    rows.append(
-        Row(Cell("odd", "cantilever", {"contact": "qp"}, {}, artefacts=False), None, None, "no contact").as_json()
-    )
+    odd = Cell("odd", "cantilever", {"contact": "qp"}, artefacts=False)
+    rows.append(Row(odd, None, None, "no contact").as_json())
     at = {"load_fraction": 1.0, "measure": "exact"}
     reference = {"scene": "cantilever", "quantity": "tip_mm", "value": LIMIT / 1.01, "at": at, "kind": "exact"}
     reference |= {"source": "here", "uncertainty": 0.0}
