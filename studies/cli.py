@@ -1,4 +1,4 @@
-"""The command line: ``footprint list | solve | resolve | run | report | bench``.
+"""The command line: ``footprint list | solve | resolve | run | report | check | compare | advise | bench``.
 
 Exit codes: 0 fine, 1 a check failed, 2 wrong use (one line), 3 did not converge (result.json is still written).
 Heavy imports wait until a command needs them.
@@ -93,6 +93,25 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--out", type=Path, default=PAGES, metavar="DIR", help=f"default {PAGES}")
     command.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
     command.set_defaults(command=_report)
+
+    command = commands.add_parser("check", help="compare a fresh campaign with the committed baseline")
+    command.add_argument("--store", type=Path, metavar="DIR", help="one that has the campaign; default: solve it now")
+    command.add_argument("--campaign", default="quick", help="default quick")
+    command.add_argument("--baseline", type=Path, metavar="FILE", help="default: the committed one")
+    command.add_argument("--update", action="store_true", help="replace the baseline; with --owner and --reason")
+    command.add_argument("--owner", default="", metavar="NAME", help="who answers for an update")
+    command.add_argument("--reason", default="", metavar="TEXT", help="why the baseline is replaced")
+    command.add_argument("--date", metavar="YYYY-MM-DD", help="of an update, default today")
+    command.add_argument(
+        "--time", nargs=2, type=Path, metavar=("BEFORE", "NOW"), help="two stores with times of the timing lane"
+    )
+    command.set_defaults(command=_check)
+
+    command = commands.add_parser("compare", help="two stores side by side, as a comment for a review")
+    command.add_argument("before", type=Path, metavar="A")
+    command.add_argument("now", type=Path, metavar="B")
+    command.add_argument("--campaign", default="quick", help="default quick")
+    command.set_defaults(command=_compare)
 
     command = commands.add_parser("bench", help="cost of one Newton iteration, as ratios")
     command.add_argument("--mesh", help="N1xN2, default 42x40; with --scaling, --peers several, comma-separated")
@@ -298,6 +317,28 @@ def _report(options: argparse.Namespace) -> int:
         raise UsageError(str(error)) from None
     print("\n".join(differences) or f"{options.out} agrees with {options.store}")
     return FAILED if differences else OK
+
+
+def _check(options: argparse.Namespace) -> int:
+    from studies import gate
+
+    if options.time is not None:
+        if options.update or options.store is not None or options.baseline is not None:
+            raise gate.UsageError("--time compares two stores and no baseline")
+        return FAILED if gate.check_times(*options.time, options.campaign) else OK
+    if options.update:
+        gate.update_baseline(options)
+        return OK
+    if options.owner or options.reason or options.date:
+        raise gate.UsageError("--owner, --reason and --date go with --update")
+    return FAILED if gate.check_baseline(options.campaign, options.store, options.baseline) else OK
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from studies.gate import compare_stores
+
+    print(compare_stores(options.before, options.now, options.campaign), end="")
+    return OK
 
 
 def _bench(options: argparse.Namespace) -> int:
