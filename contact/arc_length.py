@@ -16,6 +16,7 @@ import numpy as np
 
 from contact.bordered import ArcPoint, Curve, Linearise
 from contact.linear import SingularMatrixError
+from contact.newton import RESIDUAL_TOLERANCE
 from contact.problem import Outcome
 
 LIMIT_TOLERANCE = 1e-5  # distance of a limit point from its last estimate, relative to its distance from rest
@@ -40,6 +41,7 @@ class ArcLength:
     first_factor: load factor of the first step.  easy, hard: iterations at which the step grows or shrinks.
     smallest, largest: bounds of the step, as fractions and multiples of the first one.  straight: least cosine between
     tangent and chord of a step; a sharper turn is taken in smaller steps, or the march could return on its own trace.
+    tolerance: residual relative to the forces in balance at which the Newton of a point ends.
     """
 
     first_factor: float
@@ -51,6 +53,7 @@ class ArcLength:
     straight: float = 0.9
     max_points: int = 1000
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
 
     def trace(
         self,
@@ -64,7 +67,7 @@ class ArcLength:
         ``linearise`` must not contain the load; ``load`` (n,) is the force at t = 1.  targets: increasing positive load
         factors; each counts where the load first reaches it.
         """
-        curve = Curve.at_rest(linearise, load, self.max_iterations, self.solver)
+        curve = Curve.at_rest(linearise, load, self.max_iterations, self.solver, self.tolerance)
         points, outcome, reason = self._march(curve, targets, on_point)
         refined, unresolved = _with_limits(curve, points)
         if unresolved and outcome.converged:

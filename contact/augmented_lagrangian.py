@@ -24,8 +24,8 @@ class AugmentedLagrangian:
     c [MPa/mm]: stiffness of the springs, not of the answer. It grows by ``growth`` when an update has not brought
     penetration and complementarity down to a quarter. The outer loop ends when both are rounding: the multiplier is
     exact, epsilon is infinite.
-    The inner Newton stops at a tenth of the last relative change of the pressure, between 1e-3 and the tolerance of any
-    other algorithm, which the last one keeps.
+    The inner Newton stops at a tenth of the last relative change of the pressure, between 1e-3 and ``tolerance``, which
+    the last one keeps.
     Sources: Hestenes, J. Optim. Theory Appl. 4 (1969) 303-320; Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
     """
 
@@ -35,6 +35,7 @@ class AugmentedLagrangian:
     max_outer: int = 60
     max_iterations: int = 40
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
     name: str = "augmented-lagrangian"
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -47,7 +48,8 @@ class AugmentedLagrangian:
         """Outer loop from the pressure and set of ``start``."""
         whole = NewtonRun(problem, solver=self.solver)
         whole.gap_size(start.u, problem.gap(start.u))
-        state, c, before, tolerance = start, self.c, np.inf, LOOSEST
+        loosest = max(LOOSEST, self.tolerance)
+        state, c, before, tolerance = start, self.c, np.inf, loosest
         for outer in range(self.max_outer):
             known = state.pressure
             shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
@@ -61,15 +63,13 @@ class AugmentedLagrangian:
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
             exact = error <= GAP_TOLERANCE * whole.gap_size(state.u, gap)
             whole.history[first_row]["event"] = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
-            if exact and tolerance == RESIDUAL_TOLERANCE:
+            if exact and tolerance == self.tolerance:
                 return state
             if error > SLOW * before:
                 c = min(self.growth * c, STIFFEST)
             change = float(np.max(np.abs(state.pressure - known), initial=0.0))
             relative = change / max(float(np.max(state.pressure, initial=0.0)), np.finfo(float).tiny)
-            tolerance = (
-                RESIDUAL_TOLERANCE if exact else float(np.clip(TIGHTENING * relative, RESIDUAL_TOLERANCE, LOOSEST))
-            )
+            tolerance = self.tolerance if exact else float(np.clip(TIGHTENING * relative, self.tolerance, loosest))
             before = error
         return replace(state, outcome=Outcome.ITERATION_LIMIT)
 

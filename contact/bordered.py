@@ -60,9 +60,12 @@ class Curve:
     solver: str
 
     @classmethod
-    def at_rest(cls, linearise: Linearise, load: np.ndarray, max_iterations: int, solver: str) -> Curve:
+    def at_rest(
+        cls, linearise: Linearise, load: np.ndarray, max_iterations: int, solver: str, tolerance: float
+    ) -> Curve:
         """Displacements and load count alike on the tangent at rest; ``linearise`` must not contain the load."""
-        curve = cls(NewtonRun(without_contact(linearise, len(load)), solver=solver), load, 1.0, max_iterations, solver)
+        run = NewtonRun(without_contact(linearise, len(load)), solver=solver, tolerance=tolerance)
+        curve = cls(run, load, 1.0, max_iterations, solver)
         tangent = curve.tangent(np.zeros_like(load), np.append(np.zeros_like(load), 1.0))
         return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1]))
 

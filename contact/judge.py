@@ -5,6 +5,7 @@ What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnos
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -26,7 +27,7 @@ KKT = ("equilibrium", "penetration", "tension", "complementarity")
 BALANCES = ("energy", "force")
 _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
-BALANCE = 1e-8
+EQUILIBRIUM, BALANCE = 1e-8, 1e-8
 LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
 
 
@@ -73,7 +74,7 @@ class Verdict:
     def failures(
         self,
         *,
-        equilibrium: float = 1e-8,
+        equilibrium: float = EQUILIBRIUM,
         penetration: float = 1e-9,
         tension: float = 0.0,
         complementarity: float = 1e-9,
@@ -93,6 +94,16 @@ class Verdict:
             "force": max(balance, min(self.force_rounding, ROUNDING_ALONE)),
         }
         return [name for name, value in {**self.kkt, **self.balances}.items() if not value <= bounds[name]]
+
+
+def claim(tolerance: float, n: int) -> dict[str, float]:
+    """Bounds for :meth:`Verdict.failures` of an answer in n unknowns that claims equilibrium to ``tolerance``.
+
+    The judge's own unless the tolerance is wider. A sum of n nodal imbalances is at most sqrt(n) times their norm.
+    """
+    if tolerance <= EQUILIBRIUM:
+        return {}
+    return {"equilibrium": tolerance, "balance": max(BALANCE, math.sqrt(n) * tolerance)}
 
 
 def judge(

@@ -11,7 +11,7 @@ from scipy import sparse
 from contact.complementarity import METHODS, LcpError, LcpSolution, NotApplicableError, active_set
 from contact.linear import Factor
 from contact.linearised import Iterate, Step, StepError, iterate
-from contact.newton import GAP_TOLERANCE, NewtonRun
+from contact.newton import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding
@@ -34,6 +34,7 @@ class Lcp:
     method: str = "lemke"
     max_iterations: int = 40
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
     name: str = "lcp"
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -46,7 +47,7 @@ class Lcp:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
-        run = NewtonRun(problem, self.epsilon, self.solver)
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         return iterate(run, start, partial(_step, self.method), self.max_iterations)
 
 

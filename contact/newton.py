@@ -24,7 +24,7 @@ from contact.problem import (
     rounding_floor,
 )
 
-RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance
+RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
 ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from contact.linear import negative_pivots
 from contact.linearised import Iterate, Step, StepError, iterate, settle_set
-from contact.newton import NewtonRun
+from contact.newton import RESIDUAL_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.qp_backends import Answer, Programme, ask, missing
 
@@ -37,6 +37,7 @@ class Qp:
     polish: bool = True
     max_iterations: int = 40
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
     name: str = "qp"
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -47,7 +48,7 @@ class Qp:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start``; the outcome is REFUSED where the tangent is not symmetric."""
-        run = NewtonRun(problem, self.epsilon, self.solver)
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         return iterate(run, start, self._step, self.max_iterations)
 
     def _step(self, run: NewtonRun, at: Iterate) -> Step:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.linearised import Iterate, Step, iterate
-from contact.newton import NewtonRun
+from contact.newton import RESIDUAL_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 
 
@@ -24,6 +24,7 @@ class Regularised:
     epsilon: float = 1e4
     max_iterations: int = 40
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
     name: str = "regularised"
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -34,7 +35,7 @@ class Regularised:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from the displacement of ``start``; its set and pressures follow from the gap."""
-        run = NewtonRun(problem, self.epsilon, self.solver)
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         gap = problem.gap(start.u)
         sprung = replace(start, pressure=np.where(start.active, self.epsilon * np.maximum(-gap, 0.0), 0.0))
         return iterate(run, sprung, _on_penetrated, self.max_iterations)

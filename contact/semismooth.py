@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.linearised import iterate, settling
-from contact.newton import NewtonRun
+from contact.newton import RESIDUAL_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 
 
@@ -32,6 +32,7 @@ class Semismooth:
     settle: float = 0.05
     max_iterations: int = 40
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
     name: str = "semismooth"
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -40,5 +41,5 @@ class Semismooth:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set repeats and the forces balance."""
-        run = NewtonRun(problem, self.epsilon, self.solver)
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         return iterate(run, start, settling(self.settle, self.c), self.max_iterations, self.c)

@@ -8,7 +8,7 @@ import numpy as np
 
 from contact.linear import SingularMatrixError
 from contact.linearised import CYCLE, first_of
-from contact.newton import NewtonRun
+from contact.newton import RESIDUAL_TOLERANCE, NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 
@@ -26,6 +26,7 @@ class TrialAndError:
     max_iterations: int = 40
     max_sets: int = 200
     solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
     name: str = "trial-and-error"
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -34,7 +35,7 @@ class TrialAndError:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Start from the set of ``start`` and the nodes that already penetrate."""
-        run = NewtonRun(problem, self.epsilon, self.solver)
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         u, pressure, before = start.u, start.pressure, start.active
         active = before | (problem.gap(u) < 0)
         seen: set[bytes] = set()

@@ -1,4 +1,4 @@
-"""The parameters of each contact algorithm as settings, which every scene with contact has beside its own."""
+"""The parameters of Newton and of each contact algorithm as settings, which a scene has beside its own."""
 
 from __future__ import annotations
 
@@ -6,9 +6,13 @@ import dataclasses
 
 from contact.algorithms import ALGORITHMS
 from contact.complementarity import METHODS
+from contact.newton import RESIDUAL_TOLERANCE
 from contact.qp_backends import BACKENDS
 from studies.scene import Setting
 
+TOLERANCE = Setting(
+    "tolerance", RESIDUAL_TOLERANCE, "residual of Newton's iteration over the forces in balance", low=1e-14, high=1e-1
+)
 _MORE = (
     Setting("settle", None, "fraction of the set that may change before the next linearisation", low=0, high=1),
     Setting("c", None, "weight of gap against pressure, first stiffness of the augmented Lagrangian, MPa/mm", low=0),

@@ -23,12 +23,13 @@ import pandas as pd
 from contact.algorithms import ALGORITHMS
 from contact.diagnosis import diagnose
 from contact.frozen import FrozenStep, freeze
-from contact.judge import judge
+from contact.judge import claim, judge
+from contact.newton import RESIDUAL_TOLERANCE
 from contact.path import PathPoint, follow
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from formulations.measures import MEASURES
 from formulations.shell import NEWTONS
-from studies.algorithm_settings import KEYS, settings_of
+from studies.algorithm_settings import KEYS, TOLERANCE, settings_of
 from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
 from studies.scenes import SCENES
 from studies.store import plain, write_by, write_json, write_table
@@ -47,7 +48,7 @@ def resolve(
     scene = SCENES.get(scene_name)
     if scene is None:
         raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
-    known = {setting.key: setting for setting in scene.settings}
+    known = {setting.key: setting for setting in (*scene.settings, TOLERANCE)}
     if "epsilon" in known:  # the scene has contact
         known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
     for key in given:
@@ -166,7 +167,9 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 
 
 def _algorithm(request: Request) -> ContactAlgorithm:
-    chosen = {key: request.settings[key] for key in ("epsilon", "solver", *KEYS) if key in request.settings}
+    chosen = {
+        key: request.settings[key] for key in ("epsilon", "solver", "tolerance", *KEYS) if key in request.settings
+    }
     return ALGORITHMS[request.contact](**chosen)
 
 
@@ -205,7 +208,8 @@ def _run_stages(
             seen = stage.observe(problem, point.solution, point.requested)
             counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
             spent = {**counts, "substeps": point.substeps}
-            _record(result, seen, certificate(problem, point.solution, algorithm.epsilon), spent)
+            told = certificate(problem, point.solution, algorithm.epsilon, _tolerance(result.request))
+            _record(result, seen, told, spent)
 
 
 def _freeze(problem_at: Callable[[float], ContactProblem], point: PathPoint, result: Result, stage: str) -> FrozenStep:
@@ -234,7 +238,7 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
         problem = replace(problem_at(point.factor), energy=None)  # four assemblies more at every point of a curve
         seen = stage.observe(problem, result.last, point.factor)
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
-        _record(result, seen, certificate(problem, result.last), spent)
+        _record(result, seen, certificate(problem, result.last, tolerance=_tolerance(result.request)), spent)
     result.quantities |= stage.summarise(trace.points)
     columns = [
         {k: v for k, v in step.items() if k not in ("kkt", "balances", "failures", "diagnosis")}
@@ -247,17 +251,31 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
     return trace.outcome.converged
 
 
-def certificate(problem: ContactProblem, state: ContactSolution, epsilon: float = math.inf) -> dict[str, Any]:
+def certificate(
+    problem: ContactProblem,
+    state: ContactSolution,
+    epsilon: float = math.inf,
+    tolerance: float = RESIDUAL_TOLERANCE,
+) -> dict[str, Any]:
     """What the judge says of a state, by the law of its epsilon: failures by name and their diagnosis, kkt, balances.
 
-    kkt has the true gaps, whatever epsilon.
+    kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
+    judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
     """
     verdict = judge(problem, state.u, state.pressure)
     found = verdict.certificate
+    claimed = claim(tolerance, len(state.u))
     if math.isfinite(epsilon):
-        found["failures"] = judge(problem, state.u, state.pressure, epsilon=epsilon).failures()
+        verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
+    found["failures"] = verdict.failures(**claimed)
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
     return found
+
+
+def _tolerance(request: Request) -> float:
+    value = request.settings["tolerance"]
+    assert isinstance(value, float | int)
+    return float(value)
 
 
 def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int]) -> None:

@@ -127,7 +127,8 @@ class CurveModel(StaticModel):
     ) -> CurveModel:
         """The first arc step is ``arc_step`` over the number of steps."""
         first = number(request, "arc_step") / request.steps
-        arc_length = ArcLength(first, solver=str(request.settings["solver"]))
+        solver, tolerance = str(request.settings["solver"]), number(request, "tolerance")
+        arc_length = ArcLength(first, solver=solver, tolerance=tolerance)
         return cls(shell, fractions(request), measure_at, arc_length)
 
     def stages(self) -> Iterator[Stage]:
