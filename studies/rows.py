@@ -40,11 +40,19 @@ def parsed(command: str) -> tuple[str, dict[str, Any], dict[str, str]]:
 
 def without(command: str, *names: str) -> str:
     """The command without some options and settings, for the comparison with others."""
+    head, pairs = _pairs(command)
+    return " ".join([head, *(words for name, words in pairs if name not in names)])
+
+
+@cache
+def _pairs(command: str) -> tuple[str, tuple[tuple[str, str], ...]]:
+    """``footprint solve SCENE`` and, by name, the words of each option and setting."""
     words = shlex.split(command)
-    pairs = list(zip(words[3::2], words[4::2], strict=True))
-    dropped = {*(f"--{name}" for name in names)}
-    kept = [p for p in pairs if p[0] not in dropped and not (p[0] == "--set" and p[1].split("=")[0] in names)]
-    return " ".join([*words[:3], *(word for pair in kept for word in pair)])
+    pairs = zip(words[3::2], words[4::2], strict=True)
+    named = (
+        (value.split("=")[0] if name == "--set" else name.removeprefix("--"), name, value) for name, value in pairs
+    )
+    return " ".join(words[:3]), tuple((key, f"{name} {value}") for key, name, value in named)
 
 
 def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
@@ -57,6 +65,8 @@ def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
         return
     key = solved["command"].map(lambda command: without(command, "mesh"))
     for _, rows in solved.groupby(key, sort=False):
+        if len(rows) < fewest:
+            continue
         refined = rows["n1"] if rows["n1"].nunique() > 1 else rows["n2"]
         rungs = rows.assign(size=1 / refined.astype(float)).sort_values("size", ascending=False)
         rungs = rungs.drop_duplicates("size", keep="last")
