@@ -37,13 +37,12 @@ def attribution(table: pd.DataFrame, fronts: pd.DataFrame) -> pd.DataFrame:
         for name, own in rows.groupby(scope, sort=False):
             if scope == "family" and own["scene"].nunique() < 2:
                 continue
-            for response, values in _responses(own).items():
-                solved = values.notna()
-                factors: dict[str, pd.Series] = {
-                    each: own.loc[solved, each].astype(str) for each in FACTORS if each in own
-                }
+            for response, logs in _responses(own).items():
+                solved, values = logs.notna(), logs
+                there = own[solved]
+                factors: dict[str, pd.Series] = {each: there[each].astype(str) for each in FACTORS if each in own}
                 if scope == "family":
-                    factors["mesh"] = _rung(own[solved])
+                    factors["mesh"] = _rung(there)
                     centre = values.groupby(own["scene"]).transform("mean")
                     values = values - centre
                 found += [(scope, name, response, *row) for row in shares(values[solved].to_numpy(float), factors)]

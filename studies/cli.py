@@ -94,6 +94,16 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
     command.set_defaults(command=_report)
 
+    command = commands.add_parser("advise", help="the cheapest configuration of a scene that meets a tolerance")
+    command.add_argument("scene")
+    command.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
+    command.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.add_argument("--campaign", default="standard", help="default standard")
+    command.add_argument("--cost", default="flops", help="dofs, factorisations, flops or seconds; default flops")
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    command.set_defaults(command=_advise)
+
     command = commands.add_parser("check", help="compare a fresh campaign with the committed baseline")
     command.add_argument("--store", type=Path, metavar="DIR", help="one that has the campaign; default: solve it now")
     command.add_argument("--campaign", default="quick", help="default quick")
@@ -148,12 +158,7 @@ def _solve(options: argparse.Namespace) -> int:
     from studies.solve import resolve
     from studies.store import write_by
 
-    given: dict[str, str] = {}
-    for pair in options.settings:
-        key, separator, value = pair.partition("=")
-        if not separator:
-            raise UsageError(f"--set {pair!r} must be KEY=VALUE")
-        given[key] = value
+    given = _pairs(options.settings)
     wanted = _wanted_error(options, given)
     scene, request = resolve(
         options.scene,
@@ -187,6 +192,19 @@ def _solve(options: argparse.Namespace) -> int:
     if wanted is not None:
         _print_ladder(result, enough)
     return OK if enough else NOT_CONVERGED
+
+
+def _pairs(settings: Sequence[str]) -> dict[str, str]:
+    """The settings of ``--set KEY=VALUE``."""
+    from studies.scene import UsageError
+
+    given: dict[str, str] = {}
+    for pair in settings:
+        key, separator, value = pair.partition("=")
+        if not separator:
+            raise UsageError(f"--set {pair!r} must be KEY=VALUE")
+        given[key] = value
+    return given
 
 
 def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> float | None:
@@ -319,18 +337,33 @@ def _report(options: argparse.Namespace) -> int:
     return FAILED if differences else OK
 
 
+def _advise(options: argparse.Namespace) -> int:
+    from studies.advise import advise, asked_question, lines
+    from studies.error_control import parse_error
+    from studies.table import collect
+    from studies.verification import verified
+
+    tolerance, given = parse_error(options.error), _pairs(options.settings)
+    table = collect(options.store, options.campaign)
+    question = asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+    found = advise(question, tolerance, options.cost)
+    print("\n".join(lines(found, options.cost)))
+    return OK if found.best is not None else FAILED
+
+
 def _check(options: argparse.Namespace) -> int:
     from studies import gate
+    from studies.scene import UsageError
 
     if options.time is not None:
         if options.update or options.store is not None or options.baseline is not None:
-            raise gate.UsageError("--time compares two stores and no baseline")
+            raise UsageError("--time compares two stores and no baseline")
         return FAILED if gate.check_times(*options.time, options.campaign) else OK
     if options.update:
         gate.update_baseline(options)
         return OK
     if options.owner or options.reason or options.date:
-        raise gate.UsageError("--owner, --reason and --date go with --update")
+        raise UsageError("--owner, --reason and --date go with --update")
     return FAILED if gate.check_baseline(options.campaign, options.store, options.baseline) else OK
 
 

@@ -62,6 +62,8 @@ def walls(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
     more than the last printed digit is worth, "uncertainty" when it is within the stated one, else "formulation".
     cases, of: ladders of one quantity and measure that stand, for this cause; label: the finest cell of the first one.
     """
+    loose = {label for rows in siblings(table, "tolerance") for label in rows["label"].iloc[1:]}
+    table = table[~table["label"].isin(loose)]  # their wall would be the solver's
     own, _ = limits(table)
     finest = {(without(str(row["command"]), "mesh")): row for row in _coarse_to_fine(table).to_dict("records")}
     by_cell = {(row["label"], row["quantity"]): row for row in references.to_dict("records")}

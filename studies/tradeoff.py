@@ -1,7 +1,8 @@
 """What accuracy costs: fronts of cost against verified error, per scene and per family of scenes.
 
 An error below what the reference is uncertain by counts as that uncertainty: nobody is better than what is known. An
-answer that is off by more than WRONG beyond it is wrong, however fast: it is flagged and on no front.
+answer that is off by more than WRONG beyond it is wrong, however fast: it is flagged and on no front. So is one whose
+formulation is that far off in any quantity of the scene: on a coarse mesh two errors may cancel.
 """
 
 from __future__ import annotations
@@ -44,9 +45,12 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     rows = table.join(facts, on="label")
     rows["family"] = rows["scene"].map(family_of)
     rows = rows.reindex(columns=[*SCENE_COLUMNS, *(column for column in COSTS.values() if column in table), "command"])
+    off = rows["label"].map(verified.groupby("label")["formulation_error"].max()).fillna(0.0)
     rows["flag"] = [
-        _flag(str(outcome), error, uncertainty)
-        for outcome, error, uncertainty in zip(rows["outcome"], rows["error"], rows["uncertainty"], strict=True)
+        _flag(str(outcome), error, max(error - uncertainty, beyond))
+        for outcome, error, uncertainty, beyond in zip(
+            rows["outcome"], rows["error"], rows["uncertainty"], off, strict=True
+        )
     ]
     shown = np.where(rows["flag"] == "", np.maximum(rows["error"], rows["uncertainty"]), np.nan)
     for name, column in COSTS.items():
@@ -55,10 +59,10 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     return rows.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
 
 
-def _flag(outcome: str, error: float, uncertainty: float) -> str:
+def _flag(outcome: str, error: float, beyond: float) -> str:
     if outcome not in CLAIMED:
         return "unsupported" if outcome == "unsupported" else "failed"
-    if outcome == "wrong" or error - uncertainty > WRONG:
+    if outcome == "wrong" or beyond > WRONG:
         return "wrong"
     return "unverified" if np.isnan(error) else ""
 

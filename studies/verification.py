@@ -1,12 +1,14 @@
 """The verified error of every cell, and how much of it is the mesh's, the solver's, the formulation's, the reference's.
 
 A cell is verified against the scene's reference where one holds for its settings, else against the Richardson limit of
-the finest ladder of its own formulation: all that it was asked but the mesh and how it was solved. Errors are relative.
+the finest ladder of the same request: all that was asked but the mesh and how it is solved. The ladder is one with
+the exact measure, where there is one: another measure is an approximation of it, and what it loses is an error; else
+one of its own measure. Which one it is, is said. Errors are relative.
 
     |value - reference| <= mesh + solver + formulation + reference
     mesh         |value - limit of the cell's own ladder|
     solver       |value - that with the tightest tolerance|; of the tightest one, what the law of the tolerances leaves
-    formulation  |limit of the cell's own ladder - reference|, where it is more than both are uncertain
+    formulation  |limit of the same with the tightest tolerance - reference|, where more than both are uncertain by
     reference    its stated uncertainty
 """
 
@@ -32,6 +34,7 @@ COLUMNS = (
     *("mesh_error", "order", "asymptotic", "solver_error", "formulation_error", "reference_error", "largest"),
 )
 REFERENCE, LIMIT = "reference", "limit"
+EXACT = "exact"  # the measure that the others approximate
 
 
 def headline(table: pd.DataFrame, scene: str) -> str | None:
@@ -62,16 +65,19 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     known = reference_rows(table) if references is None else references
     by_cell = {(row["label"], row["quantity"]): row for row in known.to_dict("records")}
     own, best = limits(table)
-    solver = _solver_parts(claimed)
+    solver, tightest = _solver_parts(claimed), _tightest(table)
     rows = []
     for cell in claimed.to_dict("records"):
         for name in judged(table, cell["scene"]) if cell["scene"] else ():
             value = float(cell.get(f"q.{name}", math.nan))
             if not math.isnan(value):
-                key = without(cell["command"], "mesh"), name
-                limit = own.get(key)
-                against = _against(by_cell.get((cell["label"], name)), best.get((without(cell["command"], *HOW), name)))
-                rows.append(_row(cell, name, value, against, limit, solver.get((cell["label"], name), math.nan)))
+                limit = own.get((without(cell["command"], "mesh"), name))
+                tight = own.get((tightest[without(cell["command"], "mesh", "tolerance")], name), limit)
+                asked = without(cell["command"], *HOW, "measure")
+                limits_there = (best.get((asked, measure, name)) for measure in (EXACT, str(cell["measure"])))
+                against = _against(by_cell.get((cell["label"], name)), next(filter(None, limits_there), None))
+                left = solver.get((cell["label"], name), math.nan)
+                rows.append(_row(cell, name, value, against, (limit, tight), left))
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -86,15 +92,22 @@ def _against(reference: dict[Any, Any] | None, limit: tuple[str, Limit] | None) 
 
 
 def _row(
-    cell: dict[Any, Any], name: str, value: float, against: tuple[str, float, float], own: Limit | None, solver: float
+    cell: dict[Any, Any],
+    name: str,
+    value: float,
+    against: tuple[str, float, float],
+    limits_there: tuple[Limit | None, Limit | None],
+    solver: float,
 ) -> list[object]:
+    """limits_there: of the cell's own ladder, and of the same with the tightest tolerance."""
     words, reference, uncertainty = against
+    own, tight = limits_there
     scale = abs(reference) if words else abs(own.value) if own is not None else abs(value)
     mesh = math.nan if own is None else abs(value - own.value) / scale
     parts = {"mesh": mesh, "solver": solver / scale if scale else math.nan, "reference": uncertainty}
-    if words.startswith(REFERENCE) and own is not None:
-        off = abs(own.value - reference) / scale
-        parts["formulation"] = off if off > uncertainty + own.uncertainty / scale else 0.0
+    if words and tight is not None:
+        off = abs(tight.value - reference) / scale
+        parts["formulation"] = off if off > uncertainty + tight.uncertainty / scale else 0.0
     present = {part: size for part, size in parts.items() if not math.isnan(size)}
     return [
         *(cell["label"], cell["scene"], name, value, words, reference, uncertainty),
@@ -107,14 +120,16 @@ def _row(
     ]
 
 
-def limits(table: pd.DataFrame) -> tuple[dict[tuple[str, str], Limit], dict[tuple[str, str], tuple[str, Limit]]]:
-    """Limits of each ladder by its command without the mesh, and of the finest one of each formulation, with a label.
+def limits(
+    table: pd.DataFrame,
+) -> tuple[dict[tuple[str, str], Limit], dict[tuple[str, str, str], tuple[str, Limit]]]:
+    """Limits of each ladder by its command without the mesh, and of the finest ladder of each request and measure.
 
     Of ladders with the same finest mesh the one with the tightest tolerance counts, and of those the stiffest contact.
     """
     own: dict[tuple[str, str], Limit] = {}
-    best: dict[tuple[str, str], tuple[str, Limit]] = {}
-    ranks: dict[tuple[str, str], tuple[float, ...]] = {}
+    best: dict[tuple[str, str, str], tuple[str, Limit]] = {}
+    ranks: dict[tuple[str, str, str], tuple[float, ...]] = {}
     for rungs in ladders(table):
         finest = rungs.iloc[-1]
         rank = (float(finest["size"]), _number(finest, "tolerance", 0.0), -_number(finest, "epsilon", math.inf))
@@ -124,10 +139,19 @@ def limits(table: pd.DataFrame) -> tuple[dict[tuple[str, str], Limit], dict[tupl
                 continue
             limit = limit_of(rungs["size"].tolist(), values.tolist())
             own[without(str(finest["command"]), "mesh"), name] = limit
-            key = without(str(finest["command"]), *HOW), name
+            key = without(str(finest["command"]), *HOW, "measure"), str(finest["measure"]), name
             if key not in ranks or rank < ranks[key]:
                 ranks[key], best[key] = rank, (str(finest["label"]), limit)
     return own, best
+
+
+def _tightest(table: pd.DataFrame) -> dict[str, str]:
+    """By the command without mesh and tolerance, the one without mesh that has the tightest tolerance."""
+    tolerance = (
+        pd.to_numeric(table["tolerance"], errors="coerce") if "tolerance" in table else pd.Series(0.0, table.index)
+    )
+    ordered = table["command"].iloc[np.argsort(-tolerance.fillna(0.0).to_numpy(float), kind="stable")]
+    return {without(command, "mesh", "tolerance"): without(command, "mesh") for command in ordered}
 
 
 def _number(row: pd.Series, name: str, default: float) -> float:
