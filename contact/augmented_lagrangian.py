@@ -53,7 +53,7 @@ class AugmentedLagrangian:
         for outer in range(self.max_outer):
             known = state.pressure
             shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
-            inner = NewtonRun(shifted, c, self.solver, whole.counters, whole.history, tolerance)
+            inner = NewtonRun(shifted, c, self.solver, whole.counters, whole.history, tolerance, flops=whole.flops)
             first_row = len(whole.history)
             state = iterate(inner, state, settling(SETTLE), self.max_iterations)
             if not state.outcome.converged:

@@ -127,8 +127,8 @@ class Curve:
         lower = np.append(row * self.m * normal[:-1], row * column * normal[-1])
         A = sparse.csc_matrix(sparse.vstack([upper, sparse.csr_matrix(lower[None, :])], format="csr"))
         factor = factorise(A, self.solver)
-        self.run.counters["factorisations"] += 1
         start = self._spend("factorisation_s", start)
+        self.run.count(factor, A)
         x = checked_solve(factor, A, np.append(b[:-1], row * b[-1]))
         self._spend("solve_s", start)
         return np.append(x[:-1], column * x[-1])

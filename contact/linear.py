@@ -72,6 +72,16 @@ def factorise(A: sparse.csc_matrix, solver: str = "splu", *, ordered: bool = Fal
     return SOLVERS[solver](A, ordered)
 
 
+def factor_flops(factor: Factor) -> float:
+    """Floating-point operations of a factorisation by SuperLU, 2 sum_j c_j^2 for c_j entries in column j of L.
+
+    L is unit lower triangular and U has its pattern transposed, near enough. 0 where the factor does not show
+    L, as PARDISO's. Copying L takes a twentieth of the time that finding it took.
+    """
+    L = getattr(factor, "L", None)
+    return 0.0 if L is None else 2.0 * float(np.sum(np.square(np.diff(L.indptr), dtype=float)))
+
+
 def negative_pivots(A: sparse.csc_matrix) -> int:
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from contact.linear import Factor, checked_solve, factorise
+from contact.linear import Factor, checked_solve, factor_flops, factorise
 from contact.problem import (
     ROUNDING_ALONE,
     ContactProblem,
@@ -42,6 +42,7 @@ class NewtonRun:
             "newton_iterations": 0,
             "factorisations": 0,
             "assemblies": 0,
+            "flops": 0,
             "set_changes": 0,
             "assembly_s": 0.0,
             "factorisation_s": 0.0,
@@ -52,6 +53,7 @@ class NewtonRun:
     history: list[dict[str, object]] = field(default_factory=list)
     tolerance: float = RESIDUAL_TOLERANCE
     clock: Callable[[], float] = time.perf_counter  # what the times of the counters are read from
+    flops: dict[tuple[int, int], float] = field(default_factory=dict)  # of a factorisation, by entries of A and of L, U
     _first_scale: float = 0.0
     _first_gap_size: float = 0.0
     _scale: float = 0.0
@@ -168,8 +170,16 @@ class NewtonRun:
         start = self.clock()
         factor = factorise(A, self.solver, ordered=self.problem.ordered)
         self.spend("factorisation_s", start)
-        self.counters["factorisations"] += 1
+        self.count(factor, A)
         return factor
+
+    def count(self, factor: Factor, A: sparse.csc_matrix) -> None:
+        """Count a factorisation and its operations; matrices of one size and fill take the same ones."""
+        self.counters["factorisations"] += 1
+        fill = (A.nnz, getattr(factor, "nnz", 0))
+        if fill not in self.flops:
+            self.flops[fill] = factor_flops(factor)
+        self.counters["flops"] += self.flops[fill]
 
     def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
         """The checked solution, timed; raises SingularMatrixError."""

@@ -16,7 +16,7 @@ from reports.maps import along_meridian, at_delta, deltas, pressure_map
 from reports.schema import TYRES, Cell, load_cell
 
 BOOKKEEPING = {
-    *("newton_iterations", "factorisations", "assemblies", "set_changes", "substeps", "limit_point"),
+    *("newton_iterations", "factorisations", "assemblies", "flops", "set_changes", "substeps", "limit_point"),
     *("kkt", "balances", "failures", "diagnosis", "rounding"),
 }
 

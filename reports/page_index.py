@@ -190,7 +190,7 @@ def _locking(store: Store) -> str:
 def _machine(store: Store) -> str:
     """Versions and times, skipped by comparisons."""
     made = [cell.result["provenance"] for cell in store.cells.values()]
-    total = sum(cell.result["timing_s"]["total"] for cell in store.cells.values())
+    total = sum(cell.result["timing_s"].get("total", 0.0) for cell in store.cells.values())
     packages = dict.fromkeys(f"{name} {version}" for p in made for name, version in p["packages"].items())
     machines = dict.fromkeys(", ".join(f"{key} {value}" for key, value in p["machine"].items()) for p in made)
     rows = [

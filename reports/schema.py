@@ -14,12 +14,16 @@ from typing import Any
 
 import pandas as pd
 
-SCHEMA = 1
+SCHEMA = 2
 RESULT_KEYS = (
-    *("scene", "measure", "contact", "newton", "mesh", "model", "settings", "outcome", "reason"),
-    *("quantities", "steps", "counters", "timing_s", "provenance"),
+    *("scene", "measure", "contact", "newton", "mesh", "model", "settings", "outcome", "class", "reason"),
+    *("quantities", "steps", "cuts", "counters", "timing_s", "provenance"),
 )
-CELL_KEYS = ("label", "id", "scene", "command")
+RECORD_KEYS = ("schema", "id", *RESULT_KEYS)
+FAILURE_KEYS = ("schema", "id", "class", "reason")
+INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
+CELL_KEYS = ("label", "id", "scene", "command", "options", "settings", "files", "request", "reason")
+CLASSES = ("converged", "wrong", "not-converged", "cap-hit", "time", "memory", "crash", "unsupported", "missing")
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
 TYRES = ("tyre", "tyre-solid")
 TYRE_STEP_KEYS = (
@@ -75,6 +79,7 @@ STORE_COLUMNS = {
     ),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
 }
+
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 
 
@@ -130,25 +135,47 @@ class Cell:
 
     def cuts(self) -> list[str]:
         """The events of rejected attempts, in order; empty when every step was taken as asked."""
-        history = self.table("history")
-        if "event" not in history:
-            return []
-        return [str(event) for event in history["event"].dropna() if CUT in str(event)]
+        return [str(event) for event in self.result["cuts"]]
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """A cell of the plan, and what became of it: ``ended`` is one of CLASSES; asked: the request, as far as it went.
+
+    result: its record, or None where there is none.
+    """
+
+    label: str
+    id: str | None
+    scene: str
+    command: str
+    asked: Mapping[str, Any]
+    ended: str
+    reason: str
+    result: Mapping[str, Any] | None
 
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """A loaded store: ``cells`` by label in the order of the campaign, ``references`` as written by the scenes."""
+    """A campaign of a store: ``planned`` is everything it asks for, in order; ``cells`` by label those with records.
+
+    references: as written by the scenes.  pages: which of them the campaign is made for.
+    """
 
     path: Path
     campaign: str
     cells: Mapping[str, Cell]
     references: tuple[Mapping[str, Any], ...]
+    planned: tuple[Planned, ...] = ()
+    title: str = ""
+    pages: str = ""
 
     def cell(self, label: str) -> Cell:
         """The cell of a label; raises StoreError when the campaign has none."""
         if label not in self.cells:
-            raise StoreError(f"{self.path}: campaign {self.campaign!r} has no cell {label!r}, which the pages need")
+            ended = next((f"{each.ended}: {each.reason}" for each in self.planned if each.label == label), "")
+            lacks = f"no record of cell {label!r} ({ended})" if ended else f"no cell {label!r}"
+            raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
         return self.cells[label]
 
     def matching(self, pattern: str) -> list[Cell]:
@@ -186,29 +213,80 @@ class Store:
         return _read_table(self.path / "references" / name, columns, comment="#")
 
 
-def load_store(path: Path) -> Store:
-    """Read and check a whole store except for its tables; raises StoreError."""
+def load_store(path: Path, campaign: str | None = None) -> Store:
+    """Read and check a campaign of a store, except for its tables; raises StoreError.
+
+    Without a name it is the only one there: two are never mixed.
+    """
     if not path.is_dir():
         raise StoreError(f"{path}: no such directory")
-    index = _read_json(path / "campaign.json", ("schema", "campaign", "cells"))
-    if index["schema"] != SCHEMA:
-        raise StoreError(f"{path / 'campaign.json'}: schema {index['schema']!r}, but this program reads {SCHEMA}")
-    references = _read_json(path / "references.json", ("references",))["references"]
+    index_path = path / "campaigns" / f"{campaign or _only(path)}.json"
+    index = _checked(index_path, INDEX_KEYS)
+    references = _checked(path / "references.json", ("schema", "references"))["references"]
     for row in references:
         _require(row, REFERENCE_KEYS, path / "references.json")
-    cells: dict[str, Cell] = {}
-    for row in index["cells"]:
-        _require(row, CELL_KEYS, path / "campaign.json")
-        cells[row["label"]] = load_cell(path / "cells" / row["id"], row["label"], row["command"])
-    return Store(path, index["campaign"], cells, tuple(references))
+    planned = tuple(_planned(path, index_path, row) for row in index["cells"])
+    cells = {
+        row["label"]: Cell(each.label, each.scene, each.command, path / "cells" / str(each.id), each.result)
+        for row, each in zip(index["cells"], planned, strict=True)
+        if row["files"] and each.result is not None
+    }
+    return Store(path, index["campaign"], cells, tuple(references), planned, index["title"], index["pages"])
+
+
+def _only(path: Path) -> str:
+    """The name of the one campaign of a store; raises StoreError."""
+    names = sorted(each.stem for each in (path / "campaigns").glob("*.json"))
+    if len(names) > 1:
+        raise StoreError(f"{path}: has the campaigns {', '.join(names)}; choose one by --campaign")
+    if not names:
+        old = path / "campaign.json"
+        raise StoreError(
+            f"{old}: schema 1, but this program reads {SCHEMA}" if old.exists() else f"{path}: no campaign"
+        )
+    return names[0]
+
+
+def _planned(path: Path, index_path: Path, row: Mapping[str, Any]) -> Planned:
+    """A row of the index with its record, its failure, or neither; raises StoreError for what cannot be read."""
+    _require(row, CELL_KEYS, index_path)
+    asked = row["request"] or {**row["options"], "settings": row["settings"]}
+    head = (row["label"], row["id"], row["scene"], row["command"], asked)
+    if row["id"] is None:
+        return Planned(*head, "unsupported", row["reason"], None)
+    record = path / "cells" / f"{row['id']}.json"
+    if record.exists():
+        result = _checked(record, RECORD_KEYS)
+        if result["id"] != row["id"] or result["scene"] != row["scene"]:
+            raise StoreError(f"{record}: of cell {result['id']!r} of {result['scene']}, not of {row['label']!r}")
+        _require_steps(result, record)
+        return Planned(*head, result["class"], result["reason"], result)
+    failure = path / "failures" / f"{row['id']}.json"
+    if failure.exists():
+        found = _checked(failure, FAILURE_KEYS)
+        return Planned(*head, found["class"], found["reason"], None)
+    return Planned(*head, "missing", "not solved yet", None)
 
 
 def load_cell(directory: Path, label: str, command: str = "") -> Cell:
     """Read and check one solved request; raises StoreError."""
     result = _read_json(directory / "result.json", RESULT_KEYS)
-    for step in result["steps"]:
-        _require(step, STEP_KEYS.get(result["scene"], STATIC_STEP_KEYS), directory / "result.json")
+    _require_steps(result, directory / "result.json")
     return Cell(label, result["scene"], command, directory, result)
+
+
+def _require_steps(result: Mapping[str, Any], path: Path) -> None:
+    for step in result["steps"]:
+        _require(step, STEP_KEYS.get(result["scene"], STATIC_STEP_KEYS), path)
+
+
+def _checked(path: Path, keys: Iterable[str]) -> dict[str, Any]:
+    """As _read_json, of this schema."""
+    data = _read_json(path, ("schema",))
+    if data["schema"] != SCHEMA:
+        raise StoreError(f"{path}: schema {data['schema']!r}, but this program reads {SCHEMA}")
+    _require(data, keys, path)
+    return data
 
 
 def _read_json(path: Path, keys: Iterable[str]) -> dict[str, Any]:

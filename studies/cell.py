@@ -8,12 +8,16 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Cell:
-    """A labelled request: ``label`` is what the report asks for, ``options`` are those of ``footprint solve``."""
+    """A labelled request: ``label`` is what the report asks for, ``options`` are those of ``footprint solve``.
+
+    artefacts: its fields and tables are kept beside its record.
+    """
 
     label: str
     scene: str
     options: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, str] = field(default_factory=dict)
+    artefacts: bool = True
 
     @property
     def command(self) -> str:

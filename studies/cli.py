@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
 OK, FAILED, WRONG_USE, NOT_CONVERGED = 0, 1, 2, 3
 PAGES = Path("reports/pages")
-MOST_JOBS = 64
 
 
 class _Parser(argparse.ArgumentParser):
@@ -83,9 +82,12 @@ def _parser() -> argparse.ArgumentParser:
     command.set_defaults(command=_resolve)
 
     command = commands.add_parser("run", help="solve the missing cells of a campaign")
-    command.add_argument("campaign")
+    command.add_argument("campaign", help="a name of its own, or a .toml file")
     command.add_argument("--store", type=Path, required=True, metavar="DIR")
-    command.add_argument("--jobs", type=int, default=1, help="processes side by side, default 1")
+    command.add_argument("--engine", default="serial", help="serial, local:N or dask:ADDRESS; default serial")
+    command.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
+    command.add_argument("--time-limit", type=float, default=900.0, metavar="S", help="of one cell, default 900")
+    command.add_argument("--memory-limit", type=float, default=4096.0, metavar="MB", help="of one cell, default 4096")
     command.set_defaults(command=_run)
 
     command = commands.add_parser("report", help="write the pages of a store")
@@ -286,6 +288,7 @@ def _print_table(result: dict[str, object]) -> None:
             "rounding",
             "factorisations",
             "assemblies",
+            "flops",
             "set_changes",
             "substeps",
         }
@@ -301,23 +304,33 @@ def _print_table(result: dict[str, object]) -> None:
 def _run(options: argparse.Namespace) -> int:
     from rich.progress import Progress
 
-    from studies.campaign import CAMPAIGNS, run
+    from studies.campaign import run
+    from studies.definition import find
+    from studies.worker import Limits
+
+    limits = Limits(_positive("time-limit", options.time_limit), _positive("memory-limit", options.memory_limit))
+    campaign = find(options.campaign)
+    with Progress() as bar:
+        task = bar.add_task(campaign.name)
+        summary = run(
+            campaign,
+            options.store,
+            options.engine,
+            limits,
+            lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label),
+            lambda line: print(f"footprint: {line}", file=sys.stderr),
+            resume=options.resume,
+        )
+    print(f"{campaign.name}: {summary.line}")
+    return OK
+
+
+def _positive(name: str, value: float) -> float:
     from studies.scene import UsageError
 
-    if options.campaign not in CAMPAIGNS:
-        raise UsageError(f"campaign {options.campaign!r} must be one of {', '.join(CAMPAIGNS)}")
-    if not 1 <= options.jobs <= MOST_JOBS:
-        raise UsageError(f"jobs = {options.jobs} must be a whole number in [1, {MOST_JOBS}]")
-    with Progress() as bar:
-        task = bar.add_task(options.campaign)
-        solved = run(
-            options.campaign,
-            options.store,
-            lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label),
-            options.jobs,
-        )
-    print(f"{options.campaign}: {solved} of {len(CAMPAIGNS[options.campaign])} cells solved now")
-    return OK
+    if not 0 < value < float("inf"):
+        raise UsageError(f"{name} = {value} must be a number in (0, inf)")
+    return value
 
 
 def _report(options: argparse.Namespace) -> int:

@@ -38,6 +38,10 @@ MODELS = ("auto", "full")
 LARGEST_MESH = 250_000
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
+CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
+TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
+CLASSES = (CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
+CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 REPORTED_PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "meshio")
 
 
@@ -128,23 +132,41 @@ class Result:
             "model_reason": request.model_reason,
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.name.lower().replace("_", "-"),
+            "class": self.verdict,
             "reason": self.unsupported or self.reason or self.outcome.value,
             "quantities": self.quantities,
             "steps": self.steps,
+            "cuts": [str(row["event"]) for row in self.history if CUT in str(row.get("event", ""))],
             "counters": self.counters,
             "timing_s": self.timing,
             "provenance": provenance(),
         }
 
+    @property
+    def verdict(self) -> str:
+        """The class of the outcome: what a solve may end in of :data:`CLASSES`."""
+        if self.unsupported:
+            return UNSUPPORTED
+        if self.outcome.converged:
+            return WRONG if any(step["failures"] for step in self.steps) else CONVERGED
+        limit = Outcome.ITERATION_LIMIT
+        capped = self.outcome is limit or (self.outcome is Outcome.STEP_LIMIT and limit.value in self.reason)
+        return CAP_HIT if capped else NOT_CONVERGED
+
     def write(self, directory: Path) -> None:
         """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
+        self.write_artefacts(directory)
+        write_json(directory / "result.json", self.as_json())
+
+    def write_artefacts(self, directory: Path) -> list[str]:
+        """fields.vtu and the tables, each whole or not at all; returns their names."""
         tables = {name: pd.concat(parts, ignore_index=True) for name, parts in self.tables.items()}
         history = pd.DataFrame(self.history) if self.history else pd.DataFrame(columns=list(HISTORY))
         for name, table in {**tables, "history": history}.items():
             write_table(directory / f"{name}.csv", table)
         state = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0)
         write_by(directory / "fields.vtu", lambda path: self.model.write_fields(path, state))
-        write_json(directory / "result.json", self.as_json())
+        return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
 
 
 def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
@@ -155,7 +177,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
     built = time.perf_counter()
     result.counters["dofs"] = model.n_unknowns
     try:
-        algorithm = _algorithm(request)
+        algorithm = algorithm_of(request)
     except ValueError as error:  # a parameter that it cannot have
         result.unsupported = f"{request.contact} does not apply: {error}"
     else:
@@ -166,7 +188,8 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
     return result
 
 
-def _algorithm(request: Request) -> ContactAlgorithm:
+def algorithm_of(request: Request) -> ContactAlgorithm:
+    """The algorithm with its parameters; raises ValueError for one it cannot have."""
     chosen = {
         key: request.settings[key] for key in ("epsilon", "solver", "tolerance", *KEYS) if key in request.settings
     }

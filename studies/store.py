@@ -12,17 +12,30 @@ from typing import Any
 
 import pandas as pd
 
-SCHEMA = 1
+SCHEMA = 2
+PART = ".part-"  # how a file begins that is being written
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file by a temporary name."""
-    write_by(path, lambda temporary: temporary.write_text(text, encoding="utf-8"))
+    """Write a text file by a temporary name; it is on the disk before it has its own."""
+
+    def write(temporary: Path) -> None:
+        with temporary.open("w", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+
+    write_by(path, write)
 
 
 def write_json(path: Path, data: Mapping[str, Any]) -> None:
     """Write strict JSON (infinities become the strings "inf" and "-inf", NaN becomes null)."""
-    write_text(path, json.dumps(plain(data), indent=1, allow_nan=False) + "\n")
+    write_text(path, as_text(data))
+
+
+def as_text(data: Mapping[str, Any]) -> str:
+    """The text that write_json writes."""
+    return json.dumps(plain(data), indent=1, allow_nan=False) + "\n"
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:
@@ -49,7 +62,7 @@ def write_table_once(path: Path, identity: str, make: Callable[[], pd.DataFrame]
 def write_by(path: Path, writer: Callable[[Path], object]) -> None:
     """Let ``writer`` fill a temporary file beside ``path``, then rename it; nothing is left behind on failure."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=".part-", suffix=path.suffix)
+    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=PART, suffix=path.suffix)
     os.close(descriptor)
     temporary = Path(name)
     try:

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-import sys
-import time
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,19 +17,30 @@ from contact.algorithms import ALGORITHMS
 from contact.problem import ContactProblem
 from contact.semismooth import Semismooth
 from formulations.measures import MEASURES
-from reports.schema import load_cell
-from studies.campaign import CAMPAIGNS, Cell, identity
 from studies.cli import main
 from studies.scene import Setting, UsageError
 from studies.scenes.tyre_lines import tyre_lines
 from studies.scenes.tyre_press import asymmetries, half_extent, to_edges
+from studies.solve import resolve, solve
 from studies.store import write_by, write_json
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]
 
 TOP_LEVEL = {
-    *("scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings", "outcome", "reason"),
-    *("quantities", "steps", "counters", "timing_s", "provenance"),
+    *(
+        "scene",
+        "measure",
+        "contact",
+        "newton",
+        "mesh",
+        "model",
+        "model_reason",
+        "settings",
+        "outcome",
+        "class",
+        "reason",
+    ),
+    *("quantities", "steps", "cuts", "counters", "timing_s", "provenance"),
 }
 STEP = {
     *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm"),
@@ -247,46 +255,6 @@ def test_bench_prints_the_split(capsys: pytest.CaptureFixture[str]) -> None:
         assert part in out
 
 
-def test_run_is_resumed_not_repeated(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    cells = [Cell(f"c{n}", "cantilever", {"mesh": f"{n}x1"}) for n in (2, 4)]
-    monkeypatch.setitem(CAMPAIGNS, "small", cells)
-    store = tmp_path / "store"
-    assert main(["run", "small", "--store", str(store)]) == 0
-    results = sorted(store.glob("cells/*/result.json"))
-    assert len(results) == 2
-    results[0].unlink()  # as if stopped before this cell was finished
-    kept = results[1].stat().st_mtime_ns
-    assert main(["run", "small", "--store", str(store)]) == 0
-    assert results[0].exists()
-    assert results[1].stat().st_mtime_ns == kept
-    assert json.loads((store / "campaign.json").read_text())["cells"][0]["label"] == "c2"
-
-
-def test_cells_solved_side_by_side_are_those_solved_one_by_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setitem(CAMPAIGNS, "small", [Cell(f"c{n}", "cantilever", {"mesh": f"{n}x1"}) for n in (2, 4, 6)])
-
-    def finished(jobs: str) -> dict[str, object]:
-        store = tmp_path / jobs
-        assert main(["run", "small", "--store", str(store), "--jobs", jobs]) == 0
-        results = {path.parent.name: json.loads(path.read_text()) for path in store.glob("cells/*/result.json")}
-        return {name: (result["quantities"], result["counters"]) for name, result in results.items()}
-
-    one_by_one = finished("1")
-    assert len(one_by_one) == 3
-    assert finished("2") == one_by_one
-    assert main(["run", "small", "--store", str(tmp_path / "3"), "--jobs", "0"]) == 2
-    assert "jobs = 0 must be a whole number in [1, 64]" in capsys.readouterr().err
-
-
-def test_a_cell_that_fails_stops_the_campaign_and_says_why(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    impossible = Cell("odd", "tyre", {"mesh": "7x7"})  # refused by the scene, not by a range
-    monkeypatch.setitem(CAMPAIGNS, "small", [impossible, Cell("c2", "cantilever", {"mesh": "2x1"})])
-    assert main(["run", "small", "--store", str(tmp_path), "--jobs", "2"]) == 2
-    assert not (tmp_path / "campaign.json").exists()
-
-
 @dataclass(frozen=True)
 class Refusing(Semismooth):
     """Refuses at once, at the first problem with candidates, or to be made at all."""
@@ -303,58 +271,20 @@ class Refusing(Semismooth):
 
 
 @pytest.mark.parametrize("at", ["once", "contact", "birth"])
-def test_a_refusal_is_a_row_of_a_campaign_and_one_line_of_a_solve(
+def test_a_refusal_is_an_outcome_and_one_line_of_a_solve(
     at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setitem(ALGORITHMS, "refusing", partial(Refusing, at=at))
-    small = {"delta_mm": "2", "epsilon": "inf"}
-    cells = [Cell(name, "tyre", {"mesh": "6x6", "contact": name}, small) for name in ("refusing", "semismooth")]
-    monkeypatch.setitem(CAMPAIGNS, "small", cells)
-    store = tmp_path / "store"
-    assert main(["run", "small", "--store", str(store)]) == 0
-    refused, solved = (load_cell(store / "cells" / identity(cell), cell.label) for cell in cells)
-    why = "epsilon must be finite" if at == "birth" else "the matrix is not symmetric"
-    assert refused.unsupported
-    assert refused.result["reason"] == f"refusing does not apply: {why}"
-    assert refused.steps == refused.cuts() == []
-    assert solved.converged
-    assert not solved.unsupported
-    capsys.readouterr()
     words = ["--mesh", "6x6", "--contact", "refusing", "--set", "epsilon=inf"]
+    why = "epsilon must be finite" if at == "birth" else "the matrix is not symmetric"
+    scene, request = resolve("tyre", {"delta_mm": "2", "epsilon": "inf"}, "6x6", contact="refusing")
+    refused = solve(scene, request)
+    assert refused.verdict == "unsupported"
+    assert refused.as_json()["reason"] == f"refusing does not apply: {why}"
+    assert refused.steps == []
     assert main(["solve", "tyre", *words, "--out", str(tmp_path / "x")]) == 2
     assert capsys.readouterr().err == f"footprint: refusing does not apply: {why}\n"
     assert not (tmp_path / "x").exists()
-
-
-def test_workers_end_with_a_campaign_that_is_killed(tmp_path: Path) -> None:
-    """What was finished is kept, and no process stays behind."""
-    command = [sys.executable, "-m", "studies.cli", "run", "benchmarks", "--store", str(tmp_path), "--jobs", "2"]
-    campaign = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    children = Path(f"/proc/{campaign.pid}/task/{campaign.pid}/children")
-    if not children.exists():
-        campaign.kill()
-        pytest.skip("no /proc to look at processes")
-    workers: list[Path] = []
-    until = time.monotonic() + 60
-    while not list(tmp_path.glob("cells/*/result.json")) and time.monotonic() < until:
-        workers = [Path(f"/proc/{pid}") for pid in children.read_text().split()]
-        time.sleep(0.1)
-    assert len(workers) >= 2
-    campaign.kill()
-    campaign.wait()
-    until = time.monotonic() + 60
-    while any(worker.exists() for worker in workers) and time.monotonic() < until:
-        time.sleep(0.1)
-    assert not any(worker.exists() for worker in workers)
-    for result in tmp_path.glob("cells/*/result.json"):
-        assert json.loads(result.read_text())["outcome"] == "converged"
-
-
-def test_identity_follows_what_decides_the_result() -> None:
-    base = Cell("a", "cantilever", {"mesh": "4x1"})
-    assert identity(base) == identity(Cell("another label", "cantilever", {"mesh": "4x1"}))
-    assert identity(base) != identity(Cell("a", "cantilever", {"mesh": "8x1"}))
-    assert identity(base) != identity(Cell("a", "cantilever", {"mesh": "4x1"}, {"load_fraction": "1"}))
 
 
 def test_writing_leaves_nothing_behind_when_it_fails(tmp_path: Path) -> None:

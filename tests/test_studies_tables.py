@@ -8,11 +8,13 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies import campaign
-from studies.campaign import CAMPAIGNS, TABLES, TABLES_OF, identity, run
+from studies import tables
 from studies.convergence_cells import LADDERS, cells, ladder_table
+from studies.plan import identity
+from studies.report_cells import LISTS, TABLES_OF
 from studies.scenes import SCENES
 from studies.store import write_table_once
+from studies.tables import TABLES, make_table
 
 
 def test_a_table_with_its_identity_is_not_made_again(tmp_path: Path) -> None:
@@ -50,26 +52,23 @@ def test_a_table_stopped_between_its_two_files_is_made_again(tmp_path: Path, mon
     assert path.read_text() == "x\n1\n"
 
 
-def test_a_campaign_makes_its_tables_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_table_is_made_once_for_its_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     calls = []
-    monkeypatch.setitem(CAMPAIGNS, "small", ())
     monkeypatch.setitem(TABLES, "counted", lambda: pd.DataFrame({"x": [calls.append(1)]}))
-    monkeypatch.setitem(TABLES_OF, "small", ("counted",))
-    run("small", tmp_path)
-    run("small", tmp_path)
-    assert len(calls) == 1
-    monkeypatch.setattr(campaign, "_source_hash", lambda: "changed")
-    run("small", tmp_path)
+    assert make_table("counted", tmp_path)
+    assert not make_table("counted", tmp_path)
+    monkeypatch.setattr(tables, "sources_hash", lambda modules: "changed")
+    assert make_table("counted", tmp_path)
     assert len(calls) == 2
 
 
 def test_the_report_has_all_tables() -> None:
     assert set(TABLES_OF["report"]) == set(TABLES)
-    assert set(TABLES_OF) <= set(CAMPAIGNS)
+    assert set(TABLES_OF) <= set(LISTS)
 
 
 def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
-    of_the_solid = {cell.scene for cell in CAMPAIGNS["solid"]}
+    of_the_solid = {cell.scene for cell in LISTS["solid"]}
     assert {ladder.scene for ladder in LADDERS} | of_the_solid == set(SCENES)
     for ladder in LADDERS:
         first = [int(mesh.split("x")[0]) for mesh in ladder.meshes]

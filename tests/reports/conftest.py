@@ -20,8 +20,10 @@ from reports.pages import rendered
 from reports.schema import load_store
 from studies import epsilon as epsilon_study
 from studies import locking, rigid_body
-from studies.campaign import CAMPAIGNS, Cell
+from studies.cell import Cell
 from studies.convergence_cells import LADDERS, Ladder, ladder_table
+from studies.plan import Row
+from studies.report_cells import LISTS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve
@@ -226,13 +228,14 @@ def write_cell(cell: Cell, directory: Path) -> None:
         **{name: getattr(request, name) for name in ("scene", "measure", "contact", "newton", "model")},
         "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
         "settings": {**settings, "steps": request.steps},
-        **{"outcome": "converged", "reason": "converged", "steps": steps},
+        **{"outcome": "converged", "class": "converged", "reason": "converged", "steps": steps},
+        "cuts": [CUT_EVENT] if cell.label in labels.EXPECTED_TO_FAIL else [],
         "quantities": quantities,
         "counters": {"dofs": 10, "newton_iterations": 9, "factorisations": 9, "assemblies": 9, "set_changes": 2},
         "timing_s": {"total": 1.25, "build": 0.1, "assembly": 0.5, "factorisation": 0.5, "solve": 0.1, "contact": 0.05},
         "provenance": {"version": "0", "commit": "unknown", "packages": {"numpy": "2"}, "machine": {"cores": 2}},
     }
-    write_json(directory / "result.json", result)
+    write_json(directory.with_suffix(".json"), {"schema": SCHEMA, "id": directory.name, **result})
 
 
 @pytest.fixture(scope="session")
@@ -240,14 +243,15 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A whole report campaign."""
     root = tmp_path_factory.mktemp("store")
     rows = []
-    for i, cell in enumerate(CAMPAIGNS["report"]):
+    for i, cell in enumerate(LISTS["report"]):
         write_cell(cell, root / "cells" / str(i))
-        rows.append({"label": cell.label, "id": str(i), "scene": cell.scene, "command": cell.command})
+        rows.append(Row(cell, str(i), None).as_json())
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
-    write_json(root / "references.json", {"references": references})
+    write_json(root / "references.json", {"schema": SCHEMA, "references": references})
     write_tables(root / "tables")
-    write_json(root / "campaign.json", {"schema": SCHEMA, "campaign": "report", "cells": rows})
+    told = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
+    write_json(root / "campaigns" / "report.json", {**told, "cells": rows})
     return root
 
 

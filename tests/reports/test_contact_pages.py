@@ -17,7 +17,7 @@ from reports.page_algorithms import algorithms_page
 from reports.page_epsilon import epsilon_page, findings, fitted_law
 from reports.page_index import index_page
 from reports.schema import load_store
-from studies.campaign import AGREEMENT, enforcements
+from studies.report_cells import AGREEMENT, enforcements
 from studies.store import write_json, write_table
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -25,12 +25,12 @@ CASE = "trial-and-error follower nonsymmetric exact"
 
 
 def directory(root: Path, label: str) -> Path:
-    index = json.loads((root / "campaign.json").read_text())
+    index = json.loads((root / "campaigns" / "report.json").read_text())
     return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == f"agreement {label}")
 
 
 def change(root: Path, label: str, **new: object) -> None:
-    path = directory(root, label) / "result.json"
+    path = directory(root, label).with_suffix(".json")
     write_json(path, json.loads(path.read_text()) | new)
 
 
@@ -70,7 +70,7 @@ def test_a_node_or_a_force_that_differs_is_seen(own_store: Path) -> None:
     contact.loc[at, "active"] = 0
     write_table(path, contact)
     other = "trial-and-error dead constant-s33 exact"
-    result = json.loads((directory(own_store, other) / "result.json").read_text())
+    result = json.loads(directory(own_store, other).with_suffix(".json").read_text())
     result["steps"][1]["force_N"] *= 1 + 2e-7
     change(own_store, other, steps=result["steps"])
     text = agreement_page(load_store(own_store)).text
@@ -80,7 +80,7 @@ def test_a_node_or_a_force_that_differs_is_seen(own_store: Path) -> None:
 
 
 def test_a_path_that_ends_early_does_not_agree(own_store: Path) -> None:
-    steps = json.loads((directory(own_store, CASE) / "result.json").read_text())["steps"]
+    steps = json.loads(directory(own_store, CASE).with_suffix(".json").read_text())["steps"]
     change(own_store, CASE, outcome="cycling", reason="the contact set repeats itself", steps=steps[:2])
     found = next(entry for entry in entries(load_store(own_store)) if entry.cell.label.endswith(CASE))
     assert not found.agrees
@@ -134,8 +134,8 @@ def test_costs_of_all_algorithms(store: Path) -> None:
 
 
 def of(root: Path, label: str) -> Path:
-    index = json.loads((root / "campaign.json").read_text())
-    return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == label) / "result.json"
+    index = json.loads((root / "campaigns" / "report.json").read_text())
+    return root / "cells" / next(f"{row['id']}.json" for row in index["cells"] if row["label"] == label)
 
 
 def test_growth_of_iterations_and_a_step_that_is_cut(own_store: Path) -> None:

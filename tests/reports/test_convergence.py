@@ -19,8 +19,8 @@ pytestmark = pytest.mark.usefixtures("undrawn")
 
 def change_values(root: Path, prefix: str, change: Callable[[float, int], float | None]) -> None:
     """Replace every quantity of the cells of a ladder, mesh by mesh; None: the cell was not solved."""
-    index = json.loads((root / "campaign.json").read_text())
-    paths = [root / "cells" / row["id"] / "result.json" for row in index["cells"] if row["label"].startswith(prefix)]
+    index = json.loads((root / "campaigns" / "report.json").read_text())
+    paths = [root / "cells" / f"{row['id']}.json" for row in index["cells"] if row["label"].startswith(prefix)]
     assert paths
     for i, path in enumerate(paths):
         result = json.loads(path.read_text())

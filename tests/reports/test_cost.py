@@ -10,14 +10,14 @@ import pytest
 
 from reports.page_cost import STEP, cost_page, reaching
 from reports.schema import load_store
-from studies.campaign import MODELS
+from studies.report_cells import MODELS
 from studies.store import write_json, write_table
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 def place(root: Path, label: str) -> Path:
-    index = json.loads((root / "campaign.json").read_text())
+    index = json.loads((root / "campaigns" / "report.json").read_text())
     return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == label)
 
 
@@ -33,7 +33,7 @@ def test_parts_that_are_the_whole(store: Path) -> None:
 
 
 def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
-    path = place(own_store, "model half angle plies") / "result.json"
+    path = place(own_store, "model half angle plies").with_suffix(".json")
     result = json.loads(path.read_text())
     result["steps"][0]["force_N"] *= 1 + 3e-8
     write_json(path, result)

@@ -17,7 +17,7 @@ from reports.navigation import TITLES
 from reports.pages import PAGES, check_pages, compare_pages, rendered, write_pages
 from reports.printed import FILE
 from reports.schema import StoreError, load_store
-from studies.campaign import CAMPAIGNS
+from studies.report_cells import LISTS
 from studies.store import write_json
 
 
@@ -33,24 +33,33 @@ def replace_in(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
+def as_solved(directory: Path) -> Path:
+    """The directory of a cell as ``footprint solve`` would have written it."""
+    shutil.copy(directory.with_suffix(".json"), directory / "result.json")
+    return directory
+
+
 def drop_cell(root: Path, label: str) -> None:
     def drop(index: dict[str, Any]) -> None:
         index["cells"] = [row for row in index["cells"] if row["label"] != label]
 
-    edit_json(root / "campaign.json", drop)
+    edit_json(root / "campaigns/report.json", drop)
 
 
 DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no store": (lambda root: shutil.rmtree(root), "no such directory"),
-    "no index": (lambda root: (root / "campaign.json").unlink(), "campaign.json: missing"),
-    "schema": (lambda root: edit_json(root / "campaign.json", lambda d: d.update(schema=99)), "schema 99"),
-    "cell missing": (lambda root: (root / "cells/3/result.json").unlink(), "cells/3/result.json: missing"),
-    "cell corrupt": (lambda root: (root / "cells/3/result.json").write_text("{"), "result.json: cannot be read"),
-    "not a record": (lambda root: (root / "cells/3/result.json").write_text("[]"), "expected a record"),
-    "key": (lambda root: edit_json(root / "cells/3/result.json", lambda d: d.pop("steps")), "result.json: lacks steps"),
+    "no index": (lambda root: (root / "campaigns/report.json").unlink(), ": no campaign"),
+    "schema": (lambda root: edit_json(root / "campaigns/report.json", lambda d: d.update(schema=99)), "schema 99"),
+    "cell missing": (
+        lambda root: (root / "cells/3.json").unlink(),
+        "no record of cell 'exact semismooth mixed epsilon' (missing: not solved yet), which",
+    ),
+    "cell corrupt": (lambda root: (root / "cells/3.json").write_text("{"), "3.json: cannot be read"),
+    "not a record": (lambda root: (root / "cells/3.json").write_text("[]"), "expected a record"),
+    "key": (lambda root: edit_json(root / "cells/3.json", lambda d: d.pop("steps")), "3.json: lacks steps"),
     "step": (
-        lambda root: edit_json(root / "cells/3/result.json", lambda d: d["steps"][0].pop("force_N")),
-        "result.json: lacks force_N",
+        lambda root: edit_json(root / "cells/3.json", lambda d: d["steps"][0].pop("force_N")),
+        "3.json: lacks force_N",
     ),
     "table missing": (lambda root: (root / "cells/0/contact.csv").unlink(), "contact.csv: missing"),
     "table empty": (lambda root: (root / "cells/0/contact.csv").write_text(""), "contact.csv: cannot be read"),
@@ -67,7 +76,7 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
         "no cell 'convergence roof-a 8x8 paper', which the pages need",
     ),
     "label": (
-        lambda root: edit_json(root / "campaign.json", lambda d: d["cells"].pop(0)),
+        lambda root: edit_json(root / "campaigns/report.json", lambda d: d["cells"].pop(0)),
         "no cell 'paper', which the pages need",
     ),
 }
@@ -119,16 +128,16 @@ def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(f
 @pytest.mark.usefixtures("undrawn")
 def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     """All fail but the one without which there is no page; what was never reached is not in the store."""
-    for i, cell in enumerate(CAMPAIGNS["report"]):
+    for i, cell in enumerate(LISTS["report"]):
         if cell.label == labels.PAPER:
             continue
         directory = own_store / "cells" / str(i)
         failed = {"outcome": "cycling", "reason": "press at 20: it cycles", "steps": [], "quantities": {}}
-        edit_json(directory / "result.json", lambda result, failed=failed: result.update(failed))
+        edit_json(directory.with_suffix(".json"), lambda result, failed=failed: result.update(failed))
         for name in ("contact.csv", "profile.csv"):
             (directory / name).unlink(missing_ok=True)
     files = rendered(load_store(own_store))
-    assert f"| all | {len(CAMPAIGNS['report'])} | 1 | 0 | 0 | {len(CAMPAIGNS['report']) - 1} |" in files["index.md"]
+    assert f"| all | {len(LISTS['report'])} | 1 | 0 | 0 | {len(LISTS['report']) - 1} |" in files["index.md"]
     assert f"| {labels.SLOWEST} | not converged: cycling |" in files["index.md"]
     assert f"| {labels.SLOWEST} | press at 20: it cycles |" in files["index.md"]
     assert "| cycling: press at 20: it cycles |" in files["tyre.md"]
@@ -136,8 +145,8 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
 
 
 def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Path) -> None:
-    number = next(i for i, cell in enumerate(CAMPAIGNS["report"]) if cell.label == labels.PAPER)
-    path = own_store / "cells" / str(number) / "result.json"
+    number = next(i for i, cell in enumerate(LISTS["report"]) if cell.label == labels.PAPER)
+    path = own_store / "cells" / f"{number}.json"
     edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
     with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
         rendered(load_store(own_store))
@@ -186,15 +195,16 @@ def test_comparing_no_page_at_all_is_a_difference(files: dict[str, str], tmp_pat
 
 @pytest.mark.parametrize(("label", "count"), [(labels.BASE, 4), ("hemisphere 16", 1)])
 def test_pictures_of_one_result(own_store: Path, label: str, count: int) -> None:
-    directory = load_store(own_store).cell(label).directory
+    directory = as_solved(load_store(own_store).cell(label).directory)
     drawn = draw_result(directory)
     assert len(drawn) == count
     assert all(path.parent == directory / "figures" and path.read_text().startswith("<?xml") for path in drawn)
 
 
 def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
-    edit_json(own_store / "cells/0/result.json", lambda result: result.update(steps=[]))
-    assert draw_result(own_store / "cells/0") == []
+    directory = as_solved(own_store / "cells/0")
+    edit_json(directory / "result.json", lambda result: result.update(steps=[]))
+    assert draw_result(directory) == []
     with pytest.raises(StoreError, match=r"result\.json: missing"):
         draw_result(own_store)
 
@@ -205,8 +215,8 @@ def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> 
     count = int(re.search(r"of each of the (\d+) states", text)[1])
     assert f"certifies {count} of them" in text
     assert "Not certified" not in text
-    labels_of = [cell.label for cell in CAMPAIGNS["report"]]
-    path = own_store / "cells" / str(labels_of.index("hemisphere 16")) / "result.json"
+    labels_of = [cell.label for cell in LISTS["report"]]
+    path = own_store / "cells" / f"{labels_of.index('hemisphere 16')}.json"
     edit_json(path, lambda result: result["steps"][-1].update(failures=["energy"]))
     text = rendered(load_store(own_store))["benchmarks.md"]
     assert f"certifies {count - 1} of them" in text

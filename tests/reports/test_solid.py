@@ -15,7 +15,9 @@ from reports.convergence import fitted_order
 from reports.figures import draw_result
 from reports.schema import StoreError, load_cell, load_store
 from reports.solid_part import Sequence3, cancellation, solid_part
-from studies.campaign import CAMPAIGNS, Cell
+from studies.cell import Cell
+from studies.plan import Row
+from studies.report_cells import LISTS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve
@@ -52,29 +54,30 @@ def write_cell(cell: Cell, directory: Path) -> None:
         **{name: getattr(request, name) for name in ("scene", "measure", "contact", "newton", "model")},
         "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
         "settings": {**request.settings, "steps": request.steps},
-        **{"outcome": "converged", "reason": "converged", "quantities": quantities},
+        **{"outcome": "converged", "class": "converged", "cuts": [], "reason": "converged", "quantities": quantities},
         "steps": [{"delta_mm": d, "force_N": F * body * (1 + error), **step} for d, F in FORCE.items()],
         **{"counters": {}, "timing_s": {}, "provenance": {}},
     }
-    write_json(directory / "result.json", result)
+    write_json(directory.with_suffix(".json"), {"schema": SCHEMA, "id": directory.name, **result})
 
 
 @pytest.fixture
 def store(tmp_path: Path) -> Path:
     rows = []
-    for i, cell in enumerate(CAMPAIGNS["solid"]):
+    for i, cell in enumerate(LISTS["solid"]):
         write_cell(cell, tmp_path / "cells" / str(i))
-        rows.append({"label": cell.label, "id": str(i), "scene": cell.scene, "command": cell.command})
+        rows.append(Row(cell, str(i), None).as_json())
     references = [{"scene": name, **asdict(r)} for name in ("tyre", "tyre-solid") for r in SCENES[name].references]
-    write_json(tmp_path / "references.json", {"references": references})
-    write_json(tmp_path / "campaign.json", {"schema": SCHEMA, "campaign": "solid", "cells": rows})
+    write_json(tmp_path / "references.json", {"schema": SCHEMA, "references": references})
+    told = {"schema": SCHEMA, "campaign": "solid", "title": "made up", "pages": ""}
+    write_json(tmp_path / "campaigns" / "solid.json", {**told, "cells": rows})
     name = "isotropic_tyre_3d_solid.csv"
     write_text(tmp_path / "references" / name, (DATA / name).read_text(encoding="utf-8"))
     return tmp_path
 
 
 def edit(store: Path, label: str, change: Callable[[dict[str, Any]], object]) -> None:
-    path = load_store(store).cell(label).directory / "result.json"
+    path = load_store(store).cell(label).directory.with_suffix(".json")
     data = json.loads(path.read_text(encoding="utf-8"))
     change(data)
     write_json(path, data)
@@ -121,9 +124,9 @@ def test_a_travel_that_was_not_reached_is_a_dash(store: Path) -> None:
 
 
 def test_a_missing_cell_is_one_line(store: Path) -> None:
-    index = json.loads((store / "campaign.json").read_text())
+    index = json.loads((store / "campaigns" / "solid.json").read_text())
     index["cells"] = [row for row in index["cells"] if row["label"] != labels.SOLID_PENALTY]
-    write_json(store / "campaign.json", index)
+    write_json(store / "campaigns" / "solid.json", index)
     with pytest.raises(StoreError, match="no cell 'solid penalty', which the pages need"):
         solid_part(load_store(store))
 
