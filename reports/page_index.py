@@ -47,7 +47,17 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
   says "solved" and is wrong, and how far the tyre can be pressed.
 - [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
-- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step costs.""")
+- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step
+  costs.{_analysed(store)}""")
+
+
+def _analysed(store: Store) -> str:
+    """Links to the pages of the analysis, when its tables are there."""
+    words = {
+        "fronts": "- [The trade](tradeoff.md): what accuracy costs, who wins how often, which axis explains it.",
+        "advice": "- [Advice](advice.md): the cheapest configuration for a tolerance, and what such advice is worth.",
+    }
+    return "".join(f"\n{line}" for table, line in words.items() if store.has_table(table))
 
 
 def _list(names: Iterable[str]) -> str:

@@ -12,6 +12,8 @@ from reports import labels
 from reports.compare import differences
 from reports.files import write_texts
 from reports.markdown import Part
+from reports.page_advice import NEEDED as ADVICE_TABLES
+from reports.page_advice import advice_page
 from reports.page_agreement import agreement_page
 from reports.page_algorithms import algorithms_page
 from reports.page_benchmarks import benchmarks_page
@@ -22,6 +24,8 @@ from reports.page_index import index_page
 from reports.page_locking import locking_page
 from reports.page_measures import measures_page
 from reports.page_rigid_body import rigid_body_page
+from reports.page_tradeoff import NEEDED as TRADEOFF_TABLES
+from reports.page_tradeoff import tradeoff_page
 from reports.page_tyre import tyre_page
 from reports.schema import Store, load_store
 
@@ -37,6 +41,10 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "algorithms.md": algorithms_page,
     "epsilon.md": epsilon_page,
     "cost.md": cost_page,
+}
+ANALYSIS: Mapping[str, tuple[tuple[str, ...], Callable[[Store], Part]]] = {  # with the tables they are made of
+    "tradeoff.md": (TRADEOFF_TABLES, tradeoff_page),
+    "advice.md": (ADVICE_TABLES, advice_page),
 }
 FIGURES = "figures"
 
@@ -55,9 +63,15 @@ def rendered(store: Store) -> dict[str, str]:
     """All files by name: pictures first, so that a page never links to one that is not there yet."""
     for delta in labels.CURVES:
         store.cell(labels.PAPER).step(delta_mm=delta)
-    parts = {name: page(store) for name, page in PAGES.items()}
+    parts = {name: page(store) for name, page in PAGES.items()} | analysis_pages(store)
     pictures = {f"{FIGURES}/{name}": svg for part in parts.values() for name, svg in part.pictures.items()}
     return pictures | {name: part.text for name, part in parts.items()}
+
+
+def analysis_pages(store: Store) -> dict[str, Part]:
+    """The pages of the analysis, those whose tables are all there."""
+    there = {name: page for name, (needed, page) in ANALYSIS.items() if all(map(store.has_table, needed))}
+    return {name: page(store) for name, page in there.items()}
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:

@@ -78,6 +78,32 @@ STORE_COLUMNS = {
         *("total_s", "same_matrix_s", "gemm_s", "copy_s", "peak_GiB", "repeats"),
     ),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
+    "verified": ("campaign", "label", "scene", "quantity", "against", "uncertainty", "error", "largest", "asymptotic"),
+    "flags": ("campaign", "flag", "scene", "subject", "cases", "of", "size", "cause", "label"),
+    "fronts": (
+        *("campaign", "label", "scene", "family", "measure", "contact", "mesh", "tolerance", "quantity", "error"),
+        *("uncertainty", "flag", "command", "cost.flops", "front.flops"),
+    ),
+    "family_fronts": ("campaign", "family", "scenes", "rung", "error", "cost.flops", "front.flops"),
+    "profiles": ("campaign", "axis", "cost", "competitor", "problems", "factor", "share"),
+    "pairs": (
+        *("campaign", "axis", "cost", "a", "b", "problems", "a_better", "b_better"),
+        *("ratio", "ratio_low", "ratio_high"),
+    ),
+    "flips": ("campaign", "axis", "cost", "removed", "ranking", "flips"),
+    "attribution": ("campaign", "scope", "name", "response", "factor", "cells", "share", "low", "high"),
+    "advice": (
+        *("campaign", "scene", "quantity", "against", "tolerance", "label", "configuration", "bound", "cost"),
+        *("seconds_low", "seconds", "seconds_high", "runner_up", "runner_up_ratio", "next_ratio", "command"),
+    ),
+    "held_out": (
+        *("campaign", "scene", "quantity", "headline", "tolerance", "factor", "advised", "best", "met", "regret"),
+        *("true_error", "estimate"),
+    ),
+    "held_out_summary": (
+        *("campaign", "quantities", "cases", "advised", "met", "median_regret", "mean_regret", "abstained"),
+        "truly_none",
+    ),
 }
 
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
@@ -207,6 +233,15 @@ class Store:
     def table(self, name: str) -> pd.DataFrame:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
         return _read_table(self.path / "tables" / f"{name}.csv", STORE_COLUMNS[name])
+
+    def analysis(self, name: str) -> pd.DataFrame:
+        """A table of the analysis of this campaign; raises StoreError when it is missing, damaged, or another's."""
+        found = self.table(name)
+        for other in found["campaign"]:
+            if other != self.campaign:
+                path = self.path / "tables" / f"{name}.csv"
+                raise StoreError(f"{path}: of campaign {other!r}, not of {self.campaign!r}")
+        return found
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""

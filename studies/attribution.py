@@ -40,7 +40,7 @@ def attribution(table: pd.DataFrame, fronts: pd.DataFrame) -> pd.DataFrame:
             for response, logs in _responses(own).items():
                 solved, values = logs.notna(), logs
                 there = own[solved]
-                factors: dict[str, pd.Series] = {each: there[each].astype(str) for each in FACTORS if each in own}
+                factors = {each: there[each].astype(str) for each in FACTORS if each in own}
                 if scope == "family":
                     factors["mesh"] = _rung(there)
                     centre = values.groupby(own["scene"]).transform("mean")
@@ -50,9 +50,12 @@ def attribution(table: pd.DataFrame, fronts: pd.DataFrame) -> pd.DataFrame:
 
 
 def _responses(rows: pd.DataFrame) -> dict[str, pd.Series]:
-    costs = {name: rows[f"cost.{name}"] for name in COSTS if f"cost.{name}" in rows}
-    errors = {"error": rows["error"].clip(lower=LEAST_ERROR)}
-    return {name: np.log10(values.astype(float).where(values > 0)) for name, values in {**errors, **costs}.items()}
+    """Logarithms by name; NaN where there is none."""
+    columns = {"error": "error", **{name: f"cost.{name}" for name in COSTS if f"cost.{name}" in rows}}
+    values = pd.DataFrame({name: rows[column].astype(float) for name, column in columns.items()})
+    values["error"] = values["error"].clip(lower=LEAST_ERROR)
+    logs = pd.DataFrame(np.log10(values.where(values > 0)))
+    return {name: logs[name] for name in columns}
 
 
 def _rung(rows: pd.DataFrame) -> pd.Series:

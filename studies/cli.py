@@ -109,6 +109,7 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("check", help="compare a fresh campaign with the committed baseline")
     command.add_argument("--store", type=Path, metavar="DIR", help="one that has the campaign; default: solve it now")
     command.add_argument("--campaign", default="quick", help="default quick")
+    command.add_argument("--engine", default="serial", help="as of run, where it is solved now")
     command.add_argument("--baseline", type=Path, metavar="FILE", help="default: the committed one")
     command.add_argument("--update", action="store_true", help="replace the baseline; with --owner and --reason")
     command.add_argument("--owner", default="", metavar="NAME", help="who answers for an update")
@@ -377,7 +378,7 @@ def _check(options: argparse.Namespace) -> int:
         return OK
     if options.owner or options.reason or options.date:
         raise UsageError("--owner, --reason and --date go with --update")
-    return FAILED if gate.check_baseline(options.campaign, options.store, options.baseline) else OK
+    return FAILED if gate.check_baseline(options.campaign, options.store, options.baseline, options.engine) else OK
 
 
 def _compare(options: argparse.Namespace) -> int:

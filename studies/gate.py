@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import sys
 import tempfile
 from pathlib import Path
 
 import pandas as pd
 
 from studies.baseline_files import HERE, TOLERANCES, read_bounds
-from studies.campaign import CAMPAIGNS, run
+from studies.campaign import run
+from studies.definition import find
 from studies.regression import check, failures, lines, update
 from studies.regression_statistics import compare_times, time_lines
 from studies.review import comment
@@ -18,12 +20,12 @@ from studies.scene import UsageError
 from studies.table import collect
 
 
-def check_baseline(campaign: str, store: Path | None, baseline: Path | None) -> bool:
+def check_baseline(campaign: str, store: Path | None, baseline: Path | None, engine: str) -> bool:
     """Print what is worse than the baseline; returns whether anything is."""
     path = baseline or committed(campaign)
     if not path.exists():  # before minutes of solving
         raise UsageError(f"{path}: no baseline; footprint check --update --owner NAME --reason TEXT makes one")
-    table = table_of(campaign, store)
+    table = table_of(campaign, store, engine)
     found = check(table, path)
     wrong = failures(found)
     print("\n".join(lines(wrong)), end="\n" if wrong else "")
@@ -44,7 +46,7 @@ def update_baseline(options: argparse.Namespace) -> None:
     except ValueError:
         raise UsageError(f"date = {options.date!r} must be YYYY-MM-DD") from None
     path = options.baseline or committed(options.campaign)
-    table = table_of(options.campaign, options.store)
+    table = table_of(options.campaign, options.store, options.engine)
     found = update(table, path, options.owner, options.reason, date, options.campaign)
     print("\n".join(lines(found)), end="\n" if found else "")
     print(f"{path}: {len(table)} cells, {len(found)} values beyond the bounds of before")
@@ -52,18 +54,22 @@ def update_baseline(options: argparse.Namespace) -> None:
 
 def committed(campaign: str) -> Path:
     """The baseline file of a campaign, there or not."""
-    return HERE / f"{campaign}.csv"
+    return HERE / f"{name_of(campaign)}.csv"
 
 
-def table_of(campaign: str, store: Path | None) -> pd.DataFrame:
+def name_of(campaign: str) -> str:
+    """The name under which a store knows a campaign that was given by its name or its file."""
+    return Path(campaign).stem if campaign.endswith(".toml") else campaign
+
+
+def table_of(campaign: str, store: Path | None, engine: str) -> pd.DataFrame:
     """The collected campaign of a store, or, without one, solved now and thrown away."""
-    if campaign not in CAMPAIGNS:
-        raise UsageError(f"campaign {campaign!r} must be one of {', '.join(CAMPAIGNS)}")
     if store is not None:
-        return collect(store, campaign)
+        return collect(store, name_of(campaign))
+    found = find(campaign)
     with tempfile.TemporaryDirectory(prefix="footprint-") as directory:
-        run(campaign, Path(directory))
-        return collect(Path(directory), campaign)
+        print(run(found, Path(directory), engine).line, file=sys.stderr)
+        return collect(Path(directory), found.name)
 
 
 def check_times(before: Path, now: Path, campaign: str) -> bool:

@@ -110,7 +110,8 @@ def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
             path = values[-1] if isinstance(values, tuple) else values
         there = {**there, key: path}
     best: dict[str, Reference] = {}
-    for reference in SCENES[row["scene"]].references:
+    scene = SCENES.get(row["scene"])  # a campaign may bring scenes of its own, which are not loaded here
+    for reference in scene.references if scene is not None else ():
         value = row.get(f"q.{reference.quantity}", math.nan)
         holds = all(_same(there.get(key), at) for key, at in reference.at.items())
         if reference.value == 0.0 or pd.isna(value) or not holds:

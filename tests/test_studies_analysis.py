@@ -317,7 +317,7 @@ def test_planted_effects_are_recovered_without_noise(rng: np.random.Generator) -
 
 def test_planted_effects_are_recovered_within_their_intervals() -> None:
     """Of 20 noisy tables with five shares each, nearly all intervals hold the truth, the large effects' always do."""
-    held = {name: 0 for name in ("f", "g", INTERACTIONS)}
+    held = dict.fromkeys(("f", "g", INTERACTIONS), 0)
     for seed in range(20):
         values, factors, expected = planted(np.random.default_rng(seed), 0.7)
         for name, _, _, _, low, high in shares(values, factors):
