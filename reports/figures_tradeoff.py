@@ -84,8 +84,9 @@ def _scene(
     known = float(front["uncertainty"].median())
     if known > low:
         axes.axhspan(low, known, color="#EEEEEE", zorder=0)
-    outside = len(rows) - len(inside)
-    axes.set_title(f"{scene}: {front['quantity'].iloc[0]}\n{outside} of {len(rows)} cells not drawn", fontsize=8)
+    answers = int(rows["error"].notna().sum())
+    outside = answers - len(inside)
+    axes.set_title(f"{scene}: {front['quantity'].iloc[0]}\n{outside} of {answers} answers outside", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.xaxis.set_minor_formatter(NullFormatter())
 
