@@ -1,20 +1,26 @@
-# make report   set everything up, solve what is missing, write reports/pages
-# make test     set everything up, run the tests
+# make report     set everything up, solve the quick campaign, write reports/pages/quick
+# make standard   the same for the standard campaign (within the hour), and all of reports/pages
+# make test       set everything up, run the tests
 PYTHON ?= python3
 VENV   ?= .venv
 STORE  ?= .footprint/store
 BIN    := $(VENV)/bin
 READY  := $(VENV)/.ready
 JOBS   ?= 2
+ENGINE ?= local:$(JOBS)
 # one BLAS thread per process: the matrices are small, and JOBS processes share the cores
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: report test lint check bench clean
+.PHONY: report standard test lint check bench clean
 
 report: $(READY)
-	$(BIN)/footprint run report --store $(STORE) --jobs $(JOBS)
-	$(BIN)/footprint report --store $(STORE)
+	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint report --store $(STORE) --campaign quick
+
+standard: $(READY)
+	$(BIN)/footprint run standard --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint report --store $(STORE) --campaign standard
 
 test: $(READY)
 	$(BIN)/pytest -n $(JOBS) -m "not slow"
@@ -24,11 +30,11 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# everything: lint, types, all tests, and the committed pages against a fresh report
+# everything: lint, types, all tests, and the committed quick pages against a fresh quick campaign
 check: lint test
 	$(BIN)/pytest -n $(JOBS) -m slow
-	$(BIN)/footprint run report --store $(STORE) --jobs $(JOBS)
-	$(BIN)/footprint report --store $(STORE) --check
+	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint report --store $(STORE) --campaign quick --check
 
 bench: $(READY)
 	$(BIN)/footprint bench

@@ -45,7 +45,7 @@ def read_ladders(store: Store, element: str = labels.LADDER_ELEMENT, *, finest: 
         at = {key: float(value)} if key else {}
         known = [row for row in store.references if row["scene"] == first["scene"] and row["quantity"] == quantity]
         # no error is relative to zero
-        apply = tuple(row for row in known if float(row["value"]) != 0 and _applies(row["at"], cells[-1], at))
+        apply = tuple(row for row in known if float(row["value"]) != 0 and applies(row["at"], cells[-1], at))
         found.append(Rung(str(ladder), first["family"], str(quantity), meshes, cells, at, apply))
     return found
 
@@ -63,7 +63,7 @@ def _value(cell: Cell, quantity: str, at: Mapping[str, float]) -> float:
     return float(cell.result["quantities"].get(quantity, "nan")) if cell.converged else float("nan")
 
 
-def _applies(where: Mapping[str, float | str], cell: Cell, at: Mapping[str, float]) -> bool:
+def applies(where: Mapping[str, float | str], cell: Cell, at: Mapping[str, float]) -> bool:
     """Does a reference hold for what was solved? Every key it names must have its value there."""
     there = {**cell.result["settings"], "measure": cell.result["measure"]}
     last = cell.steps[-1] if cell.steps else {}

@@ -19,12 +19,16 @@ def advice_page(store: Store) -> Part:
     """The whole page."""
     introduction = prose(f"""# Which configuration
 
-{links("advice.md")}
+{_links(store)}
 
 The cheapest configuration whose upper confidence bound of the error, the verified error and what its reference is
 uncertain by, meets a tolerance, over all cells of the campaign `{store.campaign}`. `footprint advise SCENE --error 1%`
 answers the same for any tolerance and quantity.""")
     return joined([Part(introduction), _overview(store), _listed(store), _worth(store)])
+
+
+def _links(store: Store) -> str:
+    return links("advice.md") if store.pages == "all" else "[The campaign](index.md)"
 
 
 def _overview(store: Store) -> Part:

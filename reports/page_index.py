@@ -9,7 +9,8 @@ from reports import labels
 from reports.element_choice import choices
 from reports.ladders import read_ladders
 from reports.maps import at_delta
-from reports.markdown import Part, commands, digits, fixed, machine, percent, prose, scientific, table
+from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
+from reports.outcomes import analysed, completeness, refusals
 from reports.page_benchmarks import BENCHMARKS, limit
 from reports.page_convergence import WITHIN, split
 from reports.page_locking import worst_energy
@@ -48,16 +49,7 @@ algorithm. Every sentence with a number in it is computed from the stored result
   says "solved" and is wrong, and how far the tyre can be pressed.
 - [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
 - [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step
-  costs.{_analysed(store)}""")
-
-
-def _analysed(store: Store) -> str:
-    """Links to the pages of the analysis, when its tables are there."""
-    words = {
-        "fronts": "- [The trade](tradeoff.md): what accuracy costs, who wins how often, which axis explains it.",
-        "advice": "- [Advice](advice.md): the cheapest configuration for a tolerance, and what such advice is worth.",
-    }
-    return "".join(f"\n{line}" for table, line in words.items() if store.has_table(table))
+  costs.{analysed(store)}""")
 
 
 def _list(names: Iterable[str]) -> str:
@@ -70,7 +62,8 @@ def _completeness(store: Store) -> str:
     rows = [[scene, *_counts([c for c in cells if c.scene == scene])] for scene in scenes]
     rows.append(["all", *_counts(cells)])
     header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "refused", "not converged"]
-    parts = ["## Completeness", table("Cells of the campaign", header, rows)]
+    parts = ["## Completeness", completeness(store)]
+    parts.append(table("Cells behind the pages", header, rows))
     asked = [cell for cell in cells if not cell.unsupported]  # what an algorithm refuses stands on its own page
     unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
     if unusual:
@@ -81,6 +74,7 @@ def _completeness(store: Store) -> str:
         if events:
             parts.append(machine(table("Rejected steps, and how it ended", ["cell", "event"], events, words=2)))
         parts.append(commands(cell.command for cell in unusual))
+    parts.append(folded("Why cells were refused", refusals(store)))
     return "\n\n".join(parts)
 
 

@@ -22,13 +22,17 @@ def tradeoff_page(store: Store) -> Part:
     """The whole page."""
     introduction = prose(f"""# What accuracy costs
 
-{links("tradeoff.md")}
+{_links(store)}
 
 Every cell of the campaign `{store.campaign}` is verified: against the scene's reference where one holds for its
 settings, else against the limit of a ladder of meshes by the exact measure, so that what a measure loses is an error.
 Costs are floating-point operations of the factorisations, the same on every machine.""")
     parts = (_split, _fronts, _families, _profiles, _attribution, _flags)
     return joined([Part(introduction), *(part(store) for part in parts)])
+
+
+def _links(store: Store) -> str:
+    return links("tradeoff.md") if store.pages == "all" else "[The campaign](index.md)"
 
 
 def _split(store: Store) -> Part:

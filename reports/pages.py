@@ -12,11 +12,13 @@ from reports import labels
 from reports.compare import differences
 from reports.files import write_texts
 from reports.markdown import Part
+from reports.outcomes import completeness_line
 from reports.page_advice import NEEDED as ADVICE_TABLES
 from reports.page_advice import advice_page
 from reports.page_agreement import agreement_page
 from reports.page_algorithms import algorithms_page
 from reports.page_benchmarks import benchmarks_page
+from reports.page_campaign import campaign_page
 from reports.page_convergence import convergence_page
 from reports.page_cost import cost_page
 from reports.page_epsilon import epsilon_page
@@ -42,35 +44,44 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "epsilon.md": epsilon_page,
     "cost.md": cost_page,
 }
+CAMPAIGN_PAGES: Mapping[str, Callable[[Store], Part]] = {"index.md": campaign_page}
 ANALYSIS: Mapping[str, tuple[tuple[str, ...], Callable[[Store], Part]]] = {  # with the tables they are made of
     "tradeoff.md": (TRADEOFF_TABLES, tradeoff_page),
     "advice.md": (ADVICE_TABLES, advice_page),
 }
 FIGURES = "figures"
+ALL = "all"  # what a campaign says whose cells are those of all pages
 
 
-def write_pages(store: Path, out: Path) -> list[Path]:
+def write_pages(store: Path, out: Path, campaign: str | None = None) -> list[Path]:
     """Render everything, then write it into ``out``; returns the paths. After a StoreError nothing is written."""
-    return write_texts(out, rendered(load_store(store)))
+    return write_texts(out, rendered(load_store(store, campaign)))
 
 
-def check_pages(store: Path, out: Path) -> list[str]:
+def check_pages(store: Path, out: Path, campaign: str | None = None) -> list[str]:
     """Differences between the pages in ``out`` and those of the store, a line each; pictures need only be there."""
-    return compare_pages(rendered(load_store(store)), out)
+    return compare_pages(rendered(load_store(store, campaign)), out)
+
+
+def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
+    """The folder below the pages that those of a campaign belong to, and how complete it is in one line."""
+    loaded = load_store(store, campaign)
+    return "" if loaded.pages == ALL else loaded.campaign, completeness_line(loaded)
 
 
 def rendered(store: Store) -> dict[str, str]:
     """All files by name: pictures first, so that a page never links to one that is not there yet."""
-    for delta in labels.CURVES:
+    pages = PAGES if store.pages == ALL else CAMPAIGN_PAGES
+    for delta in labels.CURVES if store.pages == ALL else ():
         store.cell(labels.PAPER).step(delta_mm=delta)
-    parts = {name: page(store) for name, page in PAGES.items()} | analysis_pages(store)
+    parts = {name: page(store) for name, page in pages.items()} | analysis_pages(store)
     pictures = {f"{FIGURES}/{name}": svg for part in parts.values() for name, svg in part.pictures.items()}
     return pictures | {name: part.text for name, part in parts.items()}
 
 
 def analysis_pages(store: Store) -> dict[str, Part]:
     """The pages of the analysis, those whose tables are all there."""
-    there = {name: page for name, (needed, page) in ANALYSIS.items() if all(map(store.has_table, needed))}
+    there = {name: page for name, (needed, page) in ANALYSIS.items() if all(map(store.has_analysis, needed))}
     return {name: page(store) for name, page in there.items()}
 
 

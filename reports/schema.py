@@ -234,14 +234,15 @@ class Store:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
         return _read_table(self.path / "tables" / f"{name}.csv", STORE_COLUMNS[name])
 
+    def has_analysis(self, name: str) -> bool:
+        """True when a table of the analysis is there, and of this campaign."""
+        return self.has_table(name) and bool((self.table(name)["campaign"] == self.campaign).all())
+
     def analysis(self, name: str) -> pd.DataFrame:
         """A table of the analysis of this campaign; raises StoreError when it is missing, damaged, or another's."""
-        found = self.table(name)
-        for other in found["campaign"]:
-            if other != self.campaign:
-                path = self.path / "tables" / f"{name}.csv"
-                raise StoreError(f"{path}: of campaign {other!r}, not of {self.campaign!r}")
-        return found
+        if not self.has_analysis(name):
+            raise StoreError(f"{self.path / 'tables' / name}.csv: not of campaign {self.campaign!r}")
+        return self.table(name)
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""

@@ -92,7 +92,8 @@ def _parser() -> argparse.ArgumentParser:
 
     command = commands.add_parser("report", help="write the pages of a store")
     command.add_argument("--store", type=Path, required=True, metavar="DIR")
-    command.add_argument("--out", type=Path, default=PAGES, metavar="DIR", help=f"default {PAGES}")
+    command.add_argument("--campaign", metavar="NAME", help="which, where the store has several")
+    command.add_argument("--out", type=Path, metavar="DIR", help=f"default {PAGES}, or the campaign's folder there")
     command.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
     command.set_defaults(command=_report)
 
@@ -335,19 +336,22 @@ def _positive(name: str, value: float) -> float:
 
 
 def _report(options: argparse.Namespace) -> int:
-    from reports.pages import check_pages, write_pages
+    from reports.pages import check_pages, place_of, write_pages
     from reports.schema import StoreError
     from studies.scene import UsageError
 
     try:
+        folder, line = place_of(options.store, options.campaign)
+        out = options.out or PAGES / folder
+        print(line)
         if not options.check:
-            for path in write_pages(options.store, options.out):
+            for path in write_pages(options.store, out, options.campaign):
                 print(path)
             return OK
-        differences = check_pages(options.store, options.out)
+        differences = check_pages(options.store, out, options.campaign)
     except StoreError as error:
         raise UsageError(str(error)) from None
-    print("\n".join(differences) or f"{options.out} agrees with {options.store}")
+    print("\n".join(differences) or f"{out} agrees with {options.store}")
     return FAILED if differences else OK
 
 
