@@ -371,24 +371,36 @@ def _advise(options: argparse.Namespace) -> int:
 
 def _check(options: argparse.Namespace) -> int:
     from studies import gate
+    from studies.regression import NothingComparedError
     from studies.scene import UsageError
 
-    if options.time is not None:
-        if options.update or options.store is not None or options.baseline is not None:
-            raise UsageError("--time compares two stores and no baseline")
-        return FAILED if gate.check_times(*options.time, options.campaign) else OK
-    if options.update:
-        gate.update_baseline(options)
-        return OK
-    if options.owner or options.reason or options.date:
+    if options.time is not None and (options.update or options.store is not None or options.baseline is not None):
+        raise UsageError("--time compares two stores and no baseline")
+    if not options.update and (options.owner or options.reason or options.date):
         raise UsageError("--owner, --reason and --date go with --update")
-    return FAILED if gate.check_baseline(options.campaign, options.store, options.baseline, options.engine) else OK
+    try:
+        if options.time is not None:
+            worse = gate.check_times(options.time[0], options.time[1], options.campaign)
+        elif options.update:
+            gate.update_baseline(options)
+            return OK
+        else:
+            worse = gate.check_baseline(options.campaign, options.store, options.baseline, options.engine)
+    except NothingComparedError as error:
+        print(f"footprint: check failed: {error}", file=sys.stderr)
+        return FAILED
+    return FAILED if worse else OK
 
 
 def _compare(options: argparse.Namespace) -> int:
     from studies.gate import compare_stores
+    from studies.regression import NothingComparedError
 
-    print(compare_stores(options.before, options.now, options.campaign), end="")
+    try:
+        print(compare_stores(options.before, options.now, options.campaign), end="")
+    except NothingComparedError as error:
+        print(f"footprint: {error}", file=sys.stderr)
+        return FAILED
     return OK
 
 

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import json
 import sys
 import tempfile
 from pathlib import Path
 
 import pandas as pd
 
+from studies.archive import Archive
 from studies.baseline_files import HERE, TOLERANCES, read_bounds
 from studies.campaign import run
 from studies.definition import find
-from studies.regression import check, failures, lines, update
+from studies.regression import NothingComparedError, check, failures, lines, update
 from studies.regression_statistics import compare_times, time_lines
 from studies.review import comment
 from studies.scene import UsageError
@@ -81,7 +83,29 @@ def check_times(before: Path, now: Path, campaign: str) -> bool:
     return bool(len(slower))
 
 
+def samples_of(store: Path, campaign: str) -> pd.DataFrame:
+    """Raw times of the timing lane, a row a sample: label, seconds, block; raises UsageError when there are none."""
+    path = Archive(store).root / "timing" / f"{name_of(campaign)}.json"
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))["samples"]
+    except FileNotFoundError:
+        raise UsageError(f"{store} has no times of campaign {name_of(campaign)!r}") from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
+    return pd.DataFrame(found, columns=["label", "seconds", "block"])
+
+
 def compare_stores(before: Path, now: Path, campaign: str) -> str:
     """The comment of a review; with times where both stores have samples."""
     bounds = read_bounds(HERE / TOLERANCES)
-    return comment(campaign, collect(before, campaign), collect(now, campaign), bounds)
+    return comment(campaign, collect(before, campaign), collect(now, campaign), bounds, _times(before, now, campaign))
+
+
+def _times(before: Path, now: Path, campaign: str) -> pd.DataFrame | None:
+    """Slower and faster cells, where both stores have times; each side is a test of its own."""
+    try:
+        sides = samples_of(before, campaign), samples_of(now, campaign)
+        slower, faster = (compare_times(*sides, worse) for worse in ("slower", "faster"))
+    except (UsageError, NothingComparedError):
+        return None
+    return slower.where(slower["verdict"] != "same", faster)

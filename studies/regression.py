@@ -37,6 +37,10 @@ SOLVED = "converged"
 FEWEST = 3  # meshes of an observed order
 
 
+class NothingComparedError(ValueError):
+    """No cell is in both tables: not a comparison that found nothing, but none at all; one line."""
+
+
 @dataclass(frozen=True)
 class Finding:
     """One value that is not what the baseline says; ``what``: worse, better, changed, missing or new.
@@ -92,10 +96,10 @@ def _text(value: float) -> str:
 def compared(before: pd.DataFrame, now: pd.DataFrame, bounds: tuple[Bound, ...]) -> list[Finding]:
     """All differences beyond the bounds, the better ones, too, in the order of the baseline.
 
-    Raises UsageError when a value has no bound, or when not one cell is in both: that would be no comparison.
+    Raises UsageError when a value has no bound, and NothingComparedError when not one cell is in both.
     """
     if not set(before["label"]) & set(now["label"]):
-        raise UsageError("zero cells compared: the campaign and the baseline have none in common")
+        raise NothingComparedError("zero cells compared: the campaign and the baseline have none in common")
     old, new = (_by_cell(each) for each in (before, now))
     found: list[Finding] = []
     for label in dict.fromkeys([*old, *new]):
@@ -145,16 +149,16 @@ def _words(bound: Bound, before: float) -> str:
 
 
 def check(table: pd.DataFrame, baseline: Path) -> list[Finding]:
-    """Findings of a collected table against a baseline file; raises UsageError when there is nothing to compare."""
+    """Findings of a collected table against a baseline file; raises NothingComparedError, or UsageError."""
     if table.empty:
-        raise UsageError("zero cells compared: the campaign is empty")
+        raise NothingComparedError("zero cells compared: the campaign is empty")
     return compared(read_baseline(baseline), measured(table), read_bounds(baseline.parent / TOLERANCES))
 
 
 def check_cells(table: pd.DataFrame, baseline: Path) -> list[Finding]:
-    """As ``check``, of some cells of the campaign: what others say, and orders, which take a whole ladder, do not count.
+    """As ``check``, of some cells of the campaign; what others say, and orders, which take a ladder, do not count.
 
-    Raises UsageError when the baseline knows none of them.
+    Raises NothingComparedError when the baseline knows none of them.
     """
     before, now = read_baseline(baseline), measured(table)
     before = before[before["label"].isin(set(table["label"])) & ~before["column"].str.startswith(ORDER)]

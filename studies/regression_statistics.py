@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import false_discovery_control, mannwhitneyu
 
-from studies.scene import UsageError
+from studies.regression import NothingComparedError
 
 FEWEST = 8  # samples a side: 1/C(16, 8) = 7.8e-5 is the first p that survives the control over a hundred cells
 SIGNIFICANT = 0.01  # of the adjusted p
@@ -44,14 +44,14 @@ def compare_times(before: pd.DataFrame, now: pd.DataFrame, worse: str = "slower"
     """One row a cell of both sides, with COLUMNS; verdict: ``worse``, "same", or "too few samples".
 
     before, now: a row a sample with ``label``, ``seconds`` > 0 and, if known, ``block``.  worse: "slower" or "faster".
-    Raises UsageError when no cell has enough samples on both sides: that would be no comparison.
+    Raises NothingComparedError when no cell has enough samples on both sides.
     """
     sides = [dict(iter(side.groupby("label", sort=False))) for side in (before, now)]
     rows = [_row(str(label), sides[0][label], sides[1][label], worse) for label in sides[0] if label in sides[1]]
     table = pd.DataFrame(rows, columns=[*COLUMNS[:-1], "enough"])
     enough = table["enough"].to_numpy(bool)
     if not enough.any():
-        raise UsageError(f"zero cells compared: none has {FEWEST} samples on both sides")
+        raise NothingComparedError(f"zero cells compared: none has {FEWEST} samples on both sides")
     adjusted = np.full(len(table), np.nan)
     adjusted[enough] = false_discovery_control(table["p"].to_numpy(float)[enough])
     moved = table["change"] if worse == "slower" else -table["change"]

@@ -22,7 +22,7 @@ def comment(
 ) -> str:
     """What changed beyond the bounds, what is new, what is missing, how much ran; tables as of ``collect``.
 
-    times: of compare_times, slower and faster ones.  Raises UsageError when the two have no cell in common.
+    times: of compare_times, slower and faster ones.  Raises NothingComparedError when the two have no cell in common.
     """
     findings = compared(measured(before), measured(now), bounds)
     parts = [f"### Campaign {campaign}, A → B", f"A: {ran(before)}. B: {ran(now)}."]

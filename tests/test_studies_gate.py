@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import shutil
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from studies.baseline_files import BASELINE, TOLERANCES, UPDATES
 from studies.cli import main
+from studies.store import write_json
 
 CAMPAIGN = """
 title = "small"
@@ -85,7 +88,7 @@ def test_what_is_worse_is_a_table_and_exit_code_1(gate: list[str], capsys: pytes
         (["--update", "--reason", "why"], "a baseline is updated with --owner NAME and --reason TEXT only"),
         (["--update", "--owner", "Anna", "--reason", "why", "--date", "soon"], "date = 'soon' must be YYYY-MM-DD"),
         (["--owner", "Anna"], "--owner, --reason and --date go with --update"),
-        (["--time", "a", "b"], "--time compares two stores and no baseline"),
+        (["--update", "--time", "a", "b"], "--time compares two stores and no baseline"),
     ],
 )
 def test_wrong_use_is_one_line(
@@ -105,8 +108,40 @@ def test_no_baseline_is_said_before_anything_is_solved(tmp_path: Path, capsys: p
 def test_a_campaign_without_a_cell_in_common_fails(gate: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     path = Path(gate[-1])
     path.write_text(path.read_text().replace("small cantilever", "other"))
-    assert main(gate) == 2
-    assert "zero cells compared" in capsys.readouterr().err
+    assert main(gate) == 1
+    assert "check failed: zero cells compared" in capsys.readouterr().err
+
+
+def lane(store: Path, campaign: str, factors: dict[str, float], seed: int) -> None:
+    """Samples as the timing lane leaves them."""
+    rng = np.random.default_rng(seed)
+    labels = [f"small cantilever {measure} {n}x1" for measure in ("exact", "linear") for n in (4, 8, 16)]
+    samples = [
+        {"label": label, "block": i // 4, "seconds": factors.get(label, 1.0) * math.exp(0.005 * rng.normal())}
+        for label in labels
+        for i in range(12)
+    ]
+    write_json(store / "timing" / f"{campaign}.json", {"samples": samples})
+
+
+def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before, same, slow = (tmp_path / name for name in ("before", "same", "slow"))
+    changed = {"small cantilever exact 8x1": 1.3, "small cantilever linear 4x1": 0.5}
+    for seed, (store, factors) in enumerate(((before, {}), (same, {}), (slow, changed))):
+        shutil.copytree(solved / "store", store)
+        lane(store, "small", factors, seed)
+    assert main(["check", "--campaign", "small", "--time", str(before), str(same)]) == 0
+    assert "times of 6 cells of small: 0 are slower" in capsys.readouterr().out
+    assert main(["check", "--campaign", "small", "--time", str(before), str(slow)]) == 1
+    text = capsys.readouterr().out
+    assert "small cantilever exact 8x1" in text
+    assert "times of 6 cells of small: 1 are slower" in text
+    assert main(["compare", str(before), str(slow), "--campaign", "small"]) == 0
+    text = capsys.readouterr().out
+    assert "**Wall time: 2 of 6 cells**" in text
+    assert "+3" in text
+    assert main(["check", "--campaign", "small", "--time", str(before), str(solved / "store")]) == 2
+    assert "has no times of campaign 'small'" in capsys.readouterr().err
 
 
 def test_two_stores_make_a_comment(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:

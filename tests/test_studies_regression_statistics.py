@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from studies.regression import NothingComparedError
 from studies.regression_statistics import FEWEST, compare_times, floor_of
-from studies.scene import UsageError
 from studies.solve import resolve, solve
 
 CELLS, SAMPLES = 100, 10
@@ -93,7 +93,7 @@ def test_drift_between_blocks_raises_the_floor() -> None:
 
 def test_too_few_samples_are_no_comparison(rng: np.random.Generator) -> None:
     few = night(rng, samples=FEWEST - 1)
-    with pytest.raises(UsageError, match="none has 8 samples on both sides"):
+    with pytest.raises(NothingComparedError, match="none has 8 samples on both sides"):
         compare_times(few, night(rng))
     mixed = pd.concat([few, pd.DataFrame({"label": "more", "seconds": np.linspace(1, 1.01, 9), "block": 0})])
     verdicts = compare_times(mixed, mixed).set_index("label")["verdict"]
