@@ -66,7 +66,7 @@ def _scene(
     measures: Mapping[str, str],
     contacts: Mapping[str, str],
 ) -> None:
-    good = rows[(rows["flag"].fillna("") == "") & rows[f"cost.{cost}"].notna()]
+    good = rows[(rows["flag"] == "") & rows[f"cost.{cost}"].notna()]
     shown = good.assign(shown=np.maximum(good["error"], good["uncertainty"]), price=good[f"cost.{cost}"].astype(float))
     front = shown[shown[f"front.{cost}"].astype(bool)].sort_values("price")
     right, low = MARGIN * front["price"].max(), 0.5 * front["shown"].min()
@@ -147,7 +147,7 @@ def _article(response: str) -> str:
 
 def held_out(cases: pd.DataFrame) -> str:
     """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
-    given = cases[cases["advised"].fillna("") != ""]
+    given = cases[cases["advised"] != ""]
     scenes = list(dict.fromkeys(given["scene"]))
     with style():
         figure, (left, right) = canvas(2, width=10.0, height=4.0)

@@ -33,7 +33,7 @@ def _links(store: Store) -> str:
 
 def _overview(store: Store) -> Part:
     """Rows: scenes; columns: tolerances."""
-    data = store.analysis("advice").fillna({"label": "", "configuration": ""})
+    data = store.analysis("advice")
     tolerances = sorted(data["tolerance"].unique(), reverse=True)
     rows = []
     for scene, own in data.groupby("scene", sort=False):
@@ -57,7 +57,7 @@ def _short(row: dict) -> str:
 
 def _listed(store: Store) -> Part:
     """All that is known at one tolerance."""
-    data = store.analysis("advice").fillna({"label": "", "configuration": "", "runner_up": ""})
+    data = store.analysis("advice")
     own = data[(data["tolerance"] - ENGINEER).abs() < 1e-12]
     rows, times = [], []
     for row in own.to_dict("records"):
@@ -85,12 +85,12 @@ def _listed(store: Store) -> Part:
     header = ["scene", "configuration", "error at most", "flops", "runner-up", "its cost", "next step"]
     body = table(f"Advice at {percent(ENGINEER, 0, sign=False)}", header, rows, words=2)
     spent = machine(table("Times of the advice", ["scene", "time [s]", "90 % of the cells within [s]"], times))
-    return Part(f"{text}\n\n{body}\n\n{spent}\n\n{commands(own['command'].dropna())}")
+    return Part(f"{text}\n\n{body}\n\n{spent}\n\n{commands(own['command'][own['command'] != ''])}")
 
 
 def _worth(store: Store) -> Part:
     """The advice on scenes that were left out."""
-    cases = store.analysis("held_out").fillna({"advised": "", "best": ""})
+    cases = store.analysis("held_out")
     summary = store.analysis("held_out_summary")
     rows = [
         [

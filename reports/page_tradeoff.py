@@ -41,7 +41,7 @@ def _split(store: Store) -> Part:
     own = split.merge(fronts[["label", "quantity"]], on=["label", "quantity"])
     rows = []
     for scene, cells in own.groupby("scene", sort=False):
-        referred = cells["against"].fillna("").str.startswith("reference").sum()
+        referred = cells["against"].str.startswith("reference").sum()
         counts = cells["largest"].value_counts()
         asymptotic = cells["asymptotic"].astype(bool).sum()
         numbers = [len(cells), referred, asymptotic, *(counts.get(name, 0) for name in LARGEST)]
@@ -57,7 +57,8 @@ uncertain by. The table counts which one is the largest; *asymptotic*: two succe
 
 def _fronts(store: Store) -> Part:
     """Fronts per scene, drawn and listed."""
-    data = store.analysis("fronts").fillna({"flag": ""})
+    data = store.analysis("fronts")
+    data = data[data["main"].astype(bool)]
     front = data[data[f"front.{COST}"].astype(bool)].sort_values(["scene", f"cost.{COST}"], kind="stable")
     wrong = int((data["flag"] == "wrong").sum())
     rows = [
@@ -75,7 +76,8 @@ def _fronts(store: Store) -> Part:
     ]
     text = prose(f"""## Cost against verified error
 
-Of {len(data)} planned cells {len(front)} are on the front of their scene: nobody is both cheaper and more accurate. An
+Cells compete that were asked the same question; shown is the one that each scene was asked most often. Of {len(data)}
+planned cells {len(front)} are on the front of their scene: nobody is both cheaper and more accurate. An
 error below what the reference is uncertain by (the grey band) counts as that. {wrong} answers are wrong by more than
 {percent(figures_tradeoff.WORST, 0, sign=False)}, or rest on a formulation that is: however cheap, they are on no
 front.""")
@@ -132,7 +134,7 @@ def _profiles(store: Store) -> Part:
         ]
         for row in own.to_dict("records")
     ]
-    checked = flips[(flips["cost"] == COST)].fillna("")
+    checked = flips[flips["cost"] == COST]
     lines = []
     for axis, each in checked.groupby("axis", sort=False):
         whole = each[each["removed"] == ""]["ranking"].iloc[0]

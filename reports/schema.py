@@ -81,7 +81,19 @@ STORE_COLUMNS = {
     "verified": ("campaign", "label", "scene", "quantity", "against", "uncertainty", "error", "largest", "asymptotic"),
     "flags": ("campaign", "flag", "scene", "subject", "cases", "of", "size", "cause", "label"),
     "fronts": (
-        *("campaign", "label", "scene", "family", "measure", "contact", "mesh", "tolerance", "quantity", "error"),
+        *(
+            "campaign",
+            "label",
+            "scene",
+            "family",
+            "main",
+            "measure",
+            "contact",
+            "mesh",
+            "tolerance",
+            "quantity",
+            "error",
+        ),
         *("uncertainty", "flag", "command", "cost.flops", "front.flops"),
     ),
     "family_fronts": ("campaign", "family", "scenes", "rung", "error", "cost.flops", "front.flops"),
@@ -106,6 +118,10 @@ STORE_COLUMNS = {
     ),
 }
 
+WORDS = {  # columns of the analysis that may be empty
+    *("flag", "against", "largest", "removed", "flips", "label", "configuration", "runner_up", "command"),
+    *("advised", "best", "measure", "contact", "newton", "element", "model"),
+}
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 
 
@@ -242,7 +258,10 @@ class Store:
         """A table of the analysis of this campaign; raises StoreError when it is missing, damaged, or another's."""
         if not self.has_analysis(name):
             raise StoreError(f"{self.path / 'tables' / name}.csv: not of campaign {self.campaign!r}")
-        return self.table(name)
+        found = self.table(name)
+        for column in WORDS.intersection(found.columns):
+            found[column] = found[column].astype(object).where(found[column].notna(), "")
+        return found
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""

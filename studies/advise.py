@@ -19,10 +19,8 @@ import pandas as pd
 from studies.rows import parsed, without
 from studies.scene import UsageError
 from studies.tradeoff import COSTS, WRONG
-from studies.verification import HOW, REFERENCE, headline
+from studies.verification import CHOICES, REFERENCE, headline
 
-ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
-CHOICES = ("measure", *ELEMENT, *HOW)  # what an adviser may choose; all else of a command is the question
 CONFIGURATION = ("measure", "contact", "newton", "element")  # two cells that differ in one of them are two ways
 COST = "flops"  # the same on every machine
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)

@@ -26,12 +26,12 @@ LEAST_ERROR = 1e-12  # an error of zero has no logarithm
 def attribution(table: pd.DataFrame, fronts: pd.DataFrame) -> pd.DataFrame:
     """Shares with COLUMNS for each scene and family, of its headline's log error and of the log of each cost.
 
-    Cells that are wrong count, with their error; those without an answer do not. In a family, errors and costs are
-    centred by scene, and a mesh is known by its number among those of its scene.
+    Of each scene the main question counts. Cells that are wrong count, with their error; those without an answer do
+    not. In a family, errors and costs are centred by scene, and a mesh is known by its number among those of its scene.
     """
     more = [name for name in FACTORS if name not in fronts and name in table]
     rows = fronts.join(table.set_index("label")[more], on="label")
-    rows = rows[rows["flag"].isin(("", "wrong", "unverified"))]
+    rows = rows[rows["flag"].isin(("", "wrong", "unverified")) & rows["main"]]
     found = []
     for scope in ("scene", "family"):
         for name, own in rows.groupby(scope, sort=False):

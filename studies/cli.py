@@ -1,4 +1,5 @@
-"""The command line: ``footprint list | solve | resolve | run | report | check | compare | advise | bench``.
+"""The command line: ``footprint list | solve | resolve | run | table | time | report``, and more of them:
+``advise | check | compare | bench``.
 
 Exit codes: 0 fine, 1 a check failed, 2 wrong use (one line), 3 did not converge (result.json is still written).
 Heavy imports wait until a command needs them.
@@ -90,6 +91,21 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--memory-limit", type=float, default=4096.0, metavar="MB", help="of one cell, default 4096")
     command.set_defaults(command=_run)
 
+    command = commands.add_parser("table", help="the cells of a campaign, what was asked and what became of them")
+    command.add_argument("campaign")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.add_argument("--where", action="append", default=[], metavar="COLUMN=VALUE", help="only these rows")
+    command.add_argument("--csv", type=Path, metavar="FILE", help="write all columns as CSV")
+    command.set_defaults(command=_table)
+
+    command = commands.add_parser("time", help="time the converged cells of a campaign, one at a time")
+    command.add_argument("campaign")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
+    command.add_argument("--blocks", type=int, default=2, help="fresh processes, default 2")
+    command.add_argument("--rounds", type=int, default=4, help="interleaved rounds of a block, default 4")
+    command.set_defaults(command=_time)
+
     command = commands.add_parser("report", help="write the pages of a store")
     command.add_argument("--store", type=Path, required=True, metavar="DIR")
     command.add_argument("--campaign", metavar="NAME", help="which, where the store has several")
@@ -134,6 +150,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument(
         "--peers", action="store_true", help="NGSolve's solids beside shells, --mesh 8x8,14x12 of a quarter"
     )
+    command.add_argument("--harness", action="store_true", help="what running and reading cells costs beside solving")
     command.add_argument("--machine", choices=("floors",), help="with --scaling: times over the machine's own, too")
     command.add_argument("--table", type=Path, metavar="FILE", help="with --scaling, --peers: write the table as CSV")
     command.set_defaults(command=_bench)
@@ -327,6 +344,70 @@ def _run(options: argparse.Namespace) -> int:
     return OK
 
 
+def _table(options: argparse.Namespace) -> int:
+    from studies.scene import UsageError
+    from studies.store import write_table
+    from studies.table import collect
+
+    table = collect(options.store, options.campaign)
+    for pair in options.where:
+        column, separator, value = pair.partition("=")
+        if not separator or column not in table:
+            raise UsageError(f"--where {pair!r} must be COLUMN=VALUE with one of {', '.join(table)}")
+        numbers = table[column].dtype.kind == "f"
+        table = table[table[column] == (_number(pair, value) if numbers else value)]
+    if options.csv is not None:
+        write_table(options.csv, table)
+    print(f"{'outcome':15s}{'cell':60s}reason")
+    for row in table[["outcome", "label", "reason"]].itertuples(index=False):
+        print(f"{row.outcome:15s}{row.label:60s}{row.reason if row.outcome != 'converged' else ''}".rstrip())
+    print(f"{len(table)} cells: " + ", ".join(f"{n} {name}" for name, n in table["outcome"].value_counts().items()))
+    return OK
+
+
+def _number(pair: str, value: str) -> float:
+    from studies.scene import UsageError
+
+    try:
+        return float(value)
+    except ValueError:
+        raise UsageError(f"--where {pair!r}: this column has numbers") from None
+
+
+def _time(options: argparse.Namespace) -> int:
+    import re
+
+    from rich.progress import Progress
+
+    from studies.definition import find
+    from studies.scene import UsageError
+    from studies.timing import time_campaign
+
+    for name in ("blocks", "rounds"):
+        if not 1 <= getattr(options, name) <= 1000:
+            raise UsageError(f"{name} = {getattr(options, name)} must be a whole number in [1, 1000]")
+    try:
+        only = re.compile(options.only)
+    except re.error as error:
+        raise UsageError(f"--only {options.only!r} must be a regular expression: {error}") from None
+    campaign = find(options.campaign)
+    with Progress() as bar:
+        task = bar.add_task(campaign.name)
+        table = time_campaign(
+            campaign,
+            options.store,
+            only.search,
+            options.blocks,
+            options.rounds,
+            lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label),
+        )
+    print(table.to_string(index=False, float_format=lambda x: f"{x:.4g}"))
+    if (table["samples"] == 0).any():
+        print("footprint: the machine was too busy: the canary moved in every block", file=sys.stderr)
+        return FAILED
+    return OK
+
+
 def _positive(name: str, value: float) -> float:
     from studies.scene import UsageError
 
@@ -407,8 +488,10 @@ def _compare(options: argparse.Namespace) -> int:
 def _bench(options: argparse.Namespace) -> int:
     from studies.scene import UsageError
 
-    if options.scaling and options.peers:
-        raise UsageError("--scaling and --peers are two tables: one at a time")
+    if options.scaling + options.peers + options.harness > 1:
+        raise UsageError("--scaling, --peers and --harness are tables of their own: one at a time")
+    if options.harness:
+        return _harness(options)
     if options.scaling:
         if options.repeats is not None:
             raise UsageError("--repeats does not go with --scaling, which repeats for a time")
@@ -433,6 +516,17 @@ def _bench(options: argparse.Namespace) -> int:
         seconds = getattr(cost, part)
         print(f"{part:16s}{1e3 * seconds:10.2f}{seconds / cost.factorisation:18.3f}")
     return OK
+
+
+def _harness(options: argparse.Namespace) -> int:
+    from studies.harness import harness, lines
+    from studies.scene import UsageError
+
+    if options.machine or options.table or options.mesh:
+        raise UsageError("--harness goes with --repeats only")
+    costs = harness(9 if options.repeats is None else options.repeats)
+    print("\n".join(lines(costs)))
+    return OK if all(cost.kept for cost in costs) else FAILED
 
 
 def _scaling(options: argparse.Namespace) -> int:

@@ -8,6 +8,8 @@ import json
 import sys
 import tempfile
 from pathlib import Path
+from statistics import median
+from typing import Any
 
 import pandas as pd
 
@@ -20,6 +22,7 @@ from studies.regression_statistics import compare_times, time_lines
 from studies.review import comment
 from studies.scene import UsageError
 from studies.table import collect
+from studies.timing import DRIFT
 
 
 def check_baseline(campaign: str, store: Path | None, baseline: Path | None, engine: str) -> bool:
@@ -75,24 +78,51 @@ def table_of(campaign: str, store: Path | None, engine: str) -> pd.DataFrame:
 
 
 def check_times(before: Path, now: Path, campaign: str) -> bool:
-    """Print what is slower than before beyond the noise; returns whether anything is."""
-    times = compare_times(samples_of(before, campaign), samples_of(now, campaign))
+    """Print what is slower than before beyond the noise; returns whether anything is.
+
+    Raises UsageError without times, or when the canary says that the machine is another one.
+    """
+    sides = samples_of(before, campaign), samples_of(now, campaign)
+    _same_machine(before, now, campaign)
+    times = compare_times(*sides)
     slower = times[times["verdict"] == "slower"]
     print("\n".join(time_lines(times)), end="\n" if (times["verdict"] != "same").any() else "")
     print(f"check: times of {len(times)} cells of {campaign}: {len(slower)} are slower")
     return bool(len(slower))
 
 
+def _same_machine(before: Path, now: Path, campaign: str) -> None:
+    """Raise UsageError when the canary of one store runs at another speed than that of the other."""
+    quiet = [median(pair[0] for pair in _timing(store, campaign)["canaries"] if pair[2]) for store in (before, now)]
+    if not abs(quiet[1] / quiet[0] - 1) <= DRIFT:
+        raise UsageError(
+            f"the canary takes {quiet[1] / quiet[0]:.2f} times what it took: another machine, or another state of it"
+        )
+
+
 def samples_of(store: Path, campaign: str) -> pd.DataFrame:
-    """Raw times of the timing lane, a row a sample: label, seconds, block; raises UsageError when there are none."""
+    """Raw warm times of the timing lane, a row a sample: label, seconds, block; raises UsageError without any."""
+    found = _timing(store, campaign)
+    blocks = sum(bool(pair[2]) for pair in found["canaries"])
+    rows = [
+        (cell["label"], seconds, i * blocks // len(cell["warm"]))
+        for cell in found["cells"]
+        for i, seconds in enumerate(cell["warm"])
+    ]
+    if not rows:
+        raise UsageError(f"{store}: every block of times was discarded, the machine was not quiet")
+    return pd.DataFrame(rows, columns=["label", "seconds", "block"])
+
+
+def _timing(store: Path, campaign: str) -> dict[str, Any]:
     path = Archive(store).root / "timing" / f"{name_of(campaign)}.json"
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))["samples"]
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return {key: found[key] for key in ("canaries", "cells")}
     except FileNotFoundError:
-        raise UsageError(f"{store} has no times of campaign {name_of(campaign)!r}") from None
+        raise UsageError(f"{store} has no times of {name_of(campaign)!r}: footprint time makes them") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
-    return pd.DataFrame(found, columns=["label", "seconds", "block"])
 
 
 def compare_stores(before: Path, now: Path, campaign: str) -> str:
@@ -101,11 +131,12 @@ def compare_stores(before: Path, now: Path, campaign: str) -> str:
     return comment(campaign, collect(before, campaign), collect(now, campaign), bounds, _times(before, now, campaign))
 
 
-def _times(before: Path, now: Path, campaign: str) -> pd.DataFrame | None:
-    """Slower and faster cells, where both stores have times; each side is a test of its own."""
+def _times(before: Path, now: Path, campaign: str) -> pd.DataFrame | str:
+    """Slower and faster cells, each a test of its own, or why there is no comparison."""
     try:
         sides = samples_of(before, campaign), samples_of(now, campaign)
+        _same_machine(before, now, campaign)
         slower, faster = (compare_times(*sides, worse) for worse in ("slower", "faster"))
-    except (UsageError, NothingComparedError):
-        return None
+    except (UsageError, NothingComparedError) as error:
+        return str(error)
     return slower.where(slower["verdict"] != "same", faster)

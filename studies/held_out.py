@@ -75,7 +75,7 @@ def factor_of(others: list[pd.DataFrame]) -> float:
     for cells in others:
         usable = cells[(cells["estimate"] >= LEAST) & (cells["estimate"] <= MOST)]
         ratios += (usable["error"] / usable["estimate"]).tolist()
-        weights += [1 / len(usable)] * len(usable)
+        weights += [1 / max(len(usable), 1)] * len(usable)
     if not ratios:
         return UNSAFE
     order = np.argsort(ratios)

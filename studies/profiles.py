@@ -31,7 +31,7 @@ def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
     """Cost by problem (rows) and competitor (columns), infinite for one that fails or is wrong.
 
     For a solver the problem is all else that was asked; for another axis it is a scene and an error to reach, at
-    whatever mesh and settings are cheapest.  fronts: of tradeoff.fronts.  Problems that nobody solves are left out.
+    whatever mesh and way of solving is cheapest.  fronts: of tradeoff.fronts. Problems that nobody solves are left out.
     """
     rows = fronts.dropna(subset=[axis]).assign(cost=fronts[f"cost.{cost}"].astype(float))
     rows = rows[rows["flag"] != "unsupported"]
@@ -42,7 +42,7 @@ def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
         matrix = rows.pivot_table(index="problem", columns=axis, values="cost", aggfunc="min", sort=False)
         matrix = matrix.dropna()  # a solver that was not asked has not failed
     else:
-        rows = rows[rows["flag"] == ""]
+        rows = rows[(rows["flag"] == "") & rows["main"]]
         reached = rows.assign(bound=rows["error"] + rows["uncertainty"])
         parts = {
             f"{scene} {target:g}": own[own["bound"] <= target].groupby(axis)["cost"].min()

@@ -18,11 +18,12 @@ def comment(
     before: pd.DataFrame,
     now: pd.DataFrame,
     bounds: tuple[Bound, ...],
-    times: pd.DataFrame | None = None,
+    times: pd.DataFrame | str = "not asked for",
 ) -> str:
     """What changed beyond the bounds, what is new, what is missing, how much ran; tables as of ``collect``.
 
-    times: of compare_times, slower and faster ones.  Raises NothingComparedError when the two have no cell in common.
+    times: of compare_times, slower and faster ones, or why there are none.
+    Raises NothingComparedError when the two have no cell in common.
     """
     findings = compared(measured(before), measured(now), bounds)
     parts = [f"### Campaign {campaign}, A → B", f"A: {ran(before)}. B: {ran(now)}."]
@@ -32,7 +33,9 @@ def comment(
         own = [finding for finding in findings if finding.what == what]
         if own:
             parts.append("\n".join(_table(f"{title} ({len(own)})", own)))
-    if times is not None:
+    if isinstance(times, str):
+        parts.append(f"Wall time: not compared, {times}.")
+    else:
         parts.append("\n".join(_times(times)))
     return "\n\n".join(parts) + "\n"
 

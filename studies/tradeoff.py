@@ -10,13 +10,25 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from studies.verification import CLAIMED, family_of, headline
+from studies.verification import CLAIMED, family_of, headline, main_questions, questions
 
 WRONG = 0.1  # relative error from which an answer is none
 SAME = 0.01  # errors that differ by less of themselves are one: what is left is the solver's noise
 COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.total"}
 NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
-SCENE_COLUMNS = ("label", "scene", "family", *NAMES, "mesh", "outcome", "quantity", "error", "uncertainty", "against")
+SCENE_COLUMNS = (
+    "label",
+    "scene",
+    "family",
+    "main",
+    *NAMES,
+    "mesh",
+    "outcome",
+    "quantity",
+    "error",
+    "uncertainty",
+    "against",
+)
 
 
 def on_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
@@ -37,13 +49,15 @@ def on_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
 def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     """One row a planned cell and its scene's headline quantity: SCENE_COLUMNS, flag, and the fronts of each cost.
 
+    Cells compete that were asked the same question; ``main`` is the one that the scene was asked most often.
     flag: "wrong", "failed" (no answer), "unsupported", "unverified", or "".  Columns ``cost.NAME`` and ``front.NAME``.
     """
     named = {scene: headline(table, scene) for scene in table["scene"].unique()}
     own = verified[verified["quantity"] == verified["scene"].map(named)]
     facts = own.set_index("label")[["quantity", "error", "uncertainty", "against"]]
     rows = table.join(facts, on="label")
-    rows["family"] = rows["scene"].map(family_of)
+    rows["family"], rows["main"] = rows["scene"].map(family_of), main_questions(table)
+    asked = questions(table)
     rows = rows.reindex(columns=[*SCENE_COLUMNS, *(column for column in COSTS.values() if column in table), "command"])
     off = rows["label"].map(verified.groupby("label")["formulation_error"].max()).fillna(0.0)
     rows["flag"] = [
@@ -55,7 +69,7 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     shown = np.where(rows["flag"] == "", np.maximum(rows["error"], rows["uncertainty"]), np.nan)
     for name, column in COSTS.items():
         if column in rows:
-            rows[f"front.{name}"] = _fronts_of(rows["scene"], rows[column], shown)
+            rows[f"front.{name}"] = _fronts_of(asked, rows[column], shown)
     return rows.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
 
 
@@ -70,11 +84,12 @@ def _flag(outcome: str, error: float, beyond: float) -> str:
 def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
     """One row a configuration of a family, solved and not wrong on all its scenes: geometric means over the scenes.
 
-    scenes: of ``fronts``.  rung: 0 the coarsest mesh of each scene.  Costs are over the smallest one of the scene.
+    scenes: of ``fronts``; the main question of each counts.
+    rung: 0 the coarsest mesh of each scene.  Costs are over the smallest one of the scene.
     Columns: family, scenes, NAMES, rung, error, ``cost.NAME``, ``front.NAME``.
     """
     kinds = [name for name in COSTS if f"cost.{name}" in scenes]
-    good = scenes[scenes["flag"] == ""].copy()
+    good = scenes[(scenes["flag"] == "") & scenes["main"]].copy()
     good["shown"] = np.maximum(good["error"], good["uncertainty"])
     good["rung"] = _rungs(good)
     for kind in kinds:

@@ -28,6 +28,8 @@ from studies.rows import STEP_KEYS, ladders, quantities, reference_rows, without
 
 CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
 HOW = ("mesh", "contact", "newton", "steps", "model", "tolerance", "solver", "epsilon", *KEYS)  # not what is solved
+ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
+CHOICES = ("measure", *ELEMENT, *HOW)  # what may be chosen to answer; all else of a command is the question
 PARTS = ("mesh", "solver", "formulation", "reference")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),
@@ -49,6 +51,18 @@ def judged(table: pd.DataFrame, scene: str) -> list[str]:
     there = [name for name in quantities(table) if name not in STEP_KEYS and rows[f"q.{name}"].notna().any()]
     named = dict.fromkeys(name for ladder in LADDERS if ladder.scene == scene for name in ladder.quantities)
     return [name for name in named if name in there] or [name for name in there if not name.endswith("asymmetry")]
+
+
+def questions(table: pd.DataFrame) -> pd.Series:
+    """What each cell was asked: its command without all that may be chosen to answer it."""
+    return table["command"].map(lambda command: without(command, *CHOICES))
+
+
+def main_questions(table: pd.DataFrame) -> pd.Series:
+    """Whether a cell belongs to the question that its scene was asked most often."""
+    asked = questions(table)
+    most = {scene: own.value_counts().index[0] for scene, own in asked.groupby(table["scene"], sort=False)}
+    return asked == table["scene"].map(most)
 
 
 def family_of(scene: str) -> str:

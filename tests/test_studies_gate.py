@@ -112,16 +112,19 @@ def test_a_campaign_without_a_cell_in_common_fails(gate: list[str], capsys: pyte
     assert "check failed: zero cells compared" in capsys.readouterr().err
 
 
-def lane(store: Path, campaign: str, factors: dict[str, float], seed: int) -> None:
+def lane(store: Path, factors: dict[str, float], seed: int, canary: float = 0.03) -> None:
     """Samples as the timing lane leaves them."""
     rng = np.random.default_rng(seed)
     labels = [f"small cantilever {measure} {n}x1" for measure in ("exact", "linear") for n in (4, 8, 16)]
-    samples = [
-        {"label": label, "block": i // 4, "seconds": factors.get(label, 1.0) * math.exp(0.005 * rng.normal())}
+    cells = [
+        {
+            "label": label,
+            "warm": [factors.get(label, 1.0) * math.exp(0.005 * rng.normal()) for _ in range(12)],
+        }
         for label in labels
-        for i in range(12)
     ]
-    write_json(store / "timing" / f"{campaign}.json", {"samples": samples})
+    canaries = [[canary, canary, True], [2 * canary, canary, False], [canary, canary, True]]
+    write_json(store / "timing" / "small.json", {"canaries": canaries, "cells": cells})
 
 
 def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -129,7 +132,7 @@ def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.Captur
     changed = {"small cantilever exact 8x1": 1.3, "small cantilever linear 4x1": 0.5}
     for seed, (store, factors) in enumerate(((before, {}), (same, {}), (slow, changed))):
         shutil.copytree(solved / "store", store)
-        lane(store, "small", factors, seed)
+        lane(store, factors, seed)
     assert main(["check", "--campaign", "small", "--time", str(before), str(same)]) == 0
     assert "times of 6 cells of small: 0 are slower" in capsys.readouterr().out
     assert main(["check", "--campaign", "small", "--time", str(before), str(slow)]) == 1
@@ -141,7 +144,10 @@ def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.Captur
     assert "**Wall time: 2 of 6 cells**" in text
     assert "+3" in text
     assert main(["check", "--campaign", "small", "--time", str(before), str(solved / "store")]) == 2
-    assert "has no times of campaign 'small'" in capsys.readouterr().err
+    assert "has no times of 'small'" in capsys.readouterr().err
+    lane(same, {}, 7, canary=0.04)
+    assert main(["check", "--campaign", "small", "--time", str(before), str(same)]) == 2
+    assert "the canary takes 1.33 times what it took" in capsys.readouterr().err
 
 
 def test_two_stores_make_a_comment(solved: Path, capsys: pytest.CaptureFixture[str]) -> None:
