@@ -353,14 +353,14 @@ def _table(options: argparse.Namespace) -> int:
     for pair in options.where:
         column, separator, value = pair.partition("=")
         if not separator or column not in table:
-            raise UsageError(f"--where {pair!r} must be COLUMN=VALUE with one of {', '.join(table)}")
+            raise UsageError(f"--where {pair!r} must be COLUMN=VALUE with one of {', '.join(map(str, table.columns))}")
         numbers = table[column].dtype.kind == "f"
         table = table[table[column] == (_number(pair, value) if numbers else value)]
     if options.csv is not None:
         write_table(options.csv, table)
     print(f"{'outcome':15s}{'cell':60s}reason")
-    for row in table[["outcome", "label", "reason"]].itertuples(index=False):
-        print(f"{row.outcome:15s}{row.label:60s}{row.reason if row.outcome != 'converged' else ''}".rstrip())
+    for outcome, label, reason in zip(table["outcome"], table["label"], table["reason"], strict=True):
+        print(f"{outcome:15s}{label:60s}{'' if outcome == 'converged' else reason}".rstrip())
     print(f"{len(table)} cells: " + ", ".join(f"{n} {name}" for name, n in table["outcome"].value_counts().items()))
     return OK
 
