@@ -7,7 +7,7 @@ import math
 import pandas as pd
 
 from reports import figures_tradeoff
-from reports.markdown import Part, commands, fixed, folded, joined, percent, picture, prose, scientific, table
+from reports.markdown import Part, commands, fixed, folded, joined, machine, percent, picture, prose, scientific, table
 from reports.navigation import links
 from reports.schema import Store
 
@@ -26,7 +26,8 @@ def tradeoff_page(store: Store) -> Part:
 
 Every cell of the campaign `{store.campaign}` is verified: against the scene's reference where one holds for its
 settings, else against the limit of a ladder of meshes by the exact measure, so that what a measure loses is an error.
-Costs are floating-point operations of the factorisations, the same on every machine.""")
+Costs are floating-point operations of the factorisations, the same on every machine; what a quadratic programme or
+pivots take beside them is in the wall times only.""")
     parts = (_split, _fronts, _families, _profiles, _attribution, _flags)
     return joined([Part(introduction), *(part(store) for part in parts)])
 
@@ -121,19 +122,7 @@ def _profiles(store: Store) -> Part:
     pairs, flips = (store.analysis(name) for name in ("pairs", "flips"))
     if data.empty:
         return Part("## Who wins how often\n\nNo axis of this campaign has two competitors.")
-    own = pairs[pairs["cost"] == COST]
-    rows = [
-        [
-            row["axis"],
-            f"`{row['a']}`",
-            f"`{row['b']}`",
-            str(row["problems"]),
-            str(row["a_better"]),
-            str(row["b_better"]),
-            f"{fixed(row['ratio'], 2)} [{fixed(row['ratio_low'], 2)}, {fixed(row['ratio_high'], 2)}]",
-        ]
-        for row in own.to_dict("records")
-    ]
+    rows = [_pair(row) for row in pairs[pairs["cost"] == COST].to_dict("records")]
     checked = flips[flips["cost"] == COST]
     lines = []
     for axis, each in checked.groupby("axis", sort=False):
@@ -150,8 +139,17 @@ infinitely dear. A profile depends on the whole field, so pairs are compared alo
 within twice the best) is repeated without each competitor.""")
     header = ["axis", "a", "b", "problems", "a cheaper", "b cheaper", "median of b over a [95 %]"]
     body = table(f"Pairs, {COST}", header, rows, words=3)
+    timed = [_pair(row) for row in pairs[pairs["cost"] == "seconds"].to_dict("records")]
+    if timed:
+        body += "\n\n" + machine(folded("Pairs by wall time", table("Pairs, seconds", header, timed, words=3)))
     shown = picture(PROFILES, "Share of problems within a factor of the best")
     return Part("\n\n".join([text, "\n".join(lines), shown, body]), {PROFILES: figures_tradeoff.profiles(data, COST)})
+
+
+def _pair(row: dict) -> list[str]:
+    ratio = f"{fixed(row['ratio'], 2)} [{fixed(row['ratio_low'], 2)}, {fixed(row['ratio_high'], 2)}]"
+    counts = (str(row[name]) for name in ("problems", "a_better", "b_better"))
+    return [row["axis"], f"`{row['a']}`", f"`{row['b']}`", *counts, ratio]
 
 
 def _attribution(store: Store) -> Part:

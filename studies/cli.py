@@ -1,5 +1,5 @@
-"""The command line: ``footprint list | solve | resolve | run | table | time | report``, and more of them:
-``advise | check | compare | bench``.
+"""The command line: ``footprint list | solve | resolve | run | table | time | analyse``, and more of them:
+``report | advise | check | compare | bench``.
 
 Exit codes: 0 fine, 1 a check failed, 2 wrong use (one line), 3 did not converge (result.json is still written).
 Heavy imports wait until a command needs them.
@@ -105,6 +105,13 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--blocks", type=int, default=2, help="fresh processes, default 2")
     command.add_argument("--rounds", type=int, default=4, help="interleaved rounds of a block, default 4")
     command.set_defaults(command=_time)
+
+    command = commands.add_parser(
+        "analyse", help="the tables of fronts, profiles, attribution and advice of a campaign"
+    )
+    command.add_argument("campaign")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.set_defaults(command=_analyse)
 
     command = commands.add_parser("report", help="write the pages of a store")
     command.add_argument("--store", type=Path, required=True, metavar="DIR")
@@ -434,6 +441,14 @@ def _report(options: argparse.Namespace) -> int:
         raise UsageError(str(error)) from None
     print("\n".join(differences) or f"{out} agrees with {options.store}")
     return FAILED if differences else OK
+
+
+def _analyse(options: argparse.Namespace) -> int:
+    from studies.analysis import analyse
+
+    for path in analyse(options.store, options.campaign):
+        print(path)
+    return OK
 
 
 def _advise(options: argparse.Namespace) -> int:
