@@ -16,10 +16,12 @@ export OPENBLAS_NUM_THREADS ?= 1
 
 report: $(READY)
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint analyse quick --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --campaign quick
 
 standard: $(READY)
 	$(BIN)/footprint run standard --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint analyse standard --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
 
 test: $(READY)
@@ -30,10 +32,12 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# everything: lint, types, all tests, and the committed quick pages against a fresh quick campaign
+# everything: lint, types, all tests, and a fresh quick campaign against the committed baseline and pages
 check: lint test
 	$(BIN)/pytest -n $(JOBS) -m slow
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint analyse quick --store $(STORE)
+	$(BIN)/footprint check --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --campaign quick --check
 
 bench: $(READY)

@@ -8,7 +8,7 @@ from typing import Any
 from reports.convergence import MeshSequence
 from reports.ladders import applies
 from reports.markdown import NOTHING, Part, digits, fixed, machine, percent, prose, scientific, table
-from reports.outcomes import completeness, refusals
+from reports.outcomes import analysed, completeness, refusals
 from reports.schema import Cell, Planned, Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
@@ -22,7 +22,9 @@ def campaign_page(store: Store) -> Part:
 
 
 def _introduction(store: Store) -> str:
-    return f"# Campaign `{store.campaign}`\n\n{store.title}.\n\n## Completeness\n\n{completeness(store)}"
+    more = analysed(store)
+    head = f"# Campaign `{store.campaign}`\n\n{store.title}.\n" + (f"{more}\n" if more else "")
+    return f"{head}\n## Completeness\n\n{completeness(store)}"
 
 
 def _sequences(store: Store) -> str:

@@ -10,7 +10,7 @@ from reports.element_choice import choices
 from reports.ladders import read_ladders
 from reports.maps import at_delta
 from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
-from reports.outcomes import completeness, refusals
+from reports.outcomes import analysed, completeness, refusals
 from reports.page_benchmarks import BENCHMARKS, limit
 from reports.page_convergence import WITHIN, split
 from reports.page_locking import worst_energy
@@ -48,7 +48,8 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
   says "solved" and is wrong, and how far the tyre can be pressed.
 - [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
-- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step costs.""")
+- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step
+  costs.{analysed(store)}""")
 
 
 def _list(names: Iterable[str]) -> str:

@@ -13,6 +13,8 @@ from reports.compare import differences
 from reports.files import write_texts
 from reports.markdown import Part
 from reports.outcomes import completeness_line
+from reports.page_advice import NEEDED as ADVICE_TABLES
+from reports.page_advice import advice_page
 from reports.page_agreement import agreement_page
 from reports.page_algorithms import algorithms_page
 from reports.page_benchmarks import benchmarks_page
@@ -25,6 +27,8 @@ from reports.page_locking import locking_page
 from reports.page_measures import measures_page
 from reports.page_rigid_body import rigid_body_page
 from reports.page_symmetry import symmetry_page
+from reports.page_tradeoff import NEEDED as TRADEOFF_TABLES
+from reports.page_tradeoff import tradeoff_page
 from reports.page_tyre import tyre_page
 from reports.schema import Store, load_store
 
@@ -43,6 +47,10 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "cost.md": cost_page,
 }
 CAMPAIGN_PAGES: Mapping[str, Callable[[Store], Part]] = {"index.md": campaign_page}
+ANALYSIS: Mapping[str, tuple[tuple[str, ...], Callable[[Store], Part]]] = {  # with the tables they are made of
+    "tradeoff.md": (TRADEOFF_TABLES, tradeoff_page),
+    "advice.md": (ADVICE_TABLES, advice_page),
+}
 FIGURES = "figures"
 ALL = "all"  # what a campaign says whose cells are those of all pages
 
@@ -65,13 +73,18 @@ def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
 
 def rendered(store: Store) -> dict[str, str]:
     """All files by name: pictures first, so that a page never links to one that is not there yet."""
-    if store.pages != ALL:
-        return {name: page(store).text for name, page in CAMPAIGN_PAGES.items()}
-    for delta in labels.CURVES:
+    pages = PAGES if store.pages == ALL else CAMPAIGN_PAGES
+    for delta in labels.CURVES if store.pages == ALL else ():
         store.cell(labels.PAPER).step(delta_mm=delta)
-    parts = {name: page(store) for name, page in PAGES.items()}
+    parts = {name: page(store) for name, page in pages.items()} | analysis_pages(store)
     pictures = {f"{FIGURES}/{name}": svg for part in parts.values() for name, svg in part.pictures.items()}
     return pictures | {name: part.text for name, part in parts.items()}
+
+
+def analysis_pages(store: Store) -> dict[str, Part]:
+    """The pages of the analysis, those whose tables are all there."""
+    there = {name: page for name, (needed, page) in ANALYSIS.items() if all(map(store.has_analysis, needed))}
+    return {name: page(store) for name, page in there.items()}
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:

@@ -86,8 +86,50 @@ STORE_COLUMNS = {
         *("total_s", "same_matrix_s", "gemm_s", "copy_s", "peak_GiB", "repeats"),
     ),
     "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
+    "verified": ("campaign", "label", "scene", "quantity", "against", "uncertainty", "error", "largest", "asymptotic"),
+    "flags": ("campaign", "flag", "scene", "subject", "cases", "of", "size", "cause", "label"),
+    "fronts": (
+        *(
+            "campaign",
+            "label",
+            "scene",
+            "family",
+            "main",
+            "measure",
+            "contact",
+            "mesh",
+            "tolerance",
+            "quantity",
+            "error",
+        ),
+        *("uncertainty", "flag", "command", "cost.flops", "front.flops"),
+    ),
+    "family_fronts": ("campaign", "family", "scenes", "rung", "error", "cost.flops", "front.flops"),
+    "profiles": ("campaign", "axis", "cost", "competitor", "problems", "factor", "share"),
+    "pairs": (
+        *("campaign", "axis", "cost", "a", "b", "problems", "a_better", "b_better"),
+        *("ratio", "ratio_low", "ratio_high"),
+    ),
+    "flips": ("campaign", "axis", "cost", "removed", "ranking", "flips"),
+    "attribution": ("campaign", "scope", "name", "response", "factor", "cells", "share", "low", "high"),
+    "advice": (
+        *("campaign", "scene", "quantity", "against", "tolerance", "label", "configuration", "bound", "cost"),
+        *("seconds_low", "seconds", "seconds_high", "runner_up", "runner_up_ratio", "next_ratio", "command"),
+    ),
+    "held_out": (
+        *("campaign", "scene", "quantity", "headline", "tolerance", "factor", "advised", "best", "met", "regret"),
+        *("true_error", "estimate"),
+    ),
+    "held_out_summary": (
+        *("campaign", "quantities", "cases", "advised", "met", "median_regret", "mean_regret", "abstained"),
+        "truly_none",
+    ),
 }
 
+WORDS = {  # columns of the analysis that may be empty
+    *("flag", "against", "largest", "removed", "flips", "label", "configuration", "runner_up", "command"),
+    *("advised", "best", "measure", "contact", "newton", "element", "model"),
+}
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 
 
@@ -215,6 +257,19 @@ class Store:
     def table(self, name: str) -> pd.DataFrame:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
         return _read_table(self.path / "tables" / f"{name}.csv", STORE_COLUMNS[name])
+
+    def has_analysis(self, name: str) -> bool:
+        """True when a table of the analysis is there, and of this campaign."""
+        return self.has_table(name) and bool((self.table(name)["campaign"] == self.campaign).all())
+
+    def analysis(self, name: str) -> pd.DataFrame:
+        """A table of the analysis of this campaign; raises StoreError when it is missing, damaged, or another's."""
+        if not self.has_analysis(name):
+            raise StoreError(f"{self.path / 'tables' / name}.csv: not of campaign {self.campaign!r}")
+        found = self.table(name)
+        for column in WORDS.intersection(found.columns):
+            found[column] = found[column].astype(object).where(found[column].notna(), "")
+        return found
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""

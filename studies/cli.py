@@ -1,4 +1,5 @@
-"""The command line: ``footprint list | solve | resolve | run | table | time | report | bench``.
+"""The command line: ``footprint list | solve | resolve | run | table | time | analyse``, and more of them:
+``report | advise | check | compare | bench``.
 
 Exit codes: 0 fine, 1 a check failed, 2 wrong use (one line), 3 did not converge (result.json is still written).
 Heavy imports wait until a command needs them.
@@ -105,12 +106,49 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--rounds", type=int, default=4, help="interleaved rounds of a block, default 4")
     command.set_defaults(command=_time)
 
+    command = commands.add_parser(
+        "analyse", help="the tables of fronts, profiles, attribution and advice of a campaign"
+    )
+    command.add_argument("campaign")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.set_defaults(command=_analyse)
+
     command = commands.add_parser("report", help="write the pages of a store")
     command.add_argument("--store", type=Path, required=True, metavar="DIR")
     command.add_argument("--campaign", metavar="NAME", help="which, where the store has several")
     command.add_argument("--out", type=Path, metavar="DIR", help=f"default {PAGES}, or the campaign's folder there")
     command.add_argument("--check", action="store_true", help="compare with the pages in --out instead of writing them")
     command.set_defaults(command=_report)
+
+    command = commands.add_parser("advise", help="the cheapest configuration of a scene that meets a tolerance")
+    command.add_argument("scene")
+    command.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
+    command.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
+    command.add_argument("--store", type=Path, required=True, metavar="DIR")
+    command.add_argument("--campaign", default="standard", help="default standard")
+    command.add_argument("--cost", default="flops", help="dofs, factorisations, flops or seconds; default flops")
+    command.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    command.set_defaults(command=_advise)
+
+    command = commands.add_parser("check", help="compare a fresh campaign with the committed baseline")
+    command.add_argument("--store", type=Path, metavar="DIR", help="one that has the campaign; default: solve it now")
+    command.add_argument("--campaign", default="quick", help="default quick")
+    command.add_argument("--engine", default="serial", help="as of run, where it is solved now")
+    command.add_argument("--baseline", type=Path, metavar="FILE", help="default: the committed one")
+    command.add_argument("--update", action="store_true", help="replace the baseline; with --owner and --reason")
+    command.add_argument("--owner", default="", metavar="NAME", help="who answers for an update")
+    command.add_argument("--reason", default="", metavar="TEXT", help="why the baseline is replaced")
+    command.add_argument("--date", metavar="YYYY-MM-DD", help="of an update, default today")
+    command.add_argument(
+        "--time", nargs=2, type=Path, metavar=("BEFORE", "NOW"), help="two stores with times of the timing lane"
+    )
+    command.set_defaults(command=_check)
+
+    command = commands.add_parser("compare", help="two stores side by side, as a comment for a review")
+    command.add_argument("before", type=Path, metavar="A")
+    command.add_argument("now", type=Path, metavar="B")
+    command.add_argument("--campaign", default="quick", help="default quick")
+    command.set_defaults(command=_compare)
 
     command = commands.add_parser("bench", help="cost of one Newton iteration, as ratios")
     command.add_argument("--mesh", help="N1xN2, default 42x40; with --scaling, --peers several, comma-separated")
@@ -150,12 +188,7 @@ def _solve(options: argparse.Namespace) -> int:
     from studies.solve import resolve
     from studies.store import write_by
 
-    given: dict[str, str] = {}
-    for pair in options.settings:
-        key, separator, value = pair.partition("=")
-        if not separator:
-            raise UsageError(f"--set {pair!r} must be KEY=VALUE")
-        given[key] = value
+    given = _pairs(options.settings)
     wanted = _wanted_error(options, given)
     scene, request = resolve(
         options.scene,
@@ -189,6 +222,19 @@ def _solve(options: argparse.Namespace) -> int:
     if wanted is not None:
         _print_ladder(result, enough)
     return OK if enough else NOT_CONVERGED
+
+
+def _pairs(settings: Sequence[str]) -> dict[str, str]:
+    """The settings of ``--set KEY=VALUE``."""
+    from studies.scene import UsageError
+
+    given: dict[str, str] = {}
+    for pair in settings:
+        key, separator, value = pair.partition("=")
+        if not separator:
+            raise UsageError(f"--set {pair!r} must be KEY=VALUE")
+        given[key] = value
+    return given
 
 
 def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> float | None:
@@ -397,6 +443,63 @@ def _report(options: argparse.Namespace) -> int:
         raise UsageError(str(error)) from None
     print("\n".join(differences) or f"{out} agrees with {options.store}")
     return FAILED if differences else OK
+
+
+def _analyse(options: argparse.Namespace) -> int:
+    from studies.analysis import analyse
+
+    for path in analyse(options.store, options.campaign):
+        print(path)
+    return OK
+
+
+def _advise(options: argparse.Namespace) -> int:
+    from studies.advise import advise, asked_question, lines
+    from studies.error_control import parse_error
+    from studies.table import collect
+    from studies.verification import verified
+
+    tolerance, given = parse_error(options.error), _pairs(options.settings)
+    table = collect(options.store, options.campaign)
+    question = asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+    found = advise(question, tolerance, options.cost)
+    print("\n".join(lines(found, options.cost)))
+    return OK if found.best is not None else FAILED
+
+
+def _check(options: argparse.Namespace) -> int:
+    from studies import gate
+    from studies.regression import NothingComparedError
+    from studies.scene import UsageError
+
+    if options.time is not None and (options.update or options.store is not None or options.baseline is not None):
+        raise UsageError("--time compares two stores and no baseline")
+    if not options.update and (options.owner or options.reason or options.date):
+        raise UsageError("--owner, --reason and --date go with --update")
+    try:
+        if options.time is not None:
+            worse = gate.check_times(options.time[0], options.time[1], options.campaign)
+        elif options.update:
+            gate.update_baseline(options)
+            return OK
+        else:
+            worse = gate.check_baseline(options.campaign, options.store, options.baseline, options.engine)
+    except NothingComparedError as error:
+        print(f"footprint: check failed: {error}", file=sys.stderr)
+        return FAILED
+    return FAILED if worse else OK
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from studies.gate import compare_stores
+    from studies.regression import NothingComparedError
+
+    try:
+        print(compare_stores(options.before, options.now, options.campaign), end="")
+    except NothingComparedError as error:
+        print(f"footprint: {error}", file=sys.stderr)
+        return FAILED
+    return OK
 
 
 def _bench(options: argparse.Namespace) -> int:

@@ -1,0 +1,176 @@
+"""Pictures of what accuracy costs: fronts, profiles, attribution, and advice for scenes left out; returns SVG text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import NullFormatter, PercentFormatter
+
+from reports.drawing import BLACK, MARKERS, SERIES, YELLOW, canvas, style, to_svg
+
+GREY = "#BBBBBB"
+PANELS = 3  # beside one another
+MARGIN = 3.0  # how much dearer than the dearest cell of the front a loser may be, to be drawn
+LEAST_SPAN = 12.0  # of an axis, so that a power of ten is on it
+WORST = 0.1  # relative error from which an answer is wrong
+LINES = ("-", "--", ":", "-.")
+COLOURS = (*SERIES, "#661100", YELLOW)  # with Tol's wine, ninth and told apart like the others
+COST_WORDS = {
+    "flops": "floating-point operations of factorisations",
+    "factorisations": "factorisations",
+    "dofs": "unknowns",
+    "seconds": "time [s]",
+}
+
+
+def work_precision(fronts: pd.DataFrame, cost: str) -> str:
+    """Verified error over cost, a panel a scene, a colour a measure, a marker a contact algorithm.
+
+    The line is the front; grey: beaten in both. The axes are those of the front; how many lie outside is said.
+    """
+    scenes = [name for name in dict.fromkeys(fronts["scene"]) if fronts[f"front.{cost}"][fronts["scene"] == name].any()]
+    measures = dict(zip(dict.fromkeys(fronts["measure"]), COLOURS, strict=False))
+    contacts = dict(zip(dict.fromkeys(fronts["contact"]), MARKERS, strict=False))
+    rows = math.ceil(len(scenes) / PANELS)
+    with style():
+        figure, panels = canvas(PANELS, width=10.0, height=0.8 + 2.7 * rows, rows=rows)
+        for axes, scene in zip(panels, scenes, strict=False):
+            _scene(axes, scene, fronts[fronts["scene"] == scene], cost, measures, contacts)
+        for axes in panels[len(scenes) :]:
+            axes.set_visible(False)
+        for axes in panels[::PANELS]:
+            axes.set_ylabel("relative error")
+        for axes in panels[max(0, len(scenes) - PANELS) : len(scenes)]:
+            axes.set_xlabel(COST_WORDS[cost] if len(COST_WORDS[cost]) < 20 else cost)
+        keys = [_key(colour, "o", name) for name, colour in measures.items()]
+        keys += [_key(BLACK, marker, name) for name, marker in contacts.items()] if len(contacts) > 1 else []
+        figure.legend(handles=keys, loc="outside upper center", ncols=5)
+        return to_svg(figure)
+
+
+def _key(colour: str, marker: str, name: str) -> Line2D:
+    return Line2D([], [], color=colour, marker=marker, linestyle="", label=name)
+
+
+def _scene(
+    axes: Axes,
+    scene: str,
+    rows: pd.DataFrame,
+    cost: str,
+    measures: Mapping[str, str],
+    contacts: Mapping[str, str],
+) -> None:
+    good = rows[(rows["flag"] == "") & rows[f"cost.{cost}"].notna()]
+    shown = good.assign(shown=np.maximum(good["error"], good["uncertainty"]), price=good[f"cost.{cost}"].astype(float))
+    front = shown[shown[f"front.{cost}"].astype(bool)].sort_values("price")
+    right, low = MARGIN * front["price"].max(), 0.5 * front["shown"].min()
+    left = 0.6 * front["price"].min()
+    right = max(right, LEAST_SPAN * left)
+    inside = shown[(shown["price"] <= right) & (shown["shown"] <= WORST)]
+    beaten = inside[~inside[f"front.{cost}"].astype(bool)]
+    for contact, own in beaten.groupby("contact", sort=False):
+        axes.scatter(own["price"], own["shown"], s=9, color=GREY, marker=contacts[str(contact)], linewidths=0.6)
+    axes.plot(front["price"], front["shown"], color=BLACK, linewidth=0.8, drawstyle="steps-post")
+    for (measure, contact), own in front.groupby(["measure", "contact"], sort=False):
+        colour, marker = measures[str(measure)], contacts[str(contact)]
+        axes.scatter(own["price"], own["shown"], s=30, zorder=3, color=colour, marker=marker)
+    axes.set(xscale="log", yscale="log", xlim=(left, right), ylim=(low, 1.4 * WORST))
+    known = float(front["uncertainty"].median())
+    if known > low:
+        axes.axhspan(low, known, color="#EEEEEE", zorder=0)
+    answers = int(rows["error"].notna().sum())
+    outside = answers - len(inside)
+    axes.set_title(f"{scene}: {front['quantity'].iloc[0]}\n{outside} of {answers} answers outside", fontsize=8)
+    axes.tick_params(labelsize=8)
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def profiles(data: pd.DataFrame, cost: str) -> str:
+    """Share of problems within a factor of the best, a panel an axis of comparison, a line a competitor."""
+    own = data[data["cost"] == cost]
+    kinds = list(dict.fromkeys(own["axis"]))
+    with style():
+        figure, panels = canvas(len(kinds), width=5.0 * max(len(kinds), 1), height=4.4)
+        for axes, kind in zip(panels, kinds, strict=True):
+            rows = own[own["axis"] == kind]
+            for i, (name, line) in enumerate(rows.groupby("competitor", sort=False)):
+                colour, dashes = COLOURS[i % len(COLOURS)], LINES[i % len(LINES)]
+                axes.step(line["factor"], line["share"], where="post", label=str(name), color=colour, linestyle=dashes)
+            axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, rows["factor"].max()))
+            axes.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
+            axes.set_xticks([], minor=True)
+            axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+            axes.set_title(f"{kind}, {rows['problems'].iloc[0]} problems")
+            axes.set(xlabel=f"{cost} over those of the best", ylabel="share of problems")
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8)
+        return to_svg(figure)
+
+
+def attribution(data: pd.DataFrame, responses: Sequence[str]) -> str:
+    """Shares of the variance, a panel a response, a bar a scene or family, a colour a factor."""
+    factors = [name for name in dict.fromkeys(data["factor"]) if name not in ("interactions", "rest")]
+    looks = {
+        **dict(zip(factors, COLOURS, strict=False)),
+        "interactions": "#888888",
+        "rest": "#DDDDDD",
+    }
+    names = list(dict.fromkeys(zip(data["scope"], data["name"], strict=True)))[::-1]
+    with style():
+        figure, panels = canvas(len(responses), width=10.0, height=1.4 + 0.27 * len(names))
+        for axes, response in zip(panels, responses, strict=True):
+            own = data[data["response"] == response].set_index(["scope", "name", "factor"])["share"]
+            for i, (scope, name) in enumerate(names):
+                start = 0.0
+                for factor, colour in looks.items():
+                    share = float(own.get((scope, name, factor), 0.0))
+                    axes.barh(i, share, left=start, color=colour, height=0.75, edgecolor="white", linewidth=0.4)
+                    start += share
+            words = [name if scope == "scene" else f"all {name}" for scope, name in names]
+            axes.set_yticks(range(len(names)), words if axes is panels[0] else [""] * len(names), fontsize=8)
+            axes.set(xlim=(0, 1), xlabel="share of the variance", title=f"logarithm of {_article(response)}")
+            axes.xaxis.set_major_formatter(PercentFormatter(1.0))
+            axes.grid(visible=False, axis="y")
+        keys = [Patch(color=colour, label=factor) for factor, colour in looks.items()]
+        figure.legend(handles=keys, loc="outside upper center", ncols=6)
+        return to_svg(figure)
+
+
+def _article(response: str) -> str:
+    return "the verified error" if response == "error" else f"the {response}"
+
+
+def held_out(cases: pd.DataFrame) -> str:
+    """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
+    given = cases[cases["advised"] != ""]
+    scenes = list(dict.fromkeys(given["scene"]))
+    with style():
+        figure, (left, right) = canvas(2, width=10.0, height=4.0)
+        for i, scene in enumerate(scenes):
+            own = given[given["scene"] == scene]
+            ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3)
+            colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
+            shift = 1 + 0.05 * (i - len(scenes) / 2)  # points of one tolerance beside one another
+            left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, color=colour, marker=marker)
+        left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
+        left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
+        ticks = sorted(set(100 * given["tolerance"]))
+        left.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        left.set_xticks([], minor=True)
+        regret = np.sort(given["regret"].dropna().to_numpy(float))
+        share = np.arange(1, len(regret) + 1) / max(len(regret), 1)
+        right.step([*regret, max(10.0, 1.2 * regret[-1])] if len(regret) else [], [*share, 1.0][: len(regret) + 1])
+        right.axvline(1.5, color=BLACK, linewidth=1, linestyle=":")
+        right.set(
+            xscale="log", ylim=(0, 1.03), xlabel="cost of the advice over that of the best", ylabel="share of cases"
+        )
+        right.set_xticks([0.5, 1, 1.5, 2, 5, 10, 20], ["0.5", "1", "1.5", "2", "5", "10", "20"])
+        right.set_xticks([], minor=True)
+        right.yaxis.set_major_formatter(PercentFormatter(1.0))
+        figure.legend(loc="outside upper center", ncols=5, fontsize=8)
+        return to_svg(figure)

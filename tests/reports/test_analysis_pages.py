@@ -1,0 +1,116 @@
+"""The pages of the trade and of advice, from a small campaign that is really solved and analysed."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from reports.pages import ANALYSIS, analysis_pages, rendered
+from reports.schema import StoreError, load_store
+from studies.analysis import analyse
+from studies.campaign import run
+from studies.definition import read
+
+CAMPAIGN = """
+title = "small"
+[[cross]]
+name = "small"
+measures = ["exact", "linear"]
+contacts = ["semismooth", "trial-and-error", "regularised"]
+tolerances = [1e-3, 1e-9]
+[cross.scenes.cantilever]
+meshes = ["4x1", "8x1", "16x1"]
+set = { load_fraction = "0.25" }
+[cross.scenes.strip-contact]
+meshes = ["8x1", "16x1", "32x1"]
+set = { load_fraction = "5" }
+"""
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("analysed")
+    (folder / "small.toml").write_text(CAMPAIGN)
+    run(read(folder / "small.toml"), folder / "store")
+    analyse(folder / "store", "small")
+    return folder / "store"
+
+
+@pytest.fixture(scope="module")
+def files(solved: Path) -> dict[str, str]:
+    return rendered(load_store(solved))
+
+
+@pytest.fixture
+def store(solved: Path, tmp_path: Path) -> Path:
+    """A copy, to be broken."""
+    return Path(shutil.copytree(solved, tmp_path / "store"))
+
+
+def test_both_pages_are_made_and_the_same_again(solved: Path, files: dict[str, str]) -> None:
+    assert {"index.md", *ANALYSIS} == {name for name in files if name.endswith(".md")}
+    assert files == rendered(load_store(solved))
+    shown = {name for text in files.values() for name in re.findall(r"\]\((figures/\S+\.svg)\)", text)}
+    assert shown == {name for name in files if name.endswith(".svg")}
+    assert len(shown) == 4
+    assert "[The trade](tradeoff.md)" in files["index.md"]
+
+
+def test_links_lead_somewhere(files: dict[str, str]) -> None:
+    for name, text in files.items():
+        if name.endswith(".md"):
+            assert set(re.findall(r"\]\(([a-z-]+\.md)\)", text)) <= set(files)
+
+
+def test_the_trade(solved: Path, files: dict[str, str]) -> None:
+    text = files["tradeoff.md"]
+    for title in (
+        *("Largest part of the error", "Fronts per scene", "Fronts per family", "Pairs, flops"),
+        *("Shares of the variance", "Walls"),
+    ):
+        assert f"**{title}**" in text
+    assert "| `cantilever` | `exact` | `semismooth` | 4x1 |" in text
+    assert "footprint solve cantilever --measure exact --contact semismooth --mesh 4x1" in text
+    flips = load_store(solved).analysis("flips")
+    (whole,) = flips[(flips["cost"] == "flops") & (flips["axis"] == "contact") & (flips["removed"] == "")]["ranking"]
+    assert sorted(whole.split(" > ")) == ["regularised", "semismooth", "trial-and-error"]
+    assert f"- contact: {whole}; removing any one turns no pair." in text
+    assert "tip_deflection_mm by linear | 10.483 % | formulation |" in text
+    assert "nan" not in text
+
+
+def test_advice(files: dict[str, str]) -> None:
+    text = files["advice.md"]
+    (line,) = [line for line in text.splitlines() if line.startswith("| `cantilever` | `tip_deflection_mm` |")]
+    assert line.count("|") == 10
+    assert "4x1 exact" in line
+    assert "**Advice on scenes left out**" in text
+    assert "nan" not in text
+
+
+def test_without_its_tables_there_is_no_page(store: Path) -> None:
+    (store / "tables" / "flips.csv").unlink()
+    assert set(analysis_pages(load_store(store))) == {"advice.md"}
+    shutil.rmtree(store / "tables")
+    files = rendered(load_store(store))
+    assert set(files) == {"index.md"}
+    assert "tradeoff.md" not in files["index.md"]
+
+
+def test_tables_of_another_campaign_are_not_mixed_in(store: Path) -> None:
+    path = store / "tables" / "fronts.csv"
+    pd.read_csv(path).assign(campaign="other").to_csv(path, index=False)
+    assert set(analysis_pages(load_store(store))) == {"advice.md"}
+    with pytest.raises(StoreError, match=r"fronts\.csv: not of campaign 'small'"):
+        load_store(store).analysis("fronts")
+
+
+def test_a_damaged_table_is_one_line(store: Path) -> None:
+    path = store / "tables" / "advice.csv"
+    pd.read_csv(path).drop(columns="bound").to_csv(path, index=False)
+    with pytest.raises(StoreError, match=r"advice\.csv: lacks the columns bound"):
+        analysis_pages(load_store(store))
