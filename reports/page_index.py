@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 
 from reports import labels
 from reports.element_choice import choices
+from reports.headlines import headlines
 from reports.ladders import read_ladders
 from reports.maps import at_delta
 from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
@@ -23,18 +23,12 @@ from reports.tyre_paper import forces
 
 def index_page(store: Store) -> Part:
     """The whole page."""
-    sections = (_introduction, _completeness, _findings, _limitations, _machine)
-    return Part("\n\n".join(section(store) for section in sections) + "\n")
+    sections = (headlines, _pages, _findings, _limitations, _completeness, _machine)
+    return Part("\n\n".join(["# Results", *(section(store) for section in sections)]) + "\n")
 
 
-def _introduction(store: Store) -> str:
-    cells = store.cells.values()
-    return prose(f"""# Results
-
-Strain measures ({_list(c.result["measure"] for c in cells)}), contact algorithms
-({_list(c.result["contact"] for c in cells)}) and Newton iterations ({_list(c.result["newton"] for c in cells)}),
-compared on one and the same shell element. The residuals of every answer are recomputed by a judge that trusts no
-algorithm. Every sentence with a number in it is computed from the stored results.
+def _pages(store: Store) -> str:
+    return prose(f"""## Pages
 
 - [The tyre](tyre.md): an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and
   against three-dimensional solids.
@@ -44,16 +38,13 @@ algorithm. Every sentence with a number in it is computed from the stored result
 - [Strain measures](measures.md): up to which load each is enough.
 - [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
 - [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.
+- [Symmetry](symmetry.md): what every measure and algorithm keeps of a symmetry, and what breaks it.
 - [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
 - [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
   says "solved" and is wrong, and how far the tyre can be pressed.
 - [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
 - [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step
   costs.{analysed(store)}""")
-
-
-def _list(names: Iterable[str]) -> str:
-    return ", ".join(f"`{name}`" for name in dict.fromkeys(names))
 
 
 def _completeness(store: Store) -> str:
@@ -96,7 +87,7 @@ def _unusual(cell: Cell) -> list[str]:
 
 def _findings(store: Store) -> str:
     found = (_linear(store), _newton(store), _agreement(store), _convergence(store), _element(store))
-    return "\n".join(["## Findings", "", *(f"{i}. {text}" for i, text in enumerate(found, start=1))])
+    return "\n".join(["## More findings", "", *(f"{i}. {text}" for i, text in enumerate(found, start=1))])
 
 
 def _linear(store: Store) -> str:
