@@ -37,17 +37,18 @@ def follow(
     solution: ContactSolution,
     steps: int = 1,
     on_substep: Callable[[float], None] | None = None,
+    smallest: float = SMALLEST,
 ) -> Iterator[PathPoint]:
     """Follow the path of problems from the converged ``solution`` at ``start`` through the targets, in order.
 
-    ``steps``: equal steps between two targets. The iteration ends with the first point that is not converged. Once a
-    step has been cut, a state in contact with more negative eigenvalues than that at the last target is no state of the
-    path, but one beyond it: the step is cut again. Without contact, paths of large rotations pass bifurcations and are
-    followed.
+    ``steps``: equal steps between two targets; ``smallest``: fraction of one of them below which it is not cut. The
+    iteration ends with the first point that is not converged. Once a step has been cut, a state in contact with more
+    negative eigenvalues than that at the last target is no state of the path, but one beyond it: the step is cut again.
+    Without contact, paths of large rotations pass bifurcations and are followed.
     """
     at = start
     for target in targets:
-        point = _reach(problem_at, at, target, algorithm, solution, steps, on_substep)
+        point = _reach(problem_at, at, target, algorithm, solution, steps, on_substep, smallest)
         yield point
         if not point.outcome.converged:
             return
@@ -62,6 +63,7 @@ def _reach(
     solution: ContactSolution,
     steps: int,
     on_substep: Callable[[float], None] | None,
+    smallest: float,
 ) -> PathPoint:
     asked = (target - at) / steps
     step, substeps = asked, 0
@@ -95,7 +97,7 @@ def _reach(
         if attempt.outcome is Outcome.REFUSED:  # no smaller step would change that
             outcome = Outcome.REFUSED
             break
-        if abs(step) / 2 < SMALLEST * abs(asked):
+        if abs(step) / 2 < smallest * abs(asked):
             outcome = Outcome.STEP_LIMIT
             end = why_it_ends(problem_at, states, algorithm.epsilon)
             rows[-1]["event"] = f"{failure}; {outcome.value}; {end.sentence}"

@@ -1,6 +1,6 @@
 """The pages of a store: rendered as a whole, then written, or compared with the ones that are committed.
 
-Each page is a function of the store; no page is written before all are rendered.
+Each page is a function of the store; no page is written before all are rendered. Beside them, all pages in one HTML.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from pathlib import Path
 from reports import labels
 from reports.compare import differences
 from reports.files import write_texts
+from reports.html import REPORT, report_html
 from reports.markdown import Part
 from reports.page_agreement import agreement_page
 from reports.page_algorithms import algorithms_page
@@ -18,6 +19,7 @@ from reports.page_benchmarks import benchmarks_page
 from reports.page_convergence import convergence_page
 from reports.page_cost import cost_page
 from reports.page_epsilon import epsilon_page
+from reports.page_extremes import extremes_page
 from reports.page_index import index_page
 from reports.page_locking import locking_page
 from reports.page_measures import measures_page
@@ -35,6 +37,7 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "rigid-body.md": rigid_body_page,
     "locking.md": locking_page,
     "symmetry.md": symmetry_page,
+    "extremes.md": extremes_page,
     "contact-agreement.md": agreement_page,
     "algorithms.md": algorithms_page,
     "epsilon.md": epsilon_page,
@@ -49,7 +52,7 @@ def write_pages(store: Path, out: Path) -> list[Path]:
 
 
 def check_pages(store: Path, out: Path) -> list[str]:
-    """Differences between the pages in ``out`` and those of the store, a line each; pictures need only be there."""
+    """Differences between the pages in ``out`` and those of the store, a line each; other files need only be there."""
     return compare_pages(rendered(load_store(store)), out)
 
 
@@ -58,13 +61,18 @@ def rendered(store: Store) -> dict[str, str]:
     for delta in labels.CURVES:
         store.cell(labels.PAPER).step(delta_mm=delta)
     parts = {name: page(store) for name, page in PAGES.items()}
-    pictures = {f"{FIGURES}/{name}": svg for part in parts.values() for name, svg in part.pictures.items()}
-    return pictures | {name: part.text for name, part in parts.items()}
+    pictures = {name: svg for part in parts.values() for name, svg in part.pictures.items()}
+    texts = {name: part.text for name, part in parts.items()}
+    whole = {REPORT: report_html(texts, pictures)}
+    return {f"{FIGURES}/{name}": svg for name, svg in pictures.items()} | texts | whole
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
     """Differences between ``files`` and what is in ``out``."""
-    there = {path.relative_to(out).as_posix() for path in [*out.glob("*.md"), *(out / FIGURES).glob("*.svg")]}
+    there = {
+        path.relative_to(out).as_posix()
+        for path in [*out.glob("*.md"), *out.glob("*.html"), *(out / FIGURES).glob("*.svg")]
+    }
     found = [f"{name}: missing in {out}" for name in files if name not in there]
     found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files))]
     pages = [name for name in files if name.endswith(".md") and name in there]

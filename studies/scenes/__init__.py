@@ -13,6 +13,7 @@ from studies.scenes.hemisphere import Hemisphere
 from studies.scenes.linear_cylinder import PinchedCylinder
 from studies.scenes.linear_pagano import Pagano
 from studies.scenes.linear_roof import ScordelisLo
+from studies.scenes.panel import Panel
 from studies.scenes.pressurised import PressurisedCylinder, PressurisedSphere, PressurisedTorus
 from studies.scenes.roofs import ROOFS
 from studies.scenes.sze_annulus import SlitAnnulus
@@ -25,7 +26,7 @@ FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
 NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap())
 PRESSURISED: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
 LINEAR: tuple[Scene, ...] = (ScordelisLo(), PinchedCylinder(), Pagano())
-CONTACT: tuple[Scene, ...] = (ClampedStrip(), HeavyStrip(), PlateContact(), Ring())
+CONTACT: tuple[Scene, ...] = (ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel())
 SOLID: tuple[Scene, ...] = (SolidTyre(),)
 SCENES: dict[str, Scene] = {
     scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR, *CONTACT, *SOLID)

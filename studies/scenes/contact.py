@@ -1,4 +1,4 @@
-"""Scenes with contact: one outer face before a rigid plane, on a path of a load or of the plane's travel.
+"""Scenes with contact: one outer face before a rigid foundation, on a path of a load or of its travel.
 
 The tyre has stages of its own; see :mod:`studies.scenes.tyre_press`.
 """
@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.foundation import Candidates, RigidPlane, against_plane
+from contact.foundation import Candidates, Foundation, against
 from contact.judge import judge
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.shell import Discretisation, ShellModel
@@ -55,7 +55,7 @@ class ContactModel(ShellSceneModel):
     key: str
     targets: Sequence[float]
     body_at: Callable[[float], ShellModel]
-    plane_at: Callable[[float], RigidPlane]
+    plane_at: Callable[[float], Foundation]
     nodes: np.ndarray
     candidates: Candidates
     measure_at: Callable[[float, Touch], dict[str, float]]
@@ -71,9 +71,9 @@ class ContactModel(ShellSceneModel):
         return self.problem_at, ContactSolution(np.zeros(self.n_unknowns), np.zeros(m), touching, Outcome.CONVERGED)
 
     def problem_at(self, t: float) -> ContactProblem:
-        """The shell and the plane at a point of the path."""
+        """The shell and the foundation at a point of the path."""
         body = self.body_at(t)
-        return replace(against_plane(body.linearise, self.candidates, self.plane_at(t)), ordered=body.ordered)
+        return replace(against(body.linearise, self.candidates, self.plane_at(t)), ordered=body.ordered)
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)
