@@ -102,5 +102,5 @@ def _tick(text: str) -> str:
         value = float(text)
     except ValueError:
         return text
-    short = f"{value:.3g}"
+    short = f"{value:.3g}" if f"{value:.3g}" != "1" else f"{value:.5g}"
     return short if "e" not in short else short.replace("e-0", "e-").replace("e+0", "e")

@@ -73,7 +73,7 @@ solved ones of the same class.""")
     met = check[np.isfinite(check["distance"])]
     lost = check[~np.isfinite(check["distance"])]
     lines = [
-        [titles[str(row["map"])], row["points"], row["asked"], fixed(float(row["distance"]), 1), row["unlike"]]
+        [titles[str(row["map"])], row["points"], row["asked"], _distance(float(row["distance"])), row["unlike"]]
         for _, row in check.iterrows()
     ]
     missed = f"""What is smaller than a block of the first grid can be missed: in {_list(lost["map"].map(titles))} a
@@ -90,6 +90,10 @@ further than {fixed(float(met["distance"].max()), 1)} cells from the true one. {
 
 def _list(names: Iterable[object]) -> str:
     return ", ".join(f"*{name}*" for name in names)
+
+
+def _distance(cells: float) -> str:
+    return fixed(cells, 1) if np.isfinite(cells) else "missed"
 
 
 def _titles(store: Store) -> dict[str, str]:

@@ -102,12 +102,12 @@ class Browser:
 
 
 @pytest.fixture(scope="module")
-def browser(files: dict[str, str], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+def browser(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """The report of a made-up store, or the one that FOOTPRINT_REPORT names, opened."""
     root = tmp_path_factory.mktemp("browser")
     page = Path(os.environ.get("FOOTPRINT_REPORT") or root / REPORT).absolute()
     if "FOOTPRINT_REPORT" not in os.environ:
-        page.write_text(files[REPORT], encoding="utf-8")
+        page.write_text(request.getfixturevalue("files")[REPORT], encoding="utf-8")
     opened = Browser(root / "profile")
     try:
         opened.call("Page.navigate", url=page.as_uri())
