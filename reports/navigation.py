@@ -13,6 +13,7 @@ TITLES: Mapping[str, str] = {
     "rigid-body.md": "Rigid motions",
     "locking.md": "Locking",
     "symmetry.md": "Symmetry",
+    "extremes.md": "Extremes",
     "contact-agreement.md": "Contact: agreement",
     "algorithms.md": "Contact: costs",
     "epsilon.md": "Contact: ε",

@@ -38,7 +38,9 @@ def _pages(store: Store) -> str:
 - [Strain measures](measures.md): up to which load each is enough.
 - [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
 - [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.
-- [Symmetry](symmetry.md): what every measure and algorithm keeps of a symmetry, and what breaks it.
+- [Symmetry](symmetry.md): axes, numbering, units, load steps and rigid motions, which must not matter, and the mirror
+  image of the tyre's pressure.
+- [Extremes](extremes.md): where solving stops, as maps of outcomes over pairs of extreme settings.
 - [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
 - [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
   says "solved" and is wrong, and how far the tyre can be pressed.

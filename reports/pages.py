@@ -1,6 +1,6 @@
 """The pages of a store: rendered as a whole, then written, or compared with the ones that are committed.
 
-Each page is a function of the store; no page is written before all are rendered.
+Each page is a function of the store; no page is written before all are rendered. Beside them, all pages in one HTML.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from pathlib import Path
 from reports import labels
 from reports.compare import differences
 from reports.files import write_texts
+from reports.html import REPORT, report_html
 from reports.markdown import Part
 from reports.outcomes import completeness_line
 from reports.page_advice import NEEDED as ADVICE_TABLES
@@ -22,6 +23,7 @@ from reports.page_campaign import campaign_page
 from reports.page_convergence import convergence_page
 from reports.page_cost import cost_page
 from reports.page_epsilon import epsilon_page
+from reports.page_extremes import extremes_page
 from reports.page_index import index_page
 from reports.page_locking import locking_page
 from reports.page_measures import measures_page
@@ -41,6 +43,7 @@ PAGES: Mapping[str, Callable[[Store], Part]] = {
     "rigid-body.md": rigid_body_page,
     "locking.md": locking_page,
     "symmetry.md": symmetry_page,
+    "extremes.md": extremes_page,
     "contact-agreement.md": agreement_page,
     "algorithms.md": algorithms_page,
     "epsilon.md": epsilon_page,
@@ -77,8 +80,10 @@ def rendered(store: Store) -> dict[str, str]:
     for delta in labels.CURVES if store.pages == ALL else ():
         store.cell(labels.PAPER).step(delta_mm=delta)
     parts = {name: page(store) for name, page in pages.items()} | analysis_pages(store)
-    pictures = {f"{FIGURES}/{name}": svg for part in parts.values() for name, svg in part.pictures.items()}
-    return pictures | {name: part.text for name, part in parts.items()}
+    pictures = {name: svg for part in parts.values() for name, svg in part.pictures.items()}
+    texts = {name: part.text for name, part in parts.items()}
+    whole = {REPORT: report_html(texts, pictures)}
+    return {f"{FIGURES}/{name}": svg for name, svg in pictures.items()} | texts | whole
 
 
 def analysis_pages(store: Store) -> dict[str, Part]:
@@ -89,7 +94,10 @@ def analysis_pages(store: Store) -> dict[str, Part]:
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
     """Differences between ``files`` and what is in ``out``."""
-    there = {path.relative_to(out).as_posix() for path in [*out.glob("*.md"), *(out / FIGURES).glob("*.svg")]}
+    there = {
+        path.relative_to(out).as_posix()
+        for path in [*out.glob("*.md"), *out.glob("*.html"), *(out / FIGURES).glob("*.svg")]
+    }
     found = [f"{name}: missing in {out}" for name in files if name not in there]
     found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files))]
     pages = [name for name in files if name.endswith(".md") and name in there]

@@ -65,6 +65,9 @@ STORE_COLUMNS = {
         *("check", "measure", "algorithm", "deviation", "rounding", "tolerance", "class", "reason"),
         *("contact_nodes", "nodes_unlike", "iterations", "iterations_other"),
     ),
+    "extremes": ("map", "i", "j", "x", "y", "class", "asked", "complete", "reason", "iterations", "command"),
+    "extremes_maps": ("map", "title", "x_label", "y_label", "y_named", "fixed"),
+    "extremes_check": ("map", "points", "asked", "share", "distance", "unlike"),
     "mirror": (
         *("measure", "mesh", "gamma_deg", "kind", "outcome", "delta_mm", "negative", "command"),
         *("peak_MPa", "contact_nodes", "mirror_MPa", "mirror_both_MPa", "central_MPa"),

@@ -150,6 +150,11 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--campaign", default="quick", help="default quick")
     command.set_defaults(command=_compare)
 
+    command = commands.add_parser("extremes", help="solve and judge one point of a map of extremes")
+    command.add_argument("map", nargs="?", help="left out: the maps there are")
+    command.add_argument("--at", metavar="X,Y", help="values along both axes")
+    command.set_defaults(command=_extremes)
+
     command = commands.add_parser("bench", help="cost of one Newton iteration, as ratios")
     command.add_argument("--mesh", help="N1xN2, default 42x40; with --scaling, --peers several, comma-separated")
     command.add_argument("--repeats", type=int, help="default 9")
@@ -500,6 +505,26 @@ def _compare(options: argparse.Namespace) -> int:
         print(f"footprint: {error}", file=sys.stderr)
         return FAILED
     return OK
+
+
+def _extremes(options: argparse.Namespace) -> int:
+    from studies.extremes import CHARTS, CONVERGED, REFUSED, UNTOUCHED, WRONG, attempt, chart_of
+    from studies.scene import UsageError
+
+    if options.map is None:
+        print("\n".join(f"{chart.name:18s}{chart.title}" for chart in CHARTS))
+        return OK
+    chart = chart_of(options.map)
+    x, _, y = (options.at or "").partition(",")
+    if not x or not y:
+        raise UsageError(f"--at {options.at!r} must be X,Y: {chart.x.label}, {chart.y.label}")
+    cell = chart.point(x, y)
+    found = attempt(cell)
+    print(f"{found.kind}: {found.reason or cell.command}")
+    print(f"{found.iterations} newton iterations, {found.factorisations} factorisations")
+    if found.kind in (CONVERGED, UNTOUCHED):
+        return OK
+    return {WRONG: FAILED, REFUSED: WRONG_USE}.get(found.kind, NOT_CONVERGED)
 
 
 def _bench(options: argparse.Namespace) -> int:

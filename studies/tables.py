@@ -11,6 +11,7 @@ from studies.closure import sources_hash
 from studies.convergence_cells import ladder_table
 from studies.cycles import cycles
 from studies.epsilon import epsilon_study
+from studies.extremes import axes_table, check_table, extremes_table
 from studies.false_success import table as false_success
 from studies.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
 from studies.mirror import mirror_table
@@ -32,6 +33,9 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "false_success": false_success,
     "symmetry": symmetry_table,
     "mirror": mirror_table,
+    "extremes": extremes_table,
+    "extremes_maps": axes_table,
+    "extremes_check": check_table,
     "ladders": ladder_table,
     "work_precision": work_precision_study,
 }

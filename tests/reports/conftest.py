@@ -19,7 +19,7 @@ from reports.page_measures import SCENES as GROWING
 from reports.pages import rendered
 from reports.schema import load_store
 from studies import epsilon as epsilon_study
-from studies import locking, rigid_body
+from studies import extremes, locking, rigid_body
 from studies.cell import Cell
 from studies.convergence_cells import LADDERS, Ladder, ladder_table
 from studies.plan import Row
@@ -218,6 +218,24 @@ def mirror_table() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+TRAVEL, PRESS = extremes.Axis.powers("delta_mm", "travel [mm]", -2, 2, 17), extremes.Axis.even("p", "p [MPa]", 0, 1, 17)
+EXTREMES = (
+    extremes.Chart("two", "Two settings", "panel", TRAVEL, PRESS),
+    extremes.Chart("each", "Each algorithm", "panel", TRAVEL, extremes.Axis("contact", "algorithm", ("lcp", "qp"))),
+)
+
+
+def made_up_outcome(cell: Cell) -> extremes.Found:
+    """Right of 1 mm it does not converge; qp refuses everything."""
+    travel = float(cell.settings["delta_mm"])
+    if cell.options.get("contact") == "qp":
+        return extremes.Found(extremes.REFUSED, "qp does not apply: it is made up")
+    if travel > 1:
+        told = f"the iteration limit was reached (the set was updated {travel:g} times); cut; no limit point: the rest"
+        return extremes.Found(extremes.FAILED, told, 200, 250)
+    return extremes.Found(extremes.CONVERGED, "", 5 + round(10 * travel), 30)
+
+
 def write_tables(directory: Path) -> None:
     tables = {
         "rigid_body": rigid_body.rigid_body_table(),
@@ -234,6 +252,11 @@ def write_tables(directory: Path) -> None:
         "ladders": ladder_table(),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
+        "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),
+        "extremes_maps": extremes.axes_table(EXTREMES),
+        "extremes_check": pd.DataFrame(
+            {"map": ["two"], "points": 289, "asked": [40], "share": [0.14], "distance": [1.0], "unlike": [5]}
+        ),
     }
     for name, table in tables.items():
         write_table(directory / f"{name}.csv", table)

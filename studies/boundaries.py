@@ -1,0 +1,153 @@
+"""Where on a grid one class gives way to another, at the cost of the boundary and not of the grid.
+
+Classes are asked for at the corners of coarse blocks; a block in or on whose border two classes have been seen is cut
+in four, down to two cells, between whose corners the boundary is taken to lie in the middle; a block that shows one
+class is taken to be of it throughout. Whatever is
+smaller than a block may be missed; a boundary that has been met is followed to its end, because a block is looked at
+again whenever a neighbour finds another class on their common border.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+Block = tuple[int, int, int]  # first row, first column, size
+FINEST = 2  # cells: the boundary within such a block is known to one cell
+
+
+@dataclass(frozen=True, eq=False)
+class Located:
+    """Classes (n, m) of all points, which of them (n, m) were asked for, and whether the budget was enough."""
+
+    classes: np.ndarray
+    asked: np.ndarray
+    complete: bool
+
+    @property
+    def share(self) -> float:
+        """Of all points, those asked for."""
+        return float(self.asked.mean())
+
+
+def locate(
+    class_at: Callable[[int, int], str],
+    shape: tuple[int, int],
+    stride: int,
+    *,
+    rows_apart: bool = False,
+    budget: float = 0.25,
+) -> Located:
+    """Find the classes on a grid of points; ``stride``, a power of two, must divide shape - 1.
+
+    rows_apart: rows have no order, as names have none, and each is searched by itself.  budget: share of the points
+    that may be asked for; beyond it what is left takes the class of its nearest corner. Raises ValueError for a grid
+    that the stride does not divide.
+    """
+    steps = (1, stride) if rows_apart else (stride, stride)
+    if stride & (stride - 1) or any((n - 1) % step for n, step in zip(shape, steps, strict=True)):
+        raise ValueError(f"blocks of {stride} do not divide a grid of {shape[0]} x {shape[1]} points")
+    rows = range(shape[0]) if rows_apart else range(0, shape[0] - 1, stride)
+    blocks = [(i, j, stride) for i in rows for j in range(0, shape[1] - 1, stride)]
+    search = _Search(class_at, shape, rows_apart, int(budget * shape[0] * shape[1]), blocks)
+    try:
+        search.run()
+    except _SpentError:
+        return Located(*search.filled(), complete=False)
+    return Located(*search.filled(), complete=True)
+
+
+class _SpentError(Exception):
+    """The budget is spent."""
+
+
+class _Search:
+    def __init__(
+        self,
+        class_at: Callable[[int, int], str],
+        shape: tuple[int, int],
+        rows_apart: bool,
+        budget: int,
+        blocks: list[Block],
+    ) -> None:
+        self.class_at, self.rows_apart, self.budget, self.blocks = class_at, rows_apart, budget, blocks
+        self.classes = np.full(shape, "", dtype=object)
+
+    def run(self) -> None:
+        """Until no block larger than the finest is mixed; the largest are cut first."""
+        for block in self.blocks:
+            self.ask_corners(block)
+        while mixed := [block for block in self.blocks if block[2] > FINEST and len(self.seen(block)) > 1]:
+            size = max(block[2] for block in mixed)
+            for block in mixed:
+                if block[2] == size:
+                    self.cut(block)
+
+    def cut(self, block: Block) -> None:
+        """Ask for the corners of its quarters, then put them in its place."""
+        i, j, size = block
+        half = size // 2
+        quarters = [(a, b, half) for a in ((i,) if self.rows_apart else (i, i + half)) for b in (j, j + half)]
+        for quarter in quarters:
+            self.ask_corners(quarter)
+        self.blocks.remove(block)
+        self.blocks += quarters
+
+    def within(self, block: Block) -> tuple[slice, slice]:
+        """Its points, the border included."""
+        i, j, size = block
+        return slice(i, i + 1 if self.rows_apart else i + size + 1), slice(j, j + size + 1)
+
+    def seen(self, block: Block) -> set[str]:
+        """Classes known in it and on its border."""
+        return set(self.classes[self.within(block)].ravel()) - {""}
+
+    def ask_corners(self, block: Block) -> None:
+        i, j, size = block
+        for a in (i,) if self.rows_apart else (i, i + size):
+            for b in (j, j + size):
+                if self.classes[a, b] == "":
+                    if np.count_nonzero(self.classes != "") >= self.budget:
+                        raise _SpentError
+                    self.classes[a, b] = self.class_at(a, b)
+
+    def filled(self) -> tuple[np.ndarray, np.ndarray]:
+        """Classes of all points, those of blocks that show one class by it, others by the nearest one asked for."""
+        asked, full = self.classes != "", self.classes.copy()
+        for block in self.blocks:
+            seen = self.seen(block)
+            if len(seen) == 1:
+                part = full[self.within(block)]
+                part[part == ""] = next(iter(seen))
+        known = np.argwhere(asked)
+        for i, j in np.argwhere(full == ""):
+            own = known[known[:, 0] == i] if self.rows_apart and np.any(known[:, 0] == i) else known
+            full[i, j] = self.classes[tuple(own[np.argmin(np.max(np.abs(own - (i, j)), axis=1))])]
+        return full, asked
+
+
+def edges(classes: np.ndarray, *, rows_apart: bool = False) -> np.ndarray:
+    """Middles (k, 2) of the pairs of neighbours that differ, in points of the grid."""
+    i, j = np.nonzero(classes[:, 1:] != classes[:, :-1])
+    across = np.stack([i, j + 0.5], axis=-1)
+    if rows_apart:
+        return across
+    i, j = np.nonzero(classes[1:] != classes[:-1])
+    return np.concatenate([across, np.stack([i + 0.5, j], axis=-1)])
+
+
+def distance(one: np.ndarray, other: np.ndarray, *, rows_apart: bool = False) -> float:
+    """The largest distance of a boundary of one map (n, m) from the nearest of the other, both ways, in cells.
+
+    0 when neither has one; infinite when only one has.
+    """
+    a, b = (edges(classes, rows_apart=rows_apart) for classes in (one, other))
+    if not len(a) or not len(b):
+        return 0.0 if len(a) == len(b) else float("inf")
+    apart = np.abs(a[:, None] - b[None])
+    if rows_apart:
+        apart[apart[..., 0] > 0] = np.inf  # a boundary of another row is none of this one
+    each = np.max(apart, axis=-1)
+    return float(max(each.min(axis=0).max(), each.min(axis=1).max()))

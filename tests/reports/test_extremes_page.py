@@ -1,0 +1,72 @@
+"""The page of extremes: counts, causes in words, commands, and what the pictures show, of made-up maps."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from reports.figures_extremes import LOOKS, outcome_map
+from reports.page_extremes import cause, extremes_page, faults
+from reports.schema import load_store
+from studies.extremes import CLASSES
+from studies.store import write_table
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_counts_causes_and_commands(store: Path) -> None:
+    loaded = load_store(store)
+    text = extremes_page(loaded).text
+    points = loaded.table("extremes")
+    asked = points[points["asked"]]
+    share = f"{100 * len(asked) / len(points):.0f} %"
+    assert f"2 maps of {len(points)} points in all" in text
+    assert f"{len(asked)} points were solved, {share} of them" in text
+    assert faults(loaded) == {
+        "not converged": int((asked["class"] == "not converged").sum()),
+        "refused": int((asked["class"] == "refused").sum()),
+    }
+    count = int(((asked["map"] == "two") & (asked["class"] == "not converged")).sum())
+    told = "the iteration limit was reached, the tangent gives no reason"
+    assert f"- *not converged* at {count} solved points: {told} ({count}, as at " in text
+    assert "qp does not apply: it is made up" in text
+    assert "footprint extremes each --at " in text
+    assert "nowhere further than 1.0 cells from the true one." in text
+    assert "| [Each algorithm](#each-algorithm) |" in text
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_boundary_that_was_missed_is_told(own_store: Path) -> None:
+    path = own_store / "tables" / "extremes_check.csv"
+    check = pd.read_csv(path)
+    write_table(path, pd.concat([check, check.assign(map="each", distance=float("inf"), unlike=3)]))
+    text = extremes_page(load_store(own_store)).text
+    assert "nowhere further than 1.0 cells" in text
+    assert "in *Each algorithm* a class shows at 3 single points" in text
+
+
+def test_causes_are_counted_without_their_numbers() -> None:
+    reason = (
+        "a state beyond the path, 2 more eigenvalues; the load step was cut; bifurcation near 0.4: 13 % of that at 0"
+    )
+    assert cause(reason) == "a state beyond the path, the tangent shows a bifurcation"
+    assert cause("the judge finds tension beyond its bounds") == "the judge finds tension beyond its bounds"
+    assert cause("cut; too few converged steps to tell why") == "cut, too few steps converged to tell why"
+
+
+def test_every_class_has_a_look_of_its_own() -> None:
+    assert set(LOOKS) == set(CLASSES)
+    colours, hatches, markers = zip(*LOOKS.values(), strict=True)
+    assert len(set(colours)) == len(LOOKS)
+    assert len({*zip(hatches, markers, strict=True)}) >= len(LOOKS) - 1  # both kinds of convergence differ by hatch
+
+
+def test_a_map_is_drawn_the_same_twice(store: Path) -> None:
+    loaded = load_store(store)
+    points, maps = loaded.table("extremes"), loaded.table("extremes_maps")
+    for _, labels in maps.iterrows():
+        own = points[points["map"] == labels["map"]]
+        first, second = outcome_map(own, labels), outcome_map(own, labels)
+        assert first == second
+        assert first.startswith("<?xml")

@@ -1,0 +1,172 @@
+"""The pages as one HTML file: every piece of the dialect, what it refuses, links within the file, and its pictures."""
+
+from __future__ import annotations
+
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from reports import html
+from reports.dialect import fragment, inline, to_html
+from reports.html import LARGEST, REPORT, inlined_svg, report_html
+from reports.markdown import commands, machine, picture, table
+from reports.navigation import TITLES, links
+
+SVG = '<?xml version="1.0"?>\n<!DOCTYPE svg>\n<svg xmlns="http://www.w3.org/2000/svg"><metadata>who</metadata>\n{0}</svg>\n'
+
+
+def converted(text: str) -> str:
+    return to_html(text, lambda to: f"#{to}", lambda name, words: f"[{name}|{words}]", lambda name: name)
+
+
+PIECES = {
+    "# One *word*": '<h1 id="one-word">One <em>word</em></h1>',
+    "### From ε to a [link](x.md)": '<h3 id="from-ε-to-a-link">From ε to a <a href="#x.md">link</a></h3>',
+    "two\nlines & a < b": "<p>two lines &amp; a &lt; b</p>",
+    "**bold** and `a*b`": "<p><strong>bold</strong> and <code>a*b</code></p>",
+    "**bold.** More": "<p><strong>bold.</strong> More</p>",
+    "- one\n- [two](y.md#z)": '<ul>\n<li>one</li>\n<li><a href="#y.md#z">two</a></li>\n</ul>',
+    "1. one\n2. two": "<ol>\n<li>one</li>\n<li>two</li>\n</ol>",
+    picture("a.svg", "words"): "<figure>[a.svg|words]</figure>",
+    "```sh\na <b>\n\nc\n```": "<pre>a &lt;b&gt;\n\nc</pre>",
+    machine("text"): "<p>text</p>",
+    commands(["x --y"]): (
+        "<details><summary>Commands that reproduce these numbers</summary>\n<pre>x --y</pre>\n</details>"
+    ),
+}
+
+
+@pytest.mark.parametrize("text", PIECES)
+def test_a_piece_of_the_dialect(text: str) -> None:
+    assert converted(text) == PIECES[text]
+
+
+def test_a_table_has_its_title_and_knows_its_numbers() -> None:
+    made = converted(table("A `title`", ["name", "value [-]"], [["`x`", "1.5"], ["p = 0 | 1"[:5], ""]]))
+    assert made.startswith('<div class="wide"><table><caption>A <code>title</code></caption><thead>')
+    assert '<tr><th>name</th><th class="n">value [-]</th></tr>' in made
+    assert '<tr><td><code>x</code></td><td class="n">1.5</td></tr>' in made
+    assert '<tr><td>p = 0</td><td class="n"></td></tr>' in made
+
+
+UNKNOWN = {
+    "a * b": "a mark that marks nothing",
+    "an `open code": "a mark that marks nothing",
+    "#### too deep": "not the dialect",
+    "> quoted": "not the dialect",
+    "<b>raw</b>": "not the dialect",
+    "- one\ntwo": "no item of a list",
+    "- one\n1. two": "no item of a list",
+    "    indented": "not the dialect",
+    "**A title**\n\nno table": "no table under 'A title'",
+    "**A title**": "no table under 'A title'",
+    "| a | b |\n| 1 | 2 |": "a table without a rule",
+    "| a | b |\n| :-- | --: |\n| 1 |": "1 entries for 2 columns",
+    "```sh\nopen": "a fence is not closed",
+    "```sh\na\n```\nmore": "text after a fence",
+    "![words](elsewhere/a.svg)": "not the dialect",
+}
+
+
+@pytest.mark.parametrize("text", UNKNOWN)
+def test_what_is_not_known_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=UNKNOWN[text]):
+        converted(text)
+
+
+def test_fragments_are_those_of_the_links() -> None:
+    assert fragment("The paper's tyre under a plane") == "the-papers-tyre-under-a-plane"
+    assert fragment("Which `element`: *ε*, 3D?") == "which-element-ε-3d"
+    assert inline("[a *b*](c.md)", lambda to: to.upper()) == '<a href="C.MD">a <em>b</em></a>'
+
+
+# --- pictures -------------------------------------------------------------------------------------------------------
+
+
+def test_ids_of_two_pictures_are_never_the_same() -> None:
+    body = '<path id="a"/><use xlink:href="#a" clip-path="url(#b)"/><image xlink:href="data:image/png;base64,AA"/>'
+    one, two = (inlined_svg(SVG.format(body), prefix) for prefix in ("p0", "p1"))
+    assert one.startswith("<svg ")
+    assert "who" not in one
+    assert '<path id="p0-a"/><use xlink:href="#p0-a" clip-path="url(#p0-b)"/>' in one
+    assert set(re.findall(r'id="([^"]+)"', one)) & set(re.findall(r'id="([^"]+)"', two)) == set()
+
+
+@pytest.mark.parametrize(
+    "body", ['<image href="http://x/y.png"/>', '<use xlink:href="other.svg#a"/>', '<a fill="url(x)"/>']
+)
+def test_a_picture_that_asks_for_another_file_is_refused(body: str) -> None:
+    with pytest.raises(ValueError, match="a picture asks for"):
+        inlined_svg(SVG.format(body), "p0")
+
+
+# --- the file -------------------------------------------------------------------------------------------------------
+
+
+def small(text: str = "", **pictures: str) -> str:
+    pages = {"index.md": f"# All\n\n{links('index.md')}\n\n{text}", "tyre.md": "# Tyre\n\n## A part"}
+    return report_html(pages, {f"{name}.svg": svg for name, svg in pictures.items()})
+
+
+def test_links_lead_within_the_file() -> None:
+    made = small("to [it](tyre.md), [a part](tyre.md#a-part), [here](#all)")
+    assert '<a href="#tyre">it</a>, <a href="#tyre--a-part">a part</a>, <a href="#index--all">here</a>' in made
+    assert '<h2 id="tyre--a-part">' in made
+    assert ".md" not in made
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("[x](nowhere.md)", "index.md: a link to nowhere.md, which is no page"),
+        ("[x](tyre.md#nothing)", "links lead nowhere: tyre--nothing"),
+        ("![x](figures/none.svg)", "no picture 'none.svg'"),
+        ("## All", "an id appears twice: index--all"),
+    ],
+)
+def test_what_leads_nowhere_is_refused(text: str, says: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(says)):
+        small(text)
+
+
+def test_a_file_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(html, "LARGEST", 3000)
+    with pytest.raises(ValueError, match="bytes, more than 3000"):
+        small("word " * 3000)
+
+
+class Reader(HTMLParser):
+    """Open elements, in order; every end must match, and nothing is fetched."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.fetched: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        if tag not in ("meta", "link", "br"):
+            self.open.append(tag)
+        for name, value in attrs:
+            if name in ("src", "href", "xlink:href") and not str(value).startswith(("#", "data:")):
+                self.fetched.append(str(value))
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_all_pages_in_one_file_that_fetches_nothing(files: dict[str, str]) -> None:
+    whole = files[REPORT]
+    reader = Reader()
+    reader.feed(whole)
+    assert reader.open == []
+    assert reader.fetched == []
+    assert not re.search(r"@import|url\((?!#|data:)|fetch\(|XMLHttpRequest|WebSocket|<iframe", whole)
+    assert [f'<section id="{name.removesuffix(".md")}">' in whole for name in TITLES] == [True] * len(TITLES)
+    assert len(whole.encode()) < LARGEST
+    assert whole.count("<table>") == sum(text.count("\n| :--") for name, text in files.items() if name.endswith(".md"))
+    assert whole.count("<figure>") == sum(name.endswith(".svg") for name in files)
