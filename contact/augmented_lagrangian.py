@@ -53,7 +53,9 @@ class AugmentedLagrangian:
         for outer in range(self.max_outer):
             known = state.pressure
             shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
-            inner = NewtonRun(shifted, c, self.solver, whole.counters, whole.history, tolerance, flops=whole.flops)
+            inner = NewtonRun(
+                shifted, c, self.solver, whole.counters, whole.history, tolerance, flops_by_fill=whole.flops_by_fill
+            )
             first_row = len(whole.history)
             state = iterate(inner, state, settling(SETTLE), self.max_iterations)
             if not state.outcome.converged:

@@ -128,7 +128,7 @@ class Curve:
         A = sparse.csc_matrix(sparse.vstack([upper, sparse.csr_matrix(lower[None, :])], format="csr"))
         factor = factorise(A, self.solver)
         start = self._spend("factorisation_s", start)
-        self.run.count(factor, A)
+        self.run.count(factor)
         x = checked_solve(factor, A, np.append(b[:-1], row * b[-1]))
         self._spend("solve_s", start)
         return np.append(x[:-1], column * x[-1])

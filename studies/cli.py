@@ -57,7 +57,7 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(required=True, parser_class=_Parser, metavar="COMMAND")
 
     command = commands.add_parser("list", help="what there is")
-    command.add_argument("what", nargs="?", choices=("scenes", "measures", "algorithms"))
+    command.add_argument("what", nargs="?", choices=("scenes", "measures", "algorithms", "campaigns"))
     command.set_defaults(command=_list)
 
     command = commands.add_parser("solve", help="solve one scene into a directory")
@@ -167,12 +167,14 @@ def _parser() -> argparse.ArgumentParser:
 def _list(options: argparse.Namespace) -> int:
     from contact.algorithms import ALGORITHMS
     from formulations.measures import MEASURES
+    from studies.definition import find, names
     from studies.scenes import SCENES
 
     lists = {
         "scenes": [f"{name:18s}{scene.title}" for name, scene in SCENES.items()],
         "measures": list(MEASURES),
         "algorithms": list(ALGORITHMS),
+        "campaigns": [f"{name:18s}{find(name).title}" for name in names()],
     }
     for what in [options.what] if options.what else lists:
         if not options.what:

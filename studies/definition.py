@@ -76,7 +76,7 @@ def find(name: str) -> Campaign:
     if path.exists():
         return read(path)
     if name in LISTS:
-        return Campaign(name, name, tuple(LISTS[name]), tuple(TABLES_OF.get(name, ())))
+        return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]), tuple(TABLES_OF.get(name, ())))
     if name.endswith(".toml"):
         return read(Path(name))
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")

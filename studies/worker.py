@@ -22,6 +22,8 @@ from studies.closure import ROOT
 
 STARTUP_S = 120.0
 TABLES_TAKE = 4  # times as long as a cell may
+# workers of dask set it: memory that is given back at once is touched anew, which takes three times as long
+NOT_PASSED_ON = ("MALLOC_TRIM_THRESHOLD_",)
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
@@ -96,12 +98,13 @@ class Child:
 
     def _start(self) -> subprocess.Popen[bytes] | None:
         path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        environment = {name: value for name, value in os.environ.items() if name not in NOT_PASSED_ON}
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "studies.child"],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path},
-            start_new_session=True,
+            env={**environment, **ONE_THREAD, "PYTHONPATH": path},
+            process_group=0,
         )
         ready = self._exchange(self._process, None, STARTUP_S)
         if not ready or ready.decode().strip() != READY:
