@@ -15,7 +15,7 @@ from matplotlib.ticker import NullFormatter, PercentFormatter
 from reports.drawing import BLACK, MARKERS, SERIES, YELLOW, canvas, style, to_svg
 
 GREY = "#BBBBBB"
-PANELS = 3  # beside one another
+PANELS, MOST = 3, 12  # beside one another, and in all
 MARGIN = 3.0  # how much dearer than the dearest cell of the front a loser may be, to be drawn
 LEAST_SPAN = 12.0  # of an axis, so that a power of ten is on it
 WORST = 0.1  # relative error from which an answer is wrong
@@ -33,9 +33,13 @@ COST_WORDS = {
 def work_precision(fronts: pd.DataFrame, cost: str) -> str:
     """Verified error over cost, a panel a scene, a colour a measure, a marker a contact algorithm.
 
-    The line is the front; grey: beaten in both. The axes are those of the front; how many lie outside is said.
+    The MOST scenes with the most answers. The line is the front; grey: beaten in both. The axes are those of the front;
+    how many lie outside is said.
     """
-    scenes = [name for name in dict.fromkeys(fronts["scene"]) if fronts[f"front.{cost}"][fronts["scene"] == name].any()]
+    fronts = fronts[fronts["scene"].isin(fronts["scene"][fronts[f"front.{cost}"].astype(bool)])]
+    answers = fronts.groupby("scene", sort=False)["error"].count().sort_values(ascending=False, kind="stable")
+    scenes = [name for name in dict.fromkeys(fronts["scene"]) if name in answers.index[:MOST]]
+    fronts = fronts[fronts["scene"].isin(scenes)]
     measures = dict(zip(dict.fromkeys(fronts["measure"]), COLOURS, strict=False))
     contacts = dict(zip(dict.fromkeys(fronts["contact"]), MARKERS, strict=False))
     rows = math.ceil(len(scenes) / PANELS)
@@ -156,7 +160,7 @@ def held_out(cases: pd.DataFrame) -> str:
             own = given[given["scene"] == scene]
             ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3)
             colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
-            shift = 1 + 0.05 * (i - len(scenes) / 2)  # points of one tolerance beside one another
+            shift = 1 + 0.5 * (i / len(scenes) - 0.5)  # points of one tolerance beside one another
             left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, color=colour, marker=marker)
         left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
         left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")

@@ -62,9 +62,13 @@ def _together(matrix: pd.DataFrame) -> pd.DataFrame:
 
     NaN: not asked, or refused; that is no failure.
     """
-    asked = matrix.notna().apply(lambda row: tuple(matrix.columns[row]), axis=1)
-    sizes = {group: len(group) * sum(set(group) <= set(other) for other in asked) for group in asked.unique()}
-    sizes = {group: size for group, size in sizes.items() if len(group) > 1}
+    groups = matrix.notna().value_counts()  # by who was asked: a tuple of truths
+    asked = {tuple(matrix.columns[np.asarray(who, bool)]): count for who, count in groups.items()}
+    sizes = {
+        group: len(group) * sum(count for other, count in asked.items() if set(group) <= set(other))
+        for group in asked
+        if len(group) > 1
+    }
     if not sizes:
         return matrix.iloc[:0]
     group = max(sizes, key=lambda each: sizes[each])
