@@ -30,8 +30,7 @@ def main() -> None:
     tasks: queue.SimpleQueue[str] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(sys.stdin, tasks), daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the other side decides
-    from studies import solve  # noqa: F401  loaded before the first limit is set
-
+    _warm()
     answers.write(READY + "\n")
     answers.flush()
     while True:
@@ -40,6 +39,17 @@ def main() -> None:
         answers.flush()
         if answer["class"] == "memory":
             os._exit(0)  # what is left of the memory is in pieces
+
+
+def _warm() -> None:
+    """Load what solves, and let BLAS take its buffers, before the first limit: without memory it waits for ever."""
+    import numpy as np
+    from scipy.linalg import lu_factor
+
+    from studies import solve  # noqa: F401
+
+    square = np.eye(256) + np.ones((256, 256))
+    lu_factor(square @ square)
 
 
 def _listen(source: IO[str], tasks: queue.SimpleQueue[str]) -> None:
