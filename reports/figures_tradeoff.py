@@ -15,12 +15,13 @@ from matplotlib.ticker import NullFormatter, PercentFormatter
 from reports.drawing import BLACK, MARKERS, SERIES, YELLOW, canvas, style, to_svg
 
 GREY = "#BBBBBB"
-PANELS = 3  # beside one another
+PANELS, MOST = 3, 12  # beside one another, and in all
 MARGIN = 3.0  # how much dearer than the dearest cell of the front a loser may be, to be drawn
 LEAST_SPAN = 12.0  # of an axis, so that a power of ten is on it
 WORST = 0.1  # relative error from which an answer is wrong
 LINES = ("-", "--", ":", "-.")
-COLOURS = (*SERIES, "#661100", YELLOW)  # with Tol's wine, ninth and told apart like the others
+COLOURS = (*SERIES[:6], "#661100", YELLOW, "#999933")  # with Tol's wine and olive, told apart like the others
+FACTORS = ("mesh", "measure", "contact", "tolerance", "newton", "element", "section", "load", "model")
 COST_WORDS = {
     "flops": "floating-point operations of factorisations",
     "factorisations": "factorisations",
@@ -32,9 +33,13 @@ COST_WORDS = {
 def work_precision(fronts: pd.DataFrame, cost: str) -> str:
     """Verified error over cost, a panel a scene, a colour a measure, a marker a contact algorithm.
 
-    The line is the front; grey: beaten in both. The axes are those of the front; how many lie outside is said.
+    The MOST scenes with the most answers. The line is the front; grey: beaten in both. The axes are those of the front;
+    how many lie outside is said.
     """
-    scenes = [name for name in dict.fromkeys(fronts["scene"]) if fronts[f"front.{cost}"][fronts["scene"] == name].any()]
+    fronts = fronts[fronts["scene"].isin(fronts["scene"][fronts[f"front.{cost}"].astype(bool)])]
+    answers = fronts.groupby("scene", sort=False)["error"].count().sort_values(ascending=False, kind="stable")
+    scenes = [name for name in dict.fromkeys(fronts["scene"]) if name in answers.index[:MOST]]
+    fronts = fronts[fronts["scene"].isin(scenes)]
     measures = dict(zip(dict.fromkeys(fronts["measure"]), COLOURS, strict=False))
     contacts = dict(zip(dict.fromkeys(fronts["contact"]), MARKERS, strict=False))
     rows = math.ceil(len(scenes) / PANELS)
@@ -69,7 +74,7 @@ def _scene(
     good = rows[(rows["flag"] == "") & rows[f"cost.{cost}"].notna()]
     shown = good.assign(shown=np.maximum(good["error"], good["uncertainty"]), price=good[f"cost.{cost}"].astype(float))
     front = shown[shown[f"front.{cost}"].astype(bool)].sort_values("price")
-    right, low = MARGIN * front["price"].max(), 0.5 * front["shown"].min()
+    right, low = MARGIN * front["price"].max(), min(0.5 * front["shown"].min(), WORST / LEAST_SPAN)
     left = 0.6 * front["price"].min()
     right = max(right, LEAST_SPAN * left)
     inside = shown[(shown["price"] <= right) & (shown["shown"] <= WORST)]
@@ -88,7 +93,8 @@ def _scene(
     outside = answers - len(inside)
     axes.set_title(f"{scene}: {front['quantity'].iloc[0]}\n{outside} of {answers} answers outside", fontsize=8)
     axes.tick_params(labelsize=8)
-    axes.xaxis.set_minor_formatter(NullFormatter())
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_minor_formatter(NullFormatter())
 
 
 def profiles(data: pd.DataFrame, cost: str) -> str:
@@ -96,17 +102,20 @@ def profiles(data: pd.DataFrame, cost: str) -> str:
     own = data[data["cost"] == cost]
     kinds = list(dict.fromkeys(own["axis"]))
     with style():
-        figure, panels = canvas(len(kinds), width=5.0 * max(len(kinds), 1), height=4.4)
-        for axes, kind in zip(panels, kinds, strict=True):
-            rows = own[own["axis"] == kind]
-            for i, (name, line) in enumerate(rows.groupby("competitor", sort=False)):
+        rows = math.ceil(len(kinds) / 2)
+        figure, panels = canvas(2, width=10.0, height=4.4 * rows, rows=rows)
+        for axes in panels[len(kinds) :]:
+            axes.set_visible(False)
+        for axes, kind in zip(panels, kinds, strict=False):
+            lines = own[own["axis"] == kind]
+            for i, (name, line) in enumerate(lines.groupby("competitor", sort=False)):
                 colour, dashes = COLOURS[i % len(COLOURS)], LINES[i % len(LINES)]
                 axes.step(line["factor"], line["share"], where="post", label=str(name), color=colour, linestyle=dashes)
-            axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, rows["factor"].max()))
+            axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, lines["factor"].max()))
             axes.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
             axes.set_xticks([], minor=True)
             axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-            axes.set_title(f"{kind}, {rows['problems'].iloc[0]} problems")
+            axes.set_title(f"{kind}, {lines['problems'].iloc[0]} problems")
             axes.set(xlabel=f"{cost} over those of the best", ylabel="share of problems")
             axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8)
         return to_svg(figure)
@@ -114,12 +123,8 @@ def profiles(data: pd.DataFrame, cost: str) -> str:
 
 def attribution(data: pd.DataFrame, responses: Sequence[str]) -> str:
     """Shares of the variance, a panel a response, a bar a scene or family, a colour a factor."""
-    factors = [name for name in dict.fromkeys(data["factor"]) if name not in ("interactions", "rest")]
-    looks = {
-        **dict(zip(factors, COLOURS, strict=False)),
-        "interactions": "#888888",
-        "rest": "#DDDDDD",
-    }
+    looks = {name: colour for name, colour in zip(FACTORS, COLOURS, strict=True) if (data["factor"] == name).any()}
+    looks |= {"interactions": "#888888", "rest": "#DDDDDD"}
     names = list(dict.fromkeys(zip(data["scope"], data["name"], strict=True)))[::-1]
     with style():
         figure, panels = canvas(len(responses), width=10.0, height=1.4 + 0.27 * len(names))
@@ -155,7 +160,7 @@ def held_out(cases: pd.DataFrame) -> str:
             own = given[given["scene"] == scene]
             ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3)
             colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
-            shift = 1 + 0.05 * (i - len(scenes) / 2)  # points of one tolerance beside one another
+            shift = 1 + 0.5 * (i / len(scenes) - 0.5)  # points of one tolerance beside one another
             left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, color=colour, marker=marker)
         left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
         left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")

@@ -200,10 +200,8 @@ formulation itself.""")
         [f"`{row['scene']}`", row["subject"], f"{row['cases']} of {row['of']}", _count(row["size"]), row["cause"]]
         for row in own[0].to_dict("records")
     ]
-    walls = [
-        [f"`{row['scene']}`", row["subject"], percent(row["size"], 3, sign=False), row["cause"], f"`{row['label']}`"]
-        for row in own[1].to_dict("records")
-    ]
+    lost = own[1]["cause"].eq("formulation") & ~own[1]["subject"].str.endswith(" by exact")
+    walls, losses = ([_wall(row) for row in each.to_dict("records")] for each in (own[1][~lost], own[1][lost]))
     header = ["scene", "algorithm", "without effect", "most iterations", "cause"]
     parts = [text]
     parts.append(
@@ -212,8 +210,19 @@ formulation itself.""")
         else "Every tolerance has an effect somewhere."
     )
     if walls:
-        parts.append(table("Walls", ["scene", "quantity", "wall", "cause", "finest cell"], walls, words=2))
+        parts.append(table("Walls", WALL, walls, words=2))
+    if losses:
+        shown = table("Walls of measures that approximate", WALL, losses, words=2)
+        parts.append(folded("What other measures than the exact one lose on scenes with a reference", shown))
     return Part("\n\n".join(parts))
+
+
+WALL = ["scene", "quantity", "wall", "cause", "finest cell"]
+
+
+def _wall(row: dict) -> list[str]:
+    size = percent(row["size"], 3, sign=False)
+    return [f"`{row['scene']}`", row["subject"], size, row["cause"], f"`{row['label']}`"]
 
 
 def _count(value: float) -> str:

@@ -73,7 +73,7 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     own = own[~(own["label"].map(beyond) > WRONG)]
     own = own.assign(error=own[["error", "formulation_error"]].max(axis=1))
     facts = own.set_index("label")[["value", "error", "uncertainty", "against", "reference"]]
-    cells = table[table["outcome"] == "converged"].join(facts, on="label", how="inner")
+    cells = table[(table["scene"] == scene) & (table["outcome"] == "converged")].join(facts, on="label", how="inner")
     cells = cells.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
     if cells.empty:
         return []
@@ -216,6 +216,6 @@ def lines(advice: Advice, cost: str = COST) -> Iterator[str]:
 
 
 def _named(cell: Mapping[str, Any]) -> str:
-    words = [str(cell[name]) for name in CONFIGURATION if name in cell and not pd.isna(cell[name])]
+    words = [str(cell[name]) for name in CONFIGURATION if name in cell and not pd.isna(cell[name]) and cell[name] != ""]
     tolerance = f", tolerance {float(cell['tolerance']):g}" if not pd.isna(cell.get("tolerance", math.nan)) else ""
     return " ".join([*words, str(cell["mesh"])]) + tolerance

@@ -62,6 +62,7 @@ def walls(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
     more than the last printed digit is worth, "uncertainty" when it is within the stated one, else "formulation".
     cases, of: ladders of one quantity and measure that stand, for this cause; label: the finest cell of the first one.
     """
+    table = table[table["scene"].isin(table["scene"][table["label"].isin(references["label"])])]
     loose = {label for rows in siblings(table, "tolerance") for label in rows["label"].iloc[1:]}
     table = table[~table["label"].isin(loose)]  # their wall would be the solver's
     own, _ = limits(table)

@@ -47,11 +47,12 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> p
         for name in judged(table, scene):
             for question in questions(table, verified, scene, name, cost)[:1]:
                 known.append((scene, name, name == first, estimated(question)))
+    ratios = [(scene, ratios_of(cells)) for scene, _, _, cells in known]
+    factors = {scene: factor_of([own for it, own in ratios if it != scene]) for scene, _ in ratios}
     rows = [
-        row
+        [scene, name, first, *row]
         for scene, name, first, cells in known
-        for row in _advised(cells, factor_of([other for it, _, _, other in known if it != scene]), cost)
-        for row in [[scene, name, first, *row]]
+        for row in _advised(cells, factors[scene], cost)
     ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
@@ -69,19 +70,19 @@ def summary(cases: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
 
 
-def factor_of(others: list[pd.DataFrame]) -> float:
-    """The factor of safety from scenes with references, each scene's quantity with the same weight; 3 without any."""
-    ratios, weights = [], []
-    for cells in others:
-        usable = cells[(cells["estimate"] >= LEAST) & (cells["estimate"] <= MOST)]
-        ratios += (usable["error"] / usable["estimate"]).tolist()
-        weights += [1 / max(len(usable), 1)] * len(usable)
-    if not ratios:
+def ratios_of(cells: pd.DataFrame) -> np.ndarray:
+    """True error over estimate (n,), of those estimates that teach something."""
+    usable = cells[(cells["estimate"] >= LEAST) & (cells["estimate"] <= MOST)]
+    return np.asarray(usable["error"] / usable["estimate"], float)
+
+
+def factor_of(others: list[np.ndarray]) -> float:
+    """The factor of safety from the ratios of other questions, each with the same weight; UNSAFE without any."""
+    told = [ratios for ratios in others if len(ratios)]
+    if not told:
         return UNSAFE
-    order = np.argsort(ratios)
-    return float(
-        np.quantile(np.asarray(ratios)[order], COVER, method="inverted_cdf", weights=np.asarray(weights)[order])
-    )
+    weights = np.concatenate([np.full(len(ratios), 1 / len(ratios)) for ratios in told])
+    return float(np.quantile(np.concatenate(told), COVER, method="inverted_cdf", weights=weights))
 
 
 def _advised(cells: pd.DataFrame, factor: float, cost: str) -> Iterator[list[object]]:

@@ -40,17 +40,39 @@ def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
         rows = rows.assign(cost=rows["cost"].where(good, np.inf))
         rows = rows.assign(problem=rows["command"].map(lambda command: without(command, axis, "epsilon")))
         matrix = rows.pivot_table(index="problem", columns=axis, values="cost", aggfunc="min", sort=False)
-        matrix = matrix.dropna()  # a solver that was not asked has not failed
+        matrix = _together(matrix)
     else:
-        rows = rows[(rows["flag"] == "") & rows["main"]]
+        main = fronts[fronts["main"]].dropna(subset=[axis])
+        asked = main.groupby("scene")[axis].nunique()
+        whole = asked[asked == asked.max()].index  # as above: scenes in which all compete
+        rows = rows[(rows["flag"] == "") & rows["main"] & rows["scene"].isin(whole)]
         reached = rows.assign(bound=rows["error"] + rows["uncertainty"])
         parts = {
             f"{scene} {target:g}": own[own["bound"] <= target].groupby(axis)["cost"].min()
             for scene, own in reached.groupby("scene", sort=False)
             for target in TARGETS
         }
-        matrix = pd.DataFrame(parts, index=fronts[axis].dropna().unique()).T.fillna(np.inf)
+        competitors = main[main["scene"].isin(whole)][axis].unique()
+        matrix = pd.DataFrame(parts, index=competitors).T.fillna(np.inf)
     return matrix[np.isfinite(matrix.min(axis=1))] if len(matrix) else matrix
+
+
+def _together(matrix: pd.DataFrame) -> pd.DataFrame:
+    """The problems and competitors of the largest group in which everybody was asked everything.
+
+    NaN: not asked, or refused; that is no failure.
+    """
+    groups = matrix.notna().value_counts()  # by who was asked: a tuple of truths
+    asked = {tuple(matrix.columns[np.asarray(who, bool)]): count for who, count in groups.items()}
+    sizes = {
+        group: len(group) * sum(count for other, count in asked.items() if set(group) <= set(other))
+        for group in asked
+        if len(group) > 1
+    }
+    if not sizes:
+        return matrix.iloc[:0]
+    group = max(sizes, key=lambda each: sizes[each])
+    return matrix[list(group)].dropna()
 
 
 def profiles(fronts: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:

@@ -25,6 +25,7 @@ from studies.algorithm_settings import KEYS
 from studies.convergence_cells import LADDERS
 from studies.richardson import Limit, limit_of
 from studies.rows import STEP_KEYS, ladders, quantities, reference_rows, without
+from studies.scenes import SCENES
 
 CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
 HOW = ("mesh", "contact", "newton", "steps", "model", "tolerance", "solver", "epsilon", *KEYS)  # not what is solved
@@ -46,10 +47,12 @@ def headline(table: pd.DataFrame, scene: str) -> str | None:
 
 
 def judged(table: pd.DataFrame, scene: str) -> list[str]:
-    """The quantities of a scene that are verified: those of its ladders, or, where it has none, all."""
+    """The quantities of a scene that are verified: those of its ladders, else those with references, else all."""
     rows = table[table["scene"] == scene]
     there = [name for name in quantities(table) if name not in STEP_KEYS and rows[f"q.{name}"].notna().any()]
     named = dict.fromkeys(name for ladder in LADDERS if ladder.scene == scene for name in ladder.quantities)
+    if not named and scene in SCENES:
+        named = dict.fromkeys(reference.quantity for reference in SCENES[scene].references)
     return [name for name in named if name in there] or [name for name in there if not name.endswith("asymmetry")]
 
 
@@ -80,9 +83,10 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     by_cell = {(row["label"], row["quantity"]): row for row in known.to_dict("records")}
     own, best = limits(table)
     solver, tightest = _solver_parts(claimed), _tightest(table)
+    names = {scene: judged(table, scene) for scene in claimed["scene"].unique()}
     rows = []
     for cell in claimed.to_dict("records"):
-        for name in judged(table, cell["scene"]) if cell["scene"] else ():
+        for name in names[cell["scene"]]:
             value = float(cell.get(f"q.{name}", math.nan))
             if not math.isnan(value):
                 limit = own.get((without(cell["command"], "mesh"), name))
@@ -144,10 +148,14 @@ def limits(
     own: dict[tuple[str, str], Limit] = {}
     best: dict[tuple[str, str, str], tuple[str, Limit]] = {}
     ranks: dict[tuple[str, str, str], tuple[float, ...]] = {}
+    names: dict[str, list[str]] = {}
     for rungs in ladders(table):
         finest = rungs.iloc[-1]
         rank = (float(finest["size"]), _number(finest, "tolerance", 0.0), -_number(finest, "epsilon", math.inf))
-        for name in judged(table, str(finest["scene"])):
+        scene = str(finest["scene"])
+        if scene not in names:
+            names[scene] = judged(table, scene)
+        for name in names[scene]:
             values = rungs[f"q.{name}"].to_numpy(float)
             if np.isnan(values).any():
                 continue
@@ -181,8 +189,9 @@ def _solver_parts(claimed: pd.DataFrame) -> dict[tuple[str, str], float]:
     """
     return {
         (str(label), name): distance
-        for rows in siblings(claimed, "tolerance")
-        for name in quantities(claimed)
+        for _, own in claimed.groupby("scene", sort=False)
+        for name in judged(own, str(own["scene"].iloc[0]))
+        for rows in siblings(own.dropna(subset=[f"q.{name}"]), "tolerance")
         for label, distance in _distances(rows, name)
     }
 
@@ -200,8 +209,6 @@ def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
 
 def _distances(rows: pd.DataFrame, name: str) -> Iterator[tuple[str, float]]:
     values, tolerances = rows[f"q.{name}"].to_numpy(float), rows["tolerance"].to_numpy(float)
-    if np.isnan(values[0]):
-        return
     off = np.abs(values - values[0])
     share = tolerances[0] / tolerances[1]
     off[0] = off[1] * share / (1 - share) if share < 1 else 0.0

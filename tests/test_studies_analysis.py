@@ -15,7 +15,7 @@ from studies.analysis import analysed
 from studies.attribution import INTERACTIONS, REST, shares
 from studies.detectors import flags, inert, printed, walls
 from studies.held_out import held_out, summary
-from studies.profiles import flip_check, profiles, within
+from studies.profiles import flip_check, problems, profiles, within
 from studies.richardson import limit_of, order_of
 from studies.rows import parsed, without
 from studies.scene import UsageError
@@ -274,6 +274,21 @@ def test_pairs_have_the_planted_ratio() -> None:
     at_two = profile[(profile["cost"] == "flops") & np.isclose(profile["factor"], 2.0, atol=0.1)]
     assert set(at_two["share"][at_two["competitor"] == "lcp"]) == {0.0}
     assert set(flips["flips"]) == {""}
+
+
+def test_who_was_not_asked_has_not_failed() -> None:
+    """regularised was tried on one mesh of two, lcp refused the other scene: the two others are compared on all."""
+    table = cells(contacts={"semismooth": 1.0, "lcp": 3.0, "regularised": 2.0})
+    table = table[(table["contact"] != "regularised") | (table["n1"] == 8)]
+    more = cells("hemisphere", "inward_mm", 8.178, contacts={"semismooth": 1.0, "lcp": 3.0})
+    more.loc[more["contact"] == "lcp", "outcome"] = "not-converged"
+    both = pd.concat([table, more], ignore_index=True)
+    matrix = problems(fronts(both, verified(both)), "contact", "flops")
+    assert list(matrix.columns) == ["semismooth", "lcp"]
+    assert len(matrix) == 8
+    assert np.isinf(matrix["lcp"]).sum() == 4
+    refused = both.assign(outcome=both["outcome"].replace("not-converged", "unsupported"))
+    assert len(problems(fronts(refused, verified(refused)), "contact", "flops")) == 4
 
 
 def test_a_ranking_that_flips_is_seen() -> None:

@@ -70,7 +70,7 @@ def test_the_trade(solved: Path, files: dict[str, str]) -> None:
     text = files["tradeoff.md"]
     for title in (
         *("Largest part of the error", "Fronts per scene", "Fronts per family", "Pairs, flops"),
-        *("Shares of the variance", "Walls"),
+        *("Shares of the variance", "Walls of measures that approximate"),
     ):
         assert f"**{title}**" in text
     assert "| `cantilever` | `exact` | `semismooth` | 4x1 |" in text
