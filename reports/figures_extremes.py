@@ -93,14 +93,19 @@ def _ticks(axes: Axes, points: pd.DataFrame, named: bool) -> None:
         values = points.drop_duplicates(index).sort_values(index)[value]
         step = 1 if named and index == "i" else max(1, (len(values) - 1) // 8)
         places = list(range(0, len(values), step))
-        axis.set_ticks(places, [_tick(str(values.iloc[k])) for k in places])
+        axis.set_ticks(places, _tick_labels([str(values.iloc[k]) for k in places]))
 
 
-def _tick(text: str) -> str:
-    """A value as short as it can be read."""
+def _tick_labels(texts: list[str]) -> list[str]:
+    """Values in as few digits as tell them apart; names as they are."""
     try:
-        value = float(text)
+        numbers = [float(text) for text in texts]
     except ValueError:
-        return text
-    short = f"{value:.3g}" if f"{value:.3g}" != "1" else f"{value:.5g}"
-    return short if "e" not in short else short.replace("e-0", "e-").replace("e+0", "e")
+        return texts
+    return [_short(n, min((abs(n - m) for m in numbers if m != n), default=1.0)) for n in numbers]
+
+
+def _short(number: float, gap: float) -> str:
+    """Three digits, or as many as keep it from being taken for a neighbour at the distance ``gap``."""
+    words = next(w for w in (f"{number:.{digits}g}" for digits in range(3, 18)) if abs(float(w) - number) <= gap / 5)
+    return words.replace("e-0", "e-").replace("e+0", "e")
