@@ -107,5 +107,5 @@ def _tick_labels(texts: list[str]) -> list[str]:
 
 def _short(number: float, gap: float) -> str:
     """Three digits, or as many as keep it from being taken for a neighbour at the distance ``gap``."""
-    words = next(w for w in (f"{number:.{digits}g}" for digits in range(3, 18)) if abs(float(w) - number) <= gap / 5)
+    words = next(w for w in (f"{number:.{digits}g}" for digits in range(3, 18)) if abs(float(w) - number) <= gap / 20)
     return words.replace("e-0", "e-").replace("e+0", "e")
