@@ -97,7 +97,7 @@ def test_without_its_tables_there_is_no_page(store: Path) -> None:
     assert set(analysis_pages(load_store(store))) == {"advice.md"}
     shutil.rmtree(store / "tables")
     files = rendered(load_store(store))
-    assert set(files) == {"index.md"}
+    assert set(files) == {"index.md", "report.html"}
     assert "tradeoff.md" not in files["index.md"]
 
 
