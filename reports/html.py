@@ -12,7 +12,7 @@ from html import escape
 from pathlib import Path
 
 from reports.dialect import to_html
-from reports.navigation import TITLES
+from reports.navigation import ANALYSIS_TITLES, TITLES
 
 REPORT = "report.html"
 LARGEST = 8 * 2**20  # bytes
@@ -32,7 +32,8 @@ def report_html(pages: Mapping[str, str], pictures: Mapping[str, str]) -> str:
             _without_links(text), partial(_target, name, pages), partial(_picture, inlined), partial(_anchor, name)
         )
         sections.append(f'<section id="{_page(name)}">\n{body}\n</section>')
-    links = "\n".join(f'<a href="#{_page(name)}">{escape(TITLES.get(name, _page(name)))}</a>' for name in pages)
+    titles = {**TITLES, **ANALYSIS_TITLES}
+    links = "\n".join(f'<a href="#{_page(name)}">{escape(titles.get(name, _page(name)))}</a>' for name in pages)
     style, script = ((ASSETS / name).read_text(encoding="utf-8").strip() for name in ("report.css", "report.js"))
     whole = f"""<!doctype html>
 <html lang="en">

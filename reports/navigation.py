@@ -19,6 +19,7 @@ TITLES: Mapping[str, str] = {
     "epsilon.md": "Contact: ε",
     "cost.md": "Cost",
 }
+ANALYSIS_TITLES: Mapping[str, str] = {"tradeoff.md": "The trade", "advice.md": "Advice"}  # not of every store
 
 
 def links(page: str) -> str:
