@@ -88,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--engine", default="serial", help="serial, local:N or dask:ADDRESS; default serial")
     command.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
     command.add_argument("--time-limit", type=float, default=900.0, metavar="S", help="of one cell, default 900")
-    command.add_argument("--memory-limit", type=float, default=4096.0, metavar="MB", help="of one cell, default 4096")
+    command.add_argument("--memory-limit", type=float, default=8192.0, metavar="MB", help="of one cell, default 8192")
     command.set_defaults(command=_run)
 
     command = commands.add_parser("table", help="the cells of a campaign, what was asked and what became of them")

@@ -32,7 +32,7 @@ class Limits:
     """Of one cell: seconds of wall time, and MB of private memory beyond an idle process."""
 
     time_s: float = 900.0
-    memory_MB: float = 4096.0
+    memory_MB: float = 8192.0
 
 
 @dataclass(frozen=True)
