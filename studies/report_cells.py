@@ -161,4 +161,5 @@ TABLES_OF: dict[str, Sequence[str]] = {
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),
     *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
+    *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check"),
 )
