@@ -7,7 +7,20 @@ import math
 import pandas as pd
 
 from reports import figures_tradeoff
-from reports.markdown import Part, commands, fixed, folded, joined, machine, percent, picture, prose, scientific, table
+from reports.markdown import (
+    NOTHING,
+    Part,
+    commands,
+    fixed,
+    folded,
+    joined,
+    machine,
+    percent,
+    picture,
+    prose,
+    scientific,
+    table,
+)
 from reports.navigation import links
 from reports.schema import Store
 
@@ -101,7 +114,7 @@ def _families(store: Store) -> Part:
         [
             row["family"],
             str(row["scenes"]),
-            *(f"`{row[name]}`" for name in names),
+            *(f"`{row[name]}`" if row[name] else NOTHING for name in names),
             f"{int(row['rung']) + 1}",
             percent(row["error"], 3, sign=False),
             fixed(row[f"cost.{COST}"], 1),

@@ -124,17 +124,17 @@ def test_cells_that_do_not_come_back_are_classified_and_the_campaign_goes_on(tmp
     (tmp_path / "planted_cells.py").write_text(PLANTED)
     text = f'modules = ["planted_cells"]\n[[cross]]\n[cross.scenes.planted]\nmeshes = ["2x1"]\nvary.way = {ways}\n'
     (tmp_path / "odd.toml").write_text(text + '[cross.scenes.cantilever]\nmeshes = ["2x1"]\n')
-    store, limits = tmp_path / "store", Limits(3.0, 400.0)
+    store, limits = tmp_path / "store", Limits(8.0, 400.0)
     began = time.monotonic()
     summary = run(find(str(tmp_path / "odd.toml")), store, "local:2", limits)
-    assert time.monotonic() - began < 60
+    assert time.monotonic() - began < 90
     table = collect(store, "odd").set_index("label")
     ended = {way: table.loc[f"cross planted 2x1 way={way}"] for way in ways}
     assert {way: row["outcome"] for way, row in ended.items()} == {
         **{"fine": "converged", "sleeps": "time", "eats": "memory", "dies": "crash"},
         **{"raises": "crash", "hangs": "time"},
     }
-    assert ended["sleeps"]["reason"] == "killed after 3 s"
+    assert ended["sleeps"]["reason"] == "killed after 8 s"
     assert "more than 400 MB" in ended["eats"]["reason"]
     assert ended["dies"]["reason"] == "killed by SIGSEGV"
     assert ended["raises"]["reason"].startswith("RuntimeError at planted_cells.py:")
