@@ -74,7 +74,7 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
         x, y = programme.guess
         solver.warm_start(x=x, y=-y)
     found = solver.solve(raise_error=False)
-    if polish and np.max(-found.y, initial=0.0) > eps:  # with nothing to polish it prints so, quiet or not
+    if polish and np.any(found.y):  # with nothing to polish it prints so, quiet or not
         solver.update_settings(polishing=True)
         found = solver.solve(raise_error=False)
     solved = found.info.status_val == int(osqp.SolverStatus.OSQP_SOLVED)
