@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.linear import SOLVERS, SingularMatrixError, checked_solve, factorise
+from contact.linear import SOLVERS, UNLIKE, SingularMatrixError, checked_solve, factor_flops, factorise
 from contact.newton import NewtonRun
 
 BACKWARD = 1e-13
@@ -239,3 +239,17 @@ def test_a_pressure_that_acts_on_nothing_is_singular(contacts, rng) -> None:
     run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.array([True] + 5 * [False])
     with pytest.raises(SingularMatrixError):
         run.step(run.linearise(u, None), u, np.zeros(6), active)
+
+
+def test_operations_of_a_large_factor_are_estimated_without_a_copy_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A band matrix, whose columns are all alike: the two counts differ by what columns are taken to be unlike."""
+    n = 400
+    A = sparse.csc_matrix(
+        sparse.diags_array([np.full(n - abs(k), 8.0 if k == 0 else -1.0) for k in range(-3, 4)], offsets=range(-3, 4))
+    )
+    factor = factorise(A, ordered=True)
+    counted = factor_flops(factor)
+    assert counted == pytest.approx(2 * n * 4**2, rel=0.02)
+    monkeypatch.setattr("contact.linear.LARGE_FILL", 10)
+    # the fill counts the zeros that SuperLU stores to keep neighbouring columns alike
+    assert factor_flops(factor) == pytest.approx(UNLIKE * counted, rel=0.1)
