@@ -12,12 +12,13 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from studies import archive, worker
+from studies import archive, scenes, worker
 from studies.archive import Archive
 from studies.campaign import Summary, run
 from studies.cli import main
@@ -95,6 +96,16 @@ def content(store: Path) -> dict[str, Any]:
             record = json.loads(found[name])
             found[name] = {key: value for key, value in record.items() if key not in APART}
     return found
+
+
+@pytest.fixture(autouse=True)
+def scenes_of_a_test_end_with_it() -> Iterator[None]:
+    """The catalogue as it was, whatever the modules of a campaign have put into it."""
+    before = dict(scenes.SCENES)
+    yield
+    for name in scenes.SCENES.keys() - before.keys():
+        del scenes.SCENES[name]
+        sys.modules.pop("planted_cells", None)
 
 
 @pytest.fixture(scope="module")
