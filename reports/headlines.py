@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 
 import pandas as pd
+from scipy.stats import binomtest
 
 from reports.markdown import fixed, percent, prose
 from reports.outcomes import completeness_line
@@ -13,6 +14,7 @@ from reports.schema import Store
 
 COST = "flops"  # the same on every machine
 DEFAULT = "semismooth"  # the contact algorithm that the others are held against
+CONFIDENCE = 0.95
 NEEDED = ("attribution", "pairs", "held_out_summary", "verified")
 
 
@@ -55,7 +57,7 @@ def _algorithms(data: pd.DataFrame) -> str:
     said = [_pair(row["b"], row, 1.0) for row in own[own["a"] == DEFAULT].to_dict("records")]
     said += [_pair(row["a"], row, -1.0) for row in own[own["b"] == DEFAULT].to_dict("records")]
     return prose(f"""**Contact algorithms.** Operations in factorisations over those of `{DEFAULT}`, medians over the
-problems that both solve: {"; ".join(said) or "none in common"}. Pivots of `lcp` and iterations inside `qp` come on top.
+problems that were put to all: {"; ".join(said) or "none in common"}. Pivots of `lcp` and iterations inside `qp` come on top.
 [More](tradeoff.md#who-wins-how-often)""")
 
 
@@ -69,19 +71,11 @@ def _advice(store: Store) -> str:
     summary = store.analysis("held_out_summary")
     own = summary[summary["quantities"] == "headline"].iloc[0]
     met, n = float(own["met"]), int(own["advised"])
-    low, high = _wilson(met, n)
+    low, high = binomtest(round(met * n), n).proportion_ci(CONFIDENCE, method="wilson")
     return prose(f"""**Which configuration is enough?** `footprint advise` says it. On scenes left out of what it learnt
 from, its advice meets the tolerance in {percent(met, 0, sign=False)} [{percent(low, 0, sign=False)},
 {percent(high, 0, sign=False)}] of {n} cases and costs {fixed(own["median_regret"], 2)} times the best in the median.
 [More](advice.md)""")
-
-
-def _wilson(share: float, n: int) -> tuple[float, float]:
-    """Wilson's 95 % interval of a share of n trials."""
-    z2 = 1.96**2
-    middle = (share + z2 / (2 * n)) / (1 + z2 / n)
-    half = 1.96 / (1 + z2 / n) * (share * (1 - share) / n + z2 / (4 * n * n)) ** 0.5
-    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 def _interval(row: pd.Series) -> str:

@@ -9,9 +9,8 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 
-from contact.problem import ContactProblem
+from contact.problem import Linearisation, without_contact
 from studies.cell import Cell
 from studies.closure import CATALOGUE, sources_hash
 from studies.definition import Campaign
@@ -79,11 +78,11 @@ def _refusal(request: Request) -> str:
     return f"{request.contact} does not apply: {refused}" if refused else ""
 
 
-def _none(*_: object) -> Any:
-    raise NotImplementedError
+def _no_mechanics(u: np.ndarray, memory: object) -> Linearisation:
+    raise TypeError("a plan asks an algorithm what it can do, and solves nothing")
 
 
-_NO_MECHANICS = ContactProblem(_none, lambda u: np.zeros(0), lambda u: sparse.csr_matrix((0, 0)), np.zeros(0))
+_NO_MECHANICS = without_contact(_no_mechanics, 0)
 
 
 def solved_rows(rows: list[Row]) -> Iterator[tuple[str, Row]]:

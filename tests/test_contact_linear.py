@@ -251,5 +251,5 @@ def test_operations_of_a_large_factor_are_estimated_without_a_copy_of_it(monkeyp
     counted = factor_flops(factor)
     assert counted == pytest.approx(2 * n * 4**2, rel=0.02)
     monkeypatch.setattr("contact.linear.LARGE_FILL", 10)
-    # the fill counts the zeros that SuperLU stores to keep neighbouring columns alike
-    assert factor_flops(factor) == pytest.approx(UNLIKE * counted, rel=0.1)
+    assert factor_flops(factor) == UNLIKE * factor.nnz**2 / (2 * n)
+    assert factor.nnz >= factor.L.nnz + factor.U.nnz  # it counts stored zeros, too: an estimate
