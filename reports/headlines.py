@@ -57,8 +57,8 @@ def _algorithms(data: pd.DataFrame) -> str:
     said = [_pair(row["b"], row, 1.0) for row in own[own["a"] == DEFAULT].to_dict("records")]
     said += [_pair(row["a"], row, -1.0) for row in own[own["b"] == DEFAULT].to_dict("records")]
     return prose(f"""**Contact algorithms.** Operations in factorisations over those of `{DEFAULT}`, medians over the
-problems that were put to all: {"; ".join(said) or "none in common"}. Pivots of `lcp` and iterations inside `qp` come on top.
-[More](tradeoff.md#who-wins-how-often)""")
+problems that were put to all: {"; ".join(said) or "none in common"}. Pivots of `lcp` and iterations inside `qp` come on
+top. [More](tradeoff.md#who-wins-how-often)""")
 
 
 def _pair(name: str, row: dict, power: float) -> str:
