@@ -122,7 +122,6 @@ def judge(
     if pressure.shape != problem.weights.shape:
         raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
     lin = problem.linearise(u, None)
-    gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
     contact = problem.contact_force(u, pressure)
     scale = max(lin.scale, float(np.linalg.norm(contact))) or 1.0
     imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
@@ -136,9 +135,8 @@ def judge(
     force, force_rounding = _force_balance(problem, lin, u, pressure)
     return Verdict(
         equilibrium=equilibrium,
-        penetration=float(np.max(-gap, initial=0.0)),
+        **gap_residuals(problem, u, pressure, epsilon),
         tension=float(np.max(-pressure, initial=0.0)),
-        complementarity=float(np.max(np.abs(pressure * gap), initial=0.0)),
         rounding=rounding,
         correction=_correction(problem, lin.tangent, imbalance, u, pressure) if decides else np.inf,
         energy=energy,
@@ -146,6 +144,15 @@ def judge(
         energy_rounding=energy_rounding,
         force_rounding=force_rounding,
     )
+
+
+def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, epsilon: float) -> dict[str, float]:
+    """Penetration [mm] and complementarity [MPa mm] by the law of an epsilon [MPa/mm], that is of g + p/epsilon."""
+    gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
+    return {
+        "penetration": float(np.max(-gap, initial=0.0)),
+        "complementarity": float(np.max(np.abs(pressure * gap), initial=0.0)),
+    }
 
 
 def _energy_balance(

@@ -14,7 +14,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 from scipy import sparse
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import SuperLU, splu
 
 BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
 REFUSED = 1e-8
@@ -77,15 +77,15 @@ def factorise(A: sparse.csc_matrix, solver: str = "splu", *, ordered: bool = Fal
 def factor_flops(factor: Factor) -> float:
     """Floating-point operations of a factorisation by SuperLU, 2 sum_j c_j^2 for c_j entries in column j of L.
 
-    L is unit lower triangular and U has its pattern transposed, near enough. 0 where the factor does not show
-    L, as PARDISO's. L is a copy, which takes a tenth of the time that finding it took, and as much memory: above
-    LARGE_FILL entries of L and U it is not made, and the columns are taken to be as unlike as in tyres of that size.
+    L is unit lower triangular and U has its pattern transposed, near enough. 0 for any other factor. L is a copy,
+    which takes a tenth of the time that finding it took, and as much memory: above LARGE_FILL entries of L and U it is
+    not made, and the columns are taken to be as unlike as in tyres of that size.
     """
-    fill = float(getattr(factor, "nnz", 0))
-    if fill > LARGE_FILL:
-        return UNLIKE * fill**2 / (2.0 * getattr(factor, "shape", (1,))[0])
-    L = getattr(factor, "L", None)
-    return 0.0 if L is None else 2.0 * float(np.sum(np.square(np.diff(L.indptr), dtype=float)))
+    if not isinstance(factor, SuperLU):
+        return 0.0
+    if factor.nnz > LARGE_FILL:
+        return UNLIKE * float(factor.nnz) ** 2 / (2 * factor.shape[0])
+    return 2.0 * float(np.sum(np.square(np.diff(factor.L.indptr), dtype=float)))
 
 
 def negative_pivots(A: sparse.csc_matrix) -> int:

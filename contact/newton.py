@@ -53,9 +53,7 @@ class NewtonRun:
     history: list[dict[str, object]] = field(default_factory=list)
     tolerance: float = RESIDUAL_TOLERANCE
     clock: Callable[[], float] = time.perf_counter  # what the times of the counters are read from
-    flops_by_fill: list[float] = field(
-        default_factory=list
-    )  # operations of the first factorisation over its fill squared
+    flops_by_fill: list[float] = field(default_factory=list)  # of the first factorisation: operations over fill^2
     _first_scale: float = 0.0
     _first_gap_size: float = 0.0
     _scale: float = 0.0

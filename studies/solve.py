@@ -23,7 +23,7 @@ import pandas as pd
 from contact.algorithms import ALGORITHMS
 from contact.diagnosis import diagnose
 from contact.frozen import FrozenStep, freeze
-from contact.judge import claim, judge
+from contact.judge import claim, gap_residuals, judge
 from contact.newton import RESIDUAL_TOLERANCE
 from contact.path import PathPoint, follow
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -289,10 +289,9 @@ def certificate(
     """
     verdict = judge(problem, state.u, state.pressure)
     found = verdict.certificate
-    claimed = claim(tolerance, len(state.u))
     if math.isfinite(epsilon):
-        verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
-    found["failures"] = verdict.failures(**claimed)
+        verdict = replace(verdict, **gap_residuals(problem, state.u, state.pressure, epsilon))
+    found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
     return found
 

@@ -21,7 +21,7 @@ from studies.scene import Observation, Request, ShellSceneModel, Stage
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre_foundation import foundation
 from studies.scenes.tyre_parts import Part, column_of, sides_alike
-from studies.scenes.tyre_press import NOTHING_TOUCHED, Column, PressedTyre, Wall, to_edges
+from studies.scenes.tyre_press import Column, PressedTyre, Wall
 from studies.scenes.tyre_wall import inflated_shell
 
 
@@ -72,11 +72,8 @@ class InflatedTyre(ShellSceneModel, PressedTyre):
         return lambda t: replace(with_balances(problem_at(t), self.shell.scaled(t)), others=None), start
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
-        seen = self._observe_inflation(problem, state, t)
-        wall = self.wall
-        x = wall.faces(state.u)[1].reshape(*wall.shape, 3)
-        free = to_edges(x, np.zeros(wall.shape, bool))
-        return replace(seen, step={**NOTHING_TOUCHED, "patch_to_clamp_mm": free})
+        inflated, pressed = self._observe_inflation(problem, state, t), self._observe_press(problem, state, 0.0)
+        return replace(pressed, quantities=inflated.quantities | pressed.quantities, tables=inflated.tables)
 
 
 def _turned(x: np.ndarray, phi: np.ndarray) -> np.ndarray:

@@ -19,16 +19,6 @@ from studies.scene import Observation, Stage, UsageError
 from studies.scenes.tyre_foundation import NORMAL
 
 OVERLAP = 1e-6  # mm
-NOTHING_TOUCHED = {  # the step of a tyre that is only inflated, but for patch_to_clamp_mm
-    "delta_mm": 0.0,
-    "force_N": 0.0,
-    "centre_pressure_MPa": 0.0,
-    "contact_nodes": 0,
-    "half_length_mm": 0.0,
-    "half_width_mm": 0.0,
-    "central_asymmetry": 0.0,
-    "mirror_asymmetry": 0.0,
-}
 
 
 class Body(Protocol):
