@@ -23,8 +23,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import lsqr
 
-from contact.judge import judge
 from contact.problem import ROUNDING_ALONE, ContactProblem
+from contact.verify import judge
 
 SWAPPED_FACE = "swapped face"
 UNCONVERGED = "unconverged equilibrium"
@@ -45,7 +45,7 @@ CLOSED = 1e-9  # mm
 def diagnose(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, *, epsilon: float = np.inf) -> list[str]:
     """Nothing for a sound answer; else one line a finding, "name: detail", see above.
 
-    epsilon: as for :func:`contact.judge.judge`. Raises ValueError when the pressures do not fit the candidates.
+    epsilon: as for :func:`contact.verify.judge`. Raises ValueError when the pressures do not fit the candidates.
     """
     verdict = judge(problem, u, pressure, epsilon=epsilon)
     failed = verdict.failures()

@@ -8,18 +8,18 @@ E of the elements in the norm of D::
 
 This is the idea of Zienkiewicz and Zhu (IJNME 24 (1987) 337-357) with the displacements recovered, not the stresses: a
 curved element that moves rigidly feels a strain of the order of its length squared (see
-:class:`formulations.element_geometry.ElementGeometry`), its neighbours feel the same, and no average of strains shows
-it. No contact and no scene may enter here.
+:class:`formulations.element.strain_operator.ElementGeometry`), its neighbours feel the same, and no average of strains
+shows it. No contact and no scene may enter here.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from formulations.element import MODES
-from formulations.grid import Grid
-from formulations.quantities import N_E
+from formulations.element.mixed import MODES
+from formulations.geometry.grid import Grid
 from formulations.shell import ShellModel
+from formulations.strains.quantities import N_E
 
 PARTS = 3  # of an element, along the coordinate
 

@@ -13,17 +13,17 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from formulations.dissection import dissection
-from formulations.dofs import DofMap, Images
-from formulations.element import MixedElement
-from formulations.element_geometry import N_DOF, ElementGeometry
-from formulations.grid import Grid
-from formulations.laminate import Laminate
-from formulations.loads import Couples, Pressure
-from formulations.measure import StrainMeasure
-from formulations.pattern import Pattern
-from formulations.quantities import FULL, N_E, N_V, Kinematics
-from formulations.surface import Surface
+from formulations.conditions.dof_map import DofMap, Images
+from formulations.element.mixed import MixedElement
+from formulations.element.sparsity import Pattern
+from formulations.element.strain_operator import N_DOF, ElementGeometry
+from formulations.geometry.grid import Grid
+from formulations.geometry.nested_dissection import dissection
+from formulations.geometry.surfaces import Surface
+from formulations.loads.pressure import Couples, Pressure
+from formulations.section.laminate import Laminate
+from formulations.strains.measure import StrainMeasure
+from formulations.strains.quantities import FULL, N_E, N_V, Kinematics
 
 NEWTONS = ("plain", "mixed")
 
@@ -169,7 +169,7 @@ class ShellModel:
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
     geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
     thickness_strain: "projected" (the paper) or "nodal"; membrane: "compatible" (the paper) or "relaxed"; see
-    :class:`formulations.element.MixedElement`.  couples: follow the directors of their nodes.  prescribed (N, 6):
+    :class:`formulations.element.mixed.MixedElement`.  couples: follow the directors of their nodes.  prescribed (N, 6):
     values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError when one is free.
     A step of them starts wholly in the elements at the support: large ones may lead to another equilibrium, so --steps.
     """
@@ -258,7 +258,7 @@ class ShellModel:
         return self._element.resultants(self.mode_strains(u))
 
     def mode_strains(self, u: np.ndarray) -> np.ndarray:
-        """Mode strains E (E, 22), in the order of :data:`formulations.element.MODES`."""
+        """Mode strains E (E, 22), in the order of :data:`formulations.element.mixed.MODES`."""
         return self._element.mode_strains(self.discretisation.geometry, self._element_vectors(u))
 
     def displacements(self, u: np.ndarray) -> np.ndarray:

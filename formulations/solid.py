@@ -14,11 +14,11 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from formulations.laminate import Laminate
-from formulations.loads import Pressure
-from formulations.pattern import Pattern
+from formulations.element.sparsity import Pattern
+from formulations.geometry.surfaces import Surface
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate
 from formulations.shell import Linearisation
-from formulations.surface import Surface
 
 CHUNK = 16  # elements a pass
 _THIRDS = (0.0, 0.5, 1.0)

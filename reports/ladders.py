@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from reports import labels
-from reports.convergence import MeshSequence
-from reports.schema import Cell, Store
+from reports.orders import MeshSequence
+from reports.tables import Cell, Store
 
 STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
 

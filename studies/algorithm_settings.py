@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import dataclasses
 
-from contact.algorithms import ALGORITHMS
-from contact.complementarity import METHODS
-from contact.newton import RESIDUAL_TOLERANCE
-from contact.qp_backends import BACKENDS
+from contact.catalogue import ALGORITHMS
+from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.solvers.lcp_pivoting import METHODS
+from contact.solvers.qp_backends import BACKENDS
 from studies.scene import Setting
 
 TOLERANCE = Setting(

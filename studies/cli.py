@@ -170,9 +170,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _list(options: argparse.Namespace) -> int:
-    from contact.algorithms import ALGORITHMS
-    from formulations.measures import MEASURES
-    from studies.definition import find, names
+    from contact.catalogue import ALGORITHMS
+    from formulations.strains.catalogue import MEASURES
+    from studies.campaigns.file import find, names
     from studies.scenes import SCENES
 
     lists = {
@@ -191,7 +191,7 @@ def _list(options: argparse.Namespace) -> int:
 def _solve(options: argparse.Namespace) -> int:
     from studies.scene import UsageError
     from studies.solve import resolve
-    from studies.store import write_by
+    from studies.store.atomic import write_by
 
     given = _pairs(options.settings)
     wanted = _wanted_error(options, given)
@@ -214,8 +214,8 @@ def _solve(options: argparse.Namespace) -> int:
         write_by(options.freeze, result.frozen().write)
     _print_table(result.as_json())
     if options.plot:
-        from reports.figures import draw_result
-        from reports.schema import StoreError
+        from reports.result_figures import draw_result
+        from reports.tables import StoreError
 
         try:
             draw_result(options.out)
@@ -294,7 +294,7 @@ def _told() -> Iterator[Callable[[str], None]]:
 
 
 def _resolve(options: argparse.Namespace) -> int:
-    from studies.resolve import resolve_step
+    from studies.replay import resolve_step
     from studies.scene import UsageError
 
     if options.epsilon is not None and not options.epsilon > 0:
@@ -337,9 +337,9 @@ def _print_table(result: dict[str, object]) -> None:
 def _run(options: argparse.Namespace) -> int:
     from rich.progress import Progress
 
-    from studies.campaign import run
-    from studies.definition import find
-    from studies.worker import Limits
+    from studies.campaigns.file import find
+    from studies.campaigns.run import run
+    from studies.pool.process import Limits
 
     limits = Limits(_positive("time-limit", options.time_limit), _positive("memory-limit", options.memory_limit))
     campaign = find(options.campaign)
@@ -359,9 +359,9 @@ def _run(options: argparse.Namespace) -> int:
 
 
 def _table(options: argparse.Namespace) -> int:
+    from studies.analysis.collect import collect
     from studies.scene import UsageError
-    from studies.store import write_table
-    from studies.table import collect
+    from studies.store.atomic import write_table
 
     table = collect(options.store, options.campaign)
     for pair in options.where:
@@ -393,9 +393,9 @@ def _time(options: argparse.Namespace) -> int:
 
     from rich.progress import Progress
 
-    from studies.definition import find
+    from studies.bench.timing_lane import time_campaign
+    from studies.campaigns.file import find
     from studies.scene import UsageError
-    from studies.timing import time_campaign
 
     for name in ("blocks", "rounds"):
         if not 1 <= getattr(options, name) <= 1000:
@@ -431,8 +431,8 @@ def _positive(name: str, value: float) -> float:
 
 
 def _report(options: argparse.Namespace) -> int:
-    from reports.pages import check_pages, place_of, write_pages
-    from reports.schema import StoreError
+    from reports.site import check_pages, place_of, write_pages
+    from reports.tables import StoreError
     from studies.scene import UsageError
 
     try:
@@ -451,7 +451,7 @@ def _report(options: argparse.Namespace) -> int:
 
 
 def _analyse(options: argparse.Namespace) -> int:
-    from studies.analysis import analyse
+    from studies.analysis.everything import analyse
 
     for path in analyse(options.store, options.campaign):
         print(path)
@@ -459,10 +459,10 @@ def _analyse(options: argparse.Namespace) -> int:
 
 
 def _advise(options: argparse.Namespace) -> int:
-    from studies.advise import advise, asked_question, lines
+    from studies.analysis.advise import advise, asked_question, lines
+    from studies.analysis.collect import collect
+    from studies.analysis.verify import verified
     from studies.error_control import parse_error
-    from studies.table import collect
-    from studies.verification import verified
 
     tolerance, given = parse_error(options.error), _pairs(options.settings)
     table = collect(options.store, options.campaign)
@@ -473,8 +473,8 @@ def _advise(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from studies import gate
-    from studies.regression import NothingComparedError
+    from studies.guard import check as gate
+    from studies.guard.compare import NothingComparedError
     from studies.scene import UsageError
 
     if options.time is not None and (options.update or options.store is not None or options.baseline is not None):
@@ -496,8 +496,8 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _compare(options: argparse.Namespace) -> int:
-    from studies.gate import compare_stores
-    from studies.regression import NothingComparedError
+    from studies.guard.check import compare_stores
+    from studies.guard.compare import NothingComparedError
 
     try:
         print(compare_stores(options.before, options.now, options.campaign), end="")
@@ -508,7 +508,7 @@ def _compare(options: argparse.Namespace) -> int:
 
 
 def _extremes(options: argparse.Namespace) -> int:
-    from studies.extremes import CHARTS, CONVERGED, REFUSED, UNTOUCHED, WRONG, attempt, chart_of
+    from studies.experiments.extremes.maps import CHARTS, CONVERGED, REFUSED, UNTOUCHED, WRONG, attempt, chart_of
     from studies.scene import UsageError
 
     if options.map is None:
@@ -549,7 +549,7 @@ def _bench(options: argparse.Namespace) -> int:
     mesh, repeats = options.mesh or "42x40", 9 if options.repeats is None else options.repeats
     if not 1 <= repeats <= 1000:
         raise UsageError(f"repeats = {repeats} must be a whole number in [1, 1000]")
-    from studies.bench import bench
+    from studies.bench.newton import bench
 
     cost = bench(mesh, repeats=repeats)
     print(f"one Newton iteration, tyre {mesh}, {cost.dofs} dofs, medians of {repeats}")
@@ -561,7 +561,7 @@ def _bench(options: argparse.Namespace) -> int:
 
 
 def _harness(options: argparse.Namespace) -> int:
-    from studies.harness import harness, lines
+    from studies.bench.overhead import harness, lines
     from studies.scene import UsageError
 
     if options.machine or options.table or options.mesh:
@@ -575,8 +575,8 @@ def _scaling(options: argparse.Namespace) -> int:
     from rich.console import Console
     from rich.progress import Progress
 
-    from studies.scaling import MESHES, lines, request_of, scaling
-    from studies.store import write_table
+    from studies.bench.scaling import MESHES, lines, request_of, scaling
+    from studies.store.atomic import write_table
 
     meshes = options.mesh.split(",") if options.mesh else MESHES
     for mesh in meshes:
@@ -595,8 +595,8 @@ def _scaling(options: argparse.Namespace) -> int:
 
 
 def _peers(options: argparse.Namespace) -> int:
-    from studies.peers import DELTA_MM, PEER_MESHES, lines, peers
-    from studies.store import write_table
+    from studies.bench.peers import DELTA_MM, PEER_MESHES, lines, peers
+    from studies.store.atomic import write_table
 
     table = peers(options.mesh.split(",") if options.mesh else PEER_MESHES)
     if options.table is not None:

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from formulations.quantities import STRAINS
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
+from formulations.strains.quantities import STRAINS
 
 # a triquadratic hexahedron in VTK's order (vtkTriQuadraticHexahedron): corners, edges, faces, centre; 0, 1, 2 along
 # each axis

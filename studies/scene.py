@@ -15,8 +15,8 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import pandas as pd
 
-from contact.arc_length import ArcLength
-from contact.bordered import ArcPoint, Linearise
+from contact.continuation.arc_length import ArcLength
+from contact.continuation.equilibrium_curve import ArcPoint, Linearise
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
 from studies.fields import write_fields

@@ -20,19 +20,19 @@ from typing import Any
 
 import pandas as pd
 
-from contact.algorithms import ALGORITHMS
+from contact.catalogue import ALGORITHMS
+from contact.continuation.load_stepping import PathPoint, follow
 from contact.diagnosis import diagnose
-from contact.frozen import FrozenStep, freeze
-from contact.judge import claim, gap_residuals, judge
-from contact.newton import RESIDUAL_TOLERANCE
-from contact.path import PathPoint, follow
+from contact.interchange.linearised_step import FrozenStep, freeze
+from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from formulations.measures import MEASURES
+from contact.verify import claim, gap_residuals, judge
 from formulations.shell import NEWTONS
+from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import KEYS, TOLERANCE, settings_of
 from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
 from studies.scenes import SCENES
-from studies.store import plain, write_by, write_json, write_table
+from studies.store.atomic import plain, write_by, write_json, write_table
 
 MODELS = ("auto", "full")
 LARGEST_MESH = 250_000

@@ -11,13 +11,13 @@ import pytest
 from scipy import sparse
 from scipy.optimize import nnls
 
-from contact.algorithms import ALGORITHMS
+from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
-from formulations.grid import Grid
-from formulations.laminate import Laminate, Ply
-from formulations.measures import MEASURES
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import MeridianPoint, Plate, Surface, SurfaceOfRevolution, cylinder, sphere, torus
+from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation, ShellModel
-from formulations.surface import MeridianPoint, Plate, Surface, SurfaceOfRevolution, cylinder, sphere, torus
+from formulations.strains.catalogue import MEASURES
 
 CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # weights of the 8th-order central difference
 

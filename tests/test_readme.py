@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
-from formulations.measures import MEASURES
-from formulations.quantities import N_Q, QUANTITIES, STRAINS
-from studies.conformance import conformance
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
+from studies.experiments.conformance import conformance
 from studies.scenes import SCENES
 from studies.solve import resolve, solve
 

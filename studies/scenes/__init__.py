@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 from studies.scene import Scene
-from studies.scenes.cantilever import Cantilever
-from studies.scenes.cap import ShallowSphericalCap
-from studies.scenes.contact_heavy import HeavyStrip
-from studies.scenes.contact_plate import PlateContact
-from studies.scenes.contact_ring import Ring
-from studies.scenes.contact_strip import ClampedStrip
-from studies.scenes.hemisphere import Hemisphere
-from studies.scenes.linear_cylinder import PinchedCylinder
-from studies.scenes.linear_pagano import Pagano
-from studies.scenes.linear_roof import ScordelisLo
-from studies.scenes.panel import Panel
-from studies.scenes.pressurised import PressurisedCylinder, PressurisedSphere, PressurisedTorus
-from studies.scenes.roofs import ROOFS
-from studies.scenes.sze_annulus import SlitAnnulus
-from studies.scenes.sze_moment import RolledCantilever
-from studies.scenes.sze_pullout import PullOut
-from studies.scenes.tyre import Tyre
-from studies.scenes.tyre_solid import SolidTyre
+from studies.scenes.benchmarks.cantilever import Cantilever
+from studies.scenes.benchmarks.hemisphere import Hemisphere
+from studies.scenes.benchmarks.pagano import Pagano
+from studies.scenes.benchmarks.pinched_cylinder import PinchedCylinder
+from studies.scenes.benchmarks.pressurised import PressurisedCylinder, PressurisedSphere, PressurisedTorus
+from studies.scenes.benchmarks.roofs import ROOFS
+from studies.scenes.benchmarks.scordelis_lo import ScordelisLo
+from studies.scenes.benchmarks.shallow_cap import ShallowSphericalCap
+from studies.scenes.benchmarks.sze_annulus import SlitAnnulus
+from studies.scenes.benchmarks.sze_moment import RolledCantilever
+from studies.scenes.benchmarks.sze_pullout import PullOut
+from studies.scenes.contact.heavy_strip import HeavyStrip
+from studies.scenes.contact.panel import Panel
+from studies.scenes.contact.plate import PlateContact
+from studies.scenes.contact.ring import Ring
+from studies.scenes.contact.strip import ClampedStrip
+from studies.scenes.tyre.scene import Tyre
+from studies.scenes.tyre.solid import SolidTyre
 
 FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
 NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap())

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.dofs import Images
-from formulations.element import MEMBRANES, THICKNESS_STRAINS
-from formulations.element_geometry import INTERPOLATIONS
-from formulations.grid import Grid
-from formulations.laminate import Laminate
-from formulations.measures import MEASURES
-from formulations.quantities import FULL
+from formulations.conditions.dof_map import Images
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Surface
+from formulations.section.laminate import Laminate
 from formulations.shell import Discretisation
-from formulations.surface import Surface
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.quantities import FULL
 from studies.scene import Request, Setting, UsageError
 
 PRESETS = {

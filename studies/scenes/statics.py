@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.arc_length import ArcLength
-from contact.bordered import ArcPoint
+from contact.continuation.arc_length import ArcLength
+from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import ContactProblem, ContactSolution, without_contact
-from formulations.loads import Couples, Pressure
-from formulations.measures import MEASURES
+from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import Discretisation, ShellModel
+from formulations.strains.catalogue import MEASURES
 from studies.scene import ArcStage, Observation, Request, Setting, ShellSceneModel, Stage
 
 LOAD_FRACTIONS = Setting(

@@ -15,19 +15,20 @@ import pytest
 from matplotlib.figure import Figure
 
 from reports import labels
-from reports.page_measures import SCENES as GROWING
-from reports.pages import rendered
-from reports.schema import load_store
-from studies import epsilon as epsilon_study
-from studies import extremes, locking, rigid_body
-from studies.cell import Cell
-from studies.convergence_cells import LADDERS, Ladder, ladder_table
-from studies.plan import Row
-from studies.report_cells import LISTS
+from reports.chapters.shells.measures import SCENES as GROWING
+from reports.site import rendered
+from reports.tables import load_store
+from studies.campaigns.cell import Cell
+from studies.campaigns.ladder_cells import LADDERS, Ladder, ladder_table
+from studies.campaigns.plan import Row
+from studies.campaigns.report_cells import LISTS
+from studies.experiments import epsilon as epsilon_study
+from studies.experiments import locking, rigid_body
+from studies.experiments.extremes import maps as extremes
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve
-from studies.store import SCHEMA, write_json, write_table
+from studies.store.atomic import SCHEMA, write_json, write_table
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}

@@ -9,11 +9,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.pages import ANALYSIS, analysis_pages, rendered
-from reports.schema import StoreError, load_store
-from studies.analysis import analyse
-from studies.campaign import run
-from studies.definition import read
+from reports.site import ANALYSIS, analysis_pages, rendered
+from reports.tables import StoreError, load_store
+from studies.analysis.everything import analyse
+from studies.campaigns.file import read
+from studies.campaigns.run import run
 
 CAMPAIGN = """
 title = "small"

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from reports.outcomes import completeness_line
-from reports.page_campaign import campaign_page
-from reports.pages import place_of, rendered
-from reports.schema import StoreError, load_store
-from studies.cell import Cell
-from studies.plan import Row
-from studies.store import SCHEMA, write_json, write_text
+from reports.chapters.overview.campaign import campaign_page
+from reports.chapters.overview.outcomes import completeness_line
+from reports.site import place_of, rendered
+from reports.tables import StoreError, load_store
+from studies.campaigns.cell import Cell
+from studies.campaigns.plan import Row
+from studies.store.atomic import SCHEMA, write_json, write_text
 
 REQUEST = {"scene": "cantilever", "measure": "exact", "contact": "semismooth", "newton": "mixed", "model": "full"}
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}

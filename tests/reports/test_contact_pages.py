@@ -10,15 +10,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contact.algorithms import ALGORITHMS
-from reports.agreement import entries
-from reports.page_agreement import agreement_page
-from reports.page_algorithms import algorithms_page
-from reports.page_epsilon import epsilon_page, findings, fitted_law
-from reports.page_index import index_page
-from reports.schema import load_store
-from studies.report_cells import AGREEMENT, enforcements
-from studies.store import write_json, write_table
+from contact.catalogue import ALGORITHMS
+from reports.chapters.contact.agreement import agreement_page
+from reports.chapters.contact.agreement_cases import entries
+from reports.chapters.contact.algorithms import algorithms_page
+from reports.chapters.contact.epsilon import epsilon_page, findings, fitted_law
+from reports.chapters.overview.index import index_page
+from reports.tables import load_store
+from studies.campaigns.report_cells import AGREEMENT, enforcements
+from studies.store.atomic import write_json, write_table
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 CASE = "trial-and-error follower nonsymmetric exact"

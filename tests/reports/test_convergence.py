@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from reports.chapters.shells.convergence import BEYOND, WITHIN, convergence_page, split
 from reports.ladders import read_ladders
-from reports.page_convergence import BEYOND, WITHIN, convergence_page, split
-from reports.schema import load_store
-from studies.convergence_cells import LADDERS
-from studies.store import write_json
+from reports.tables import load_store
+from studies.campaigns.ladder_cells import LADDERS
+from studies.store.atomic import write_json
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

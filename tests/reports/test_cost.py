@@ -8,10 +8,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.page_cost import STEP, cost_page, reaching
-from reports.schema import load_store
-from studies.report_cells import MODELS
-from studies.store import write_json, write_table
+from reports.chapters.trade.cost import STEP, cost_page, reaching
+from reports.tables import load_store
+from studies.campaigns.report_cells import MODELS
+from studies.store.atomic import write_json, write_table
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from reports.element_choice import Choice
+from reports.chapters.shells.element_choice import Choice
 from reports.ladders import Rung
 
 MESHES = ("10x10", "20x20", "40x40", "80x80")

@@ -7,11 +7,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.figures_extremes import LOOKS, outcome_map
-from reports.page_extremes import cause, extremes_page, faults
-from reports.schema import load_store
-from studies.extremes import CLASSES
-from studies.store import write_table
+from reports.chapters.limits.extremes import cause, extremes_page, faults
+from reports.chapters.limits.figures_extremes import LOOKS, outcome_map
+from reports.tables import load_store
+from studies.experiments.extremes.maps import CLASSES
+from studies.store.atomic import write_table
 
 
 @pytest.mark.usefixtures("undrawn")

@@ -9,12 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.figures_rigid_body import shared_curves
-from reports.page_locking import excess, locking_page, worst_energy
-from reports.page_rigid_body import fitted_power, powers, rigid_body_page
-from reports.schema import Store, load_store
-from studies.locking import MESHES, THINNESS
-from studies.store import write_table
+from reports.chapters.shells.figures_rigid_body import shared_curves
+from reports.chapters.shells.locking import excess, locking_page, worst_energy
+from reports.chapters.shells.rigid_body import fitted_power, powers, rigid_body_page
+from reports.tables import Store, load_store
+from studies.experiments.locking import MESHES, THINNESS
+from studies.store.atomic import write_table
 
 AMOUNTS = [0.2, 0.1, 0.05]
 

@@ -8,11 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from reports.chapters.shells.measures import crossing
+from reports.chapters.tyre.paper_table import FILE, HALF, IMAGES, LITERAL, asymmetry, compare, core, force, printed_map
 from reports.compare import differences, same_number
-from reports.convergence import MeshSequence, extrapolated, fitted_order, order_against, self_order
 from reports.markdown import NOTHING, digits, fixed, machine, percent, prose, scientific
-from reports.page_measures import crossing
-from reports.printed import FILE, HALF, IMAGES, LITERAL, asymmetry, compare, core, force, printed_map
+from reports.orders import MeshSequence, extrapolated, fitted_order, order_against, self_order
 from studies.scenes.data import read_reference
 
 TYRE_SETTINGS = {"R1_mm": 50.0, "R0_mm": 250.0, "plies": 4, "ply_thickness_mm": 1.2}

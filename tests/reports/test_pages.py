@@ -12,13 +12,13 @@ from typing import Any
 import pytest
 
 from reports import labels
-from reports.figures import draw_result
+from reports.chapters.tyre.paper_table import FILE
 from reports.navigation import TITLES
-from reports.pages import PAGES, check_pages, compare_pages, rendered, write_pages
-from reports.printed import FILE
-from reports.schema import StoreError, load_store
-from studies.report_cells import LISTS
-from studies.store import write_json
+from reports.result_figures import draw_result
+from reports.site import PAGES, check_pages, compare_pages, rendered, write_pages
+from reports.tables import StoreError, load_store
+from studies.campaigns.report_cells import LISTS
+from studies.store.atomic import write_json
 
 
 def edit_json(path: Path, change: Callable[[dict[str, Any]], object]) -> None:

@@ -11,17 +11,17 @@ from typing import Any
 import pytest
 
 from reports import labels
-from reports.convergence import fitted_order
-from reports.figures import draw_result
-from reports.schema import StoreError, load_cell, load_store
-from reports.solid_part import Sequence3, cancellation, solid_part
-from studies.cell import Cell
-from studies.plan import Row
-from studies.report_cells import LISTS
+from reports.chapters.shells.solid_part import Sequence3, cancellation, solid_part
+from reports.orders import fitted_order
+from reports.result_figures import draw_result
+from reports.tables import StoreError, load_cell, load_store
+from studies.campaigns.cell import Cell
+from studies.campaigns.plan import Row
+from studies.campaigns.report_cells import LISTS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve
-from studies.store import SCHEMA, write_json, write_text
+from studies.store.atomic import SCHEMA, write_json, write_text
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
 GROWTH = {"inner": 4.6, "outer": 4.3}  # mm

@@ -7,9 +7,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.page_symmetry import accidents, symmetry_page
-from reports.schema import load_store
-from studies.store import write_table
+from reports.chapters.limits.symmetry import accidents, symmetry_page
+from reports.tables import load_store
+from studies.store.atomic import write_table
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 

@@ -1,0 +1,81 @@
+"""Augmented Lagrangian: Newton on springs beside a known pressure, updated until the springs carry nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+
+from contact.newton.loop import iterate, settling
+from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
+from contact.problem import ContactProblem, ContactSolution, Outcome
+
+LOOSEST, TIGHTENING = 1e-3, 0.1  # of the inner Newton
+SLOW = 0.25  # an outer error that falls less than to this fraction asks for a larger c
+STIFFEST = 1e10
+SETTLE = 0.05  # as semismooth
+
+
+@dataclass(frozen=True)
+class AugmentedLagrangian:
+    """Uzawa's outer loop p <- max(0, p - c g); the inner Newton balances r = G^T W max(0, p - c g) at fixed p.
+
+    c [MPa/mm]: stiffness of the springs, not of the answer. It grows by ``growth`` when an update has not brought
+    penetration and complementarity down to a quarter. The outer loop ends when both are rounding: the multiplier is
+    exact, epsilon is infinite.
+    The inner Newton stops at a tenth of the last relative change of the pressure, between 1e-3 and ``tolerance``, which
+    the last one keeps.
+    Sources: Hestenes, J. Optim. Theory Appl. 4 (1969) 303-320; Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
+    """
+
+    epsilon: float = np.inf
+    c: float = 1e3
+    growth: float = 10.0
+    max_outer: int = 60
+    max_iterations: int = 40
+    solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
+    name: str = "augmented-lagrangian"
+
+    def supports(self, problem: ContactProblem) -> str | None:
+        """Needs the exact constraint."""
+        if np.isfinite(self.epsilon):
+            return "its multiplier is exact: epsilon must be infinite; a finite one is the business of regularised"
+        return None
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        """Outer loop from the pressure and set of ``start``."""
+        whole = NewtonRun(problem, solver=self.solver)
+        whole.gap_size(start.u, problem.gap(start.u))
+        loosest = max(LOOSEST, self.tolerance)
+        state, c, before, tolerance = start, self.c, np.inf, loosest
+        for outer in range(self.max_outer):
+            known = state.pressure
+            shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
+            inner = NewtonRun(
+                shifted, c, self.solver, whole.counters, whole.history, tolerance, flops_by_fill=whole.flops_by_fill
+            )
+            first_row = len(whole.history)
+            state = iterate(inner, state, settling(SETTLE), self.max_iterations)
+            if not state.outcome.converged:
+                return state
+            gap = problem.gap(state.u)
+            # a node in the set is off by its spring, which is what the pressure has just changed by
+            error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
+            exact = error <= GAP_TOLERANCE * whole.gap_size(state.u, gap)
+            whole.history[first_row]["event"] = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
+            if exact and tolerance == self.tolerance:
+                return state
+            if error > SLOW * before:
+                c = min(self.growth * c, STIFFEST)
+            change = float(np.max(np.abs(state.pressure - known), initial=0.0))
+            relative = change / max(float(np.max(state.pressure, initial=0.0)), np.finfo(float).tiny)
+            tolerance = self.tolerance if exact else float(np.clip(TIGHTENING * relative, self.tolerance, loosest))
+            before = error
+        return replace(state, outcome=Outcome.ITERATION_LIMIT)
+
+
+def _shifted_gap(problem: ContactProblem, lead: np.ndarray, u: np.ndarray) -> np.ndarray:
+    """Gaps g - p/c: springs on it push with p where g = 0."""
+    return problem.gap(u) - lead

@@ -1,0 +1,126 @@
+"""The linearised problem condensed on the candidates: a dense linear complementarity problem, solved exactly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy import sparse
+
+from contact.newton.loop import Iterate, Step, StepError, iterate
+from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.solvers.lcp_pivoting import METHODS, LcpError, LcpSolution, NotApplicableError, active_set
+from contact.solvers.sparse import Factor
+
+INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding
+COLUMNS = 64  # right-hand sides at once
+
+
+@dataclass(frozen=True)
+class Lcp:
+    """0 <= f, 0 <= g + G du(f), their product zero, with du(f) = K^-1 (G^T f - r) and nodal forces f = W p.
+
+    The Delassus operator G K^-1 G^T (compliance of the candidates, mm/N) costs one solution a candidate. It is built
+    for those expected to press or pushed in by the free step, and grows when the solution pushes in others.
+    method: ``lemke`` (exact pivoting, any P-matrix), ``active-set`` (fast, any P-matrix), ``nnls`` (symmetric positive
+    definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling).
+    K alone must be regular: a body that only the foundation holds has no compliance.
+    Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
+    """
+
+    epsilon: float = np.inf
+    method: str = "lemke"
+    max_iterations: int = 40
+    solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
+    name: str = "lcp"
+
+    def supports(self, problem: ContactProblem) -> str | None:
+        """All problems but consistent coupling with nnls."""
+        if self.method not in METHODS:
+            return f"method {self.method!r} must be one of {', '.join(METHODS)}"
+        if self.method == "nnls" and problem.coupling is not None:
+            return "method nnls needs a symmetric problem, and consistent coupling makes it non-symmetric"
+        return None
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        """Newton from ``start`` on linearised problems that are each solved to the end."""
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
+        return iterate(run, start, partial(_step, self.method), self.max_iterations)
+
+
+def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
+    problem, K, G = run.problem, run.stiffness(at.lin, at.u, at.pressure), run.problem.gap_jacobian(at.u)
+    lumped = problem.coupling is None
+    # the multiplier: nodal forces, which keep the matrix symmetric, or pressures where a matrix makes forces of them
+    push = sparse.csc_matrix(G.T if problem.coupling is None else G.T @ problem.coupling)
+    per_pressure = problem.weights if lumped else np.ones_like(problem.weights)
+    factor = run.factorise(K)
+    free_du = run.solution(factor, K, -at.lin.residual)
+    free = at.gap + G @ free_du
+    # where the set holds a gap closed, rounding is no penetration
+    rounding = GAP_TOLERANCE * run.gap_size(at.u, at.gap)
+    nodes, columns = np.zeros(0, int), np.zeros((len(free), 0))
+    multiplier, event, entering = np.zeros(len(free)), "", np.flatnonzero(at.expected | (free < -rounding))
+    while len(entering):
+        start = run.clock()
+        columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
+        nodes = np.append(nodes, entering)
+        M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
+        found = _solve(method, M, free[nodes], at.expected[nodes])
+        multiplier[nodes], event = found.z, found.event
+        pushed_in = free + columns @ found.z < -rounding
+        pushed_in[nodes] = False
+        entering = np.flatnonzero(pushed_in)
+        run.spend("contact_s", start)
+    du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
+    pressure, active = multiplier / per_pressure, multiplier > 0
+    return Step(_closed(run, at, G, du, pressure, active), pressure, active, event)
+
+
+def _closed(
+    run: NewtonRun, at: Iterate, G: sparse.csr_matrix, du: np.ndarray, pressure: np.ndarray, active: np.ndarray
+) -> np.ndarray:
+    """The du (n,) whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly.
+
+    Loads and contact forces cancel in du, and what they leave may be large beside gaps that hardly move.
+    """
+    nodes = np.flatnonzero(active)
+    if len(nodes) == 0:
+        return du
+    rows = G[nodes]
+    pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
+    slope = np.asarray(rows[np.arange(len(nodes)), pivot]).ravel()
+    du = du.copy()
+    du[pivot] -= (at.gap[nodes] + pressure[nodes] / run.epsilon + rows @ du) / slope
+    return du
+
+
+def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> LcpSolution:
+    """By the method; where M is indefinite or the method fails, by the active set from the expected one.
+
+    The tangent of a body that only the foundation keeps from buckling is indefinite. There are then several solutions,
+    and pivoting from nothing finds one far away, or none; the one wanted is near. Raises StepError.
+    """
+    eigenvalues = np.linalg.eigvalsh((M + M.T) / 2)
+    why = f"lowest eigenvalue {eigenvalues[0] / eigenvalues[-1]:.1e} of the highest"
+    if eigenvalues[0] >= -INDEFINITE * np.abs(eigenvalues[-1]) or method == "active-set":
+        try:
+            return METHODS[method](M, q, expected)
+        except NotApplicableError as error:
+            raise StepError(Outcome.REFUSED, f"lcp by {method}: {error}") from None
+        except LcpError as error:
+            why = str(error)
+    try:
+        found = active_set(M, q, expected)
+    except LcpError as error:
+        raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {why}; by the active set: {error}") from None
+    return LcpSolution(found.z, found.pivots, f"lcp by {method}: {why}; the active set was used instead")
+
+
+def _compliance(factor: Factor, G: sparse.csr_matrix, push: sparse.csc_matrix) -> np.ndarray:
+    """G K^-1 push (m, a), a few columns at a time: K^-1 push itself would be large."""
+    parts = [push[:, j : j + COLUMNS].toarray() for j in range(0, push.shape[1], COLUMNS)]
+    return np.hstack([G @ np.column_stack([factor.solve(b) for b in part.T]) for part in parts])

@@ -1,0 +1,45 @@
+"""Semismooth Newton: a primal-dual active set that settles before the next linearisation."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.newton.loop import iterate, settling
+from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.problem import ContactProblem, ContactSolution
+
+
+@dataclass(frozen=True)
+class Semismooth:
+    """A node is in contact when p - c g > 0; one linear step on that set; repeat.
+
+    epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [MPa/mm] only weighs pressure against gap while both
+    are non-zero, that is in the first iteration of a step: after a full step one of them vanishes at every node.
+    settle: the set is updated on the same linearisation until at most this fraction of it changes. At 1 every set gets
+    a linearisation of its own, the textbook's method: far from the solution it chases sets that mean nothing and is
+    lost on fine meshes (tyre 84x80, 20 mm in one step); at 0 it solves each linearised problem to the end. Below 1 a
+    cycle is answered by swapping only the first misplaced node (Murty), and the history says so.
+    max_iterations: those that only release nodes do not count. With an M-matrix (membranes, strings) that is all that
+    happens once the first step has closed too much: finite, but one row of elements at a time at epsilon = infinity, so
+    that their number grows with the mesh.
+    Source: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888.
+    """
+
+    epsilon: float = np.inf
+    c: float = 1.0
+    settle: float = 0.05
+    max_iterations: int = 40
+    solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
+    name: str = "semismooth"
+
+    def supports(self, problem: ContactProblem) -> str | None:
+        """Applies to every problem."""
+        return None
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        """Iterate from ``start`` until the set repeats and the forces balance."""
+        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
+        return iterate(run, start, settling(self.settle, self.c), self.max_iterations, self.c)

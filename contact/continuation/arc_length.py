@@ -1,0 +1,191 @@
+"""Pseudo arc length: follow r(u) = t f through limit points and snap-backs, t the load factor.
+
+Every point is looked for on a plane of the space of x = (m u, t): normal to the tangent of the curve while marching, so
+that neither the load nor any displacement has to grow (Keller, 1977); normal to the chord across a maximum or minimum
+of the load to find that limit point; t = constant at a given load. No contact: the set does not change along the curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from contact.continuation.equilibrium_curve import ArcPoint, Curve, Linearise
+from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.problem import Outcome
+from contact.solvers.sparse import SingularMatrixError
+
+LIMIT_TOLERANCE = 1e-5  # distance of a limit point from its last estimate, relative to its distance from rest
+LIMIT_ATTEMPTS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """The curve in order, rest first; how it ended and why; counters and one history row an iteration."""
+
+    points: tuple[ArcPoint, ...]
+    outcome: Outcome
+    reason: str
+    counters: dict[str, float]
+    history: list[dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class ArcLength:
+    """Parameters of the continuation.
+
+    first_factor: load factor of the first step.  easy, hard: iterations at which the step grows or shrinks.
+    smallest, largest: bounds of the step, as fractions and multiples of the first one.  straight: least cosine between
+    tangent and chord of a step; a sharper turn is taken in smaller steps, or the march could return on its own trace.
+    tolerance: residual relative to the forces in balance at which the Newton of a point ends.
+    """
+
+    first_factor: float
+    easy: int = 3
+    hard: int = 8
+    max_iterations: int = 10
+    smallest: float = 1e-6
+    largest: float = 8.0
+    straight: float = 0.9
+    max_points: int = 1000
+    solver: str = "splu"
+    tolerance: float = RESIDUAL_TOLERANCE
+
+    def trace(
+        self,
+        linearise: Linearise,
+        load: np.ndarray,
+        targets: Sequence[float],
+        on_point: Callable[[float], None] = lambda t: None,
+    ) -> Trace:
+        """The curve from rest to the last target, with its limit points and a point at every target.
+
+        ``linearise`` must not contain the load; ``load`` (n,) is the force at t = 1.  targets: increasing positive load
+        factors; each counts where the load first reaches it.
+        """
+        curve = Curve.at_rest(linearise, load, self.max_iterations, self.solver, self.tolerance)
+        points, outcome, reason = self._march(curve, targets, on_point)
+        refined, unresolved = _with_limits(curve, points)
+        if unresolved and outcome.converged:
+            outcome, reason = Outcome.STEP_LIMIT, unresolved
+        return Trace(tuple(refined), outcome, reason, curve.run.counters, curve.run.history)
+
+    def _march(
+        self, curve: Curve, targets: Sequence[float], on_point: Callable[[float], None]
+    ) -> tuple[list[ArcPoint], Outcome, str]:
+        """From rest through the targets; the last point lies at the last of them.
+
+        The scale follows the march: all the displacement so far counts like all the load, up and down, so far.
+        """
+        first = float(np.sqrt(2.0)) * self.first_factor
+        points, step, ahead = [ArcPoint(np.zeros_like(curve.load), 0.0)], first, list(targets)
+        direction = curve.tangent(points[0].u, np.append(points[0].u, 1.0))
+        moved, loaded = 0.0, 0.0
+        while len(points) <= self.max_points:
+            last = points[-1]
+            found = self._advance(curve, last, step * direction)
+            crossings = [_at_factor(curve, last, found, t) for t in ahead if found is not None and found.factor >= t]
+            if found is None or None in crossings:
+                step /= 2
+                if step < self.smallest * first:
+                    return points, Outcome.STEP_LIMIT, f"arc length after t = {last.factor:.6g}"
+                continue
+            points += [point for point in crossings if point is not None]
+            del ahead[: len(crossings)]
+            if not ahead:
+                return points, Outcome.CONVERGED, ""
+            moved += float(np.linalg.norm(found.u - last.u))
+            loaded += abs(found.factor - last.factor)
+            curve = curve.scaled(moved, loaded)
+            direction = curve.tangent(found.u, curve.place(found) - curve.place(last))
+            points.append(replace(found, rising=bool(direction[-1] > 0)))
+            on_point(found.factor)
+            step = self._next_step(step, found.iterations, self.largest * first)
+        return points, Outcome.ITERATION_LIMIT, f"{self.max_points} points of the curve did not reach t = {ahead[0]:g}"
+
+    def _advance(self, curve: Curve, last: ArcPoint, ahead: np.ndarray) -> ArcPoint | None:
+        """The point on the plane normal to ``ahead`` at its end; None when it fails or the curve turns too sharply."""
+        length = float(np.linalg.norm(ahead))
+        x = curve.place(last)
+        found = curve.on_plane(last, x + ahead, ahead / length, f"step {length:.6g}")
+        straight = found is not None and length >= self.straight * np.linalg.norm(curve.place(found) - x)
+        return found if straight else None
+
+    def _next_step(self, step: float, iterations: int, largest: float) -> float:
+        if iterations <= self.easy:
+            return min(2.0 * step, largest)
+        return 0.6 * step if iterations >= self.hard else step
+
+
+def _at_factor(curve: Curve, before: ArcPoint, after: ArcPoint, factor: float) -> ArcPoint | None:
+    """The point at a given load factor between two points."""
+    x, y = curve.place(before), curve.place(after)
+    guess = x + (factor - before.factor) / (after.factor - before.factor) * (y - x)
+    return curve.on_plane(before, guess, np.append(np.zeros_like(before.u), 1.0), f"at t = {factor:g}")
+
+
+def _with_limits(curve: Curve, points: Sequence[ArcPoint]) -> tuple[list[ArcPoint], str]:
+    """Insert the points where the load is stationary; the reason names the first that could not be found."""
+    refined, unresolved = [points[0]], ""
+    for before, after in pairwise(points):
+        if before.rising != after.rising:
+            found = limit_point(curve, before, after)
+            if found is not None:
+                refined.append(found)
+            elif not unresolved:
+                unresolved = f"the limit point after t = {before.factor:.6g} could not be resolved"
+        refined.append(after)
+    return refined, unresolved
+
+
+@dataclass(frozen=True, eq=False)
+class _End:
+    """An end of an interval of s: the point, its x, s, and dx/ds along the curve."""
+
+    point: ArcPoint
+    x: np.ndarray
+    s: float
+    slope: np.ndarray
+
+    @classmethod
+    def of(cls, curve: Curve, point: ArcPoint, normal: np.ndarray) -> _End:
+        x, tangent = curve.place(point), curve.tangent(point.u, normal)
+        return cls(point, x, float(normal @ x), tangent / (normal @ tangent))
+
+
+def limit_point(curve: Curve, before: ArcPoint, after: ArcPoint) -> ArcPoint | None:
+    """The limit point between two points on either side of it, or None.
+
+    With s the coordinate along their chord, dx/ds is known exactly at a point; the zero of dt/ds is bracketed and
+    interpolated linearly (so t quadratically) until it moves no more. The displacement, which moves, sets the scale.
+    """
+    curve = curve.scaled(float(np.linalg.norm(after.u - before.u)), 1.0)
+    chord = curve.place(after) - curve.place(before)
+    normal = chord / np.linalg.norm(chord)
+    s_last = np.inf
+    try:
+        low, high = _End.of(curve, before, normal), _End.of(curve, after, normal)
+        for _ in range(LIMIT_ATTEMPTS):
+            guess = _hermite(low, high, low.slope[-1] / (low.slope[-1] - high.slope[-1]))
+            found = curve.on_plane(low.point, guess, normal, "limit point")
+            if found is None:
+                return None
+            s = float(normal @ guess)
+            if abs(s - s_last) <= LIMIT_TOLERANCE * np.linalg.norm(guess):
+                return replace(found, limit=True)
+            end, s_last = _End.of(curve, found, normal), s
+            low, high = (end, high) if end.slope[-1] * low.slope[-1] > 0 else (low, end)
+    except SingularMatrixError:  # a bifurcation
+        return None
+    return None
+
+
+def _hermite(low: _End, high: _End, part: float) -> np.ndarray:
+    """X at the fraction ``part`` of the interval on the cubic with the ends' values and slopes."""
+    rest, length = 1.0 - part, high.s - low.s
+    value = rest**2 * (1 + 2 * part) * low.x + part**2 * (1 + 2 * rest) * high.x
+    return value + length * part * rest * (rest * low.slope - part * high.slope)

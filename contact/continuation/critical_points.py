@@ -1,0 +1,222 @@
+"""Why a path of contact problems ends: what its tangent says, on the motions that the contact set leaves free.
+
+States u(t), p(t) with nodes A in contact; C is the compliance of the tangent K (curvature of the gap included), that is
+the map of forces b to the motions du they cause while the set stays::
+
+    K du - G^T W p = b,    G_A du + p_A/epsilon = 0,    p = 0 outside A
+
+The largest eigenvalues of C are one over the eigenvalues mu of least size of the tangent on G_A du = 0 (for a finite
+epsilon of K + epsilon G^T W_A G_A), with the same modes phi. With v = du/dt and f = phi.K v, the work of the rate of
+load on a mode, phi.v = f/mu but for the part that the foundation prescribes. So, where a mu -> 0::
+
+    limit point    f stays:    v grows like 1/mu and turns into phi;  mu^2 falls linearly in t, and is zero where the
+                               path turns back
+    bifurcation    f -> 0:     v has no more to do with phi than before, often nothing, and the path passes
+
+Several modes are looked at because a bifurcation may hide the limit point that follows: with the path near its limit
+everything goes like the square root, and the eigenvalue of least size need not be that of the path.
+Source: Wriggers, Simo, Int. J. Numer. Meth. Engng 30 (1990) 155-176; Seydel, Practical Bifurcation and Stability
+Analysis (2010), chapter 5. No algorithm may enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
+
+from contact.newton.step import NewtonRun, Pivots
+from contact.problem import ContactProblem, ContactSolution
+from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots
+
+NEAR = 0.1  # of the way from the first state: a limit point further ahead is not why the path ends
+NEARLY_SINGULAR = 0.3  # of the eigenvalue at the first state: what is left at NEAR by the law of a limit point
+ALONG = 0.1  # cosine of path and mode below which the path has no part in it
+SAME_MODE = 0.7  # cosine of two modes that are one
+FOLD_LAW = 0.5  # half-way between the exponents of the speed along the mode at a bifurcation, 0, and at a fold, 1
+MODES = 8
+PRECISE = 1e-9  # of an eigenvalue
+ROUNDING = 1e-12  # of the largest compliance: less is that of a motion which the foundation holds
+DENSE = 20  # unknowns up to which all eigenvalues are cheap
+SYMMETRIC = 1e-9  # largest |K - K^T| over the largest |K| that still counts as rounding
+State = tuple[float, ContactSolution]
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Eigenvalues mu (k,) [N/mm] by size, the least first, unit modes (n, k), and how many of ALL are negative.
+
+    negative: None for an unsymmetric tangent. k = 0 where nothing is free to move.
+    """
+
+    eigenvalues: np.ndarray
+    modes: np.ndarray
+    negative: int | None
+
+    def like(self, mode: np.ndarray) -> tuple[float, float]:
+        """The eigenvalue of the mode most like ``mode`` (n,), and the cosine between them."""
+        cosines = _cosines(mode, self.modes)
+        best = int(np.argmax(cosines))
+        return float(self.eigenvalues[best]), float(cosines[best])
+
+
+@dataclass(frozen=True)
+class Ending:
+    """Why a path ends, in one sentence; ``limit``: the parameter of the limit point, where there is one."""
+
+    sentence: str
+    limit: float | None = None
+
+
+def why_it_ends(
+    problem_at: Callable[[float], ContactProblem], states: Sequence[State], epsilon: float = np.inf
+) -> Ending:
+    """The verdict on the last of the converged ``states`` (parameter, solution), in order; the first is the yardstick.
+
+    Four are best: the yardstick and three near the end, two secants to see the law by.
+    """
+    if len(states) < 3:
+        return Ending("too few converged steps to tell why")
+    try:
+        found = [spectrum(problem_at(t), state, epsilon) for t, state in states]
+    except (SingularMatrixError, ValueError) as error:
+        return Ending(f"the tangent does not tell why: {error}")
+    if not all(len(each.eigenvalues) for each in found):
+        return Ending("no limit point: nothing is free to move")
+    (first, _), (last, _) = states[0], states[-1]
+    limit = _limit_point(states, found)
+    passed = _passed(first, found)
+    if limit is not None:
+        return Ending(f"limit point of the path at about {limit.at:.7g}: {limit.told}{passed}", limit.at)
+    least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
+    told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
+    if least <= NEARLY_SINGULAR * before:
+        return Ending(f"bifurcation near {last:.7g}: {told}, and the path does not speed up along its mode{passed}")
+    return Ending(f"no limit point: {told}{passed}; the solver fails, and the tangent gives no reason")
+
+
+@dataclass(frozen=True)
+class _Limit:
+    at: float
+    told: str
+
+
+def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> _Limit | None:
+    """The limit point just ahead, or None: mode, speed and eigenvalue must all three behave as at a fold.
+
+    Its mode is the one along which the path accelerates. The secant of a parabola between two states is f over the mean
+    of their mu, which says how much faster the last secant must be than the one before.
+    """
+    (t0, a), (t1, b), (t2, c) = states[-3:]
+    before, after = (b.u - a.u) / (t1 - t0), (c.u - b.u) / (t2 - t1)
+    mode = found[-1].modes[:, int(np.argmax(np.abs((after - before) @ found[-1].modes)))]
+    mu, likeness = np.array([each.like(mode) for each in found[-3:]]).T
+    cosine = float(_cosines(after, mode[:, None])[0])
+    if cosine < ALONG or likeness.min() < SAME_MODE or not 0 < mu[2] / mu[1] < 1:
+        return None
+    expected = (mu[0] + mu[1]) / (mu[1] + mu[2])
+    if not abs(mode @ after) >= abs(mode @ before) * expected**FOLD_LAW:
+        return None
+    limit = t2 + (t2 - t1) * mu[2] ** 2 / (mu[1] ** 2 - mu[2] ** 2)  # where mu^2, linear by the last two, is zero
+    if not abs(limit - t2) <= NEAR * abs(t2 - states[0][0]):
+        return None
+    told = (
+        f"an eigenvalue of the tangent falls to zero like a square root, from {mu[0]:.3g} to {mu[2]:.3g} N/mm in the "
+    )
+    told += f"last {abs(t2 - t0):.2g}, and the path speeds up along its mode (cosine {cosine:.2f})"
+    return _Limit(float(limit), told)
+
+
+def _passed(first: float, found: Sequence[Spectrum]) -> str:
+    """What the number of negative eigenvalues adds."""
+    before, now = found[0].negative, found[-1].negative
+    if not now or before is None:
+        return ""
+    many = f"{now} eigenvalues are" if now > 1 else "1 eigenvalue is"
+    return f"; {many} negative, {before or 'none'} at {first + 0.0:g}" + (
+        ": it has passed branches" if now > before else ""
+    )
+
+
+def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf) -> Spectrum:
+    """The softest motions that the contact set of a converged state leaves free.
+
+    Raises SingularMatrixError, and ValueError when two candidates share an unknown.
+    """
+    run = NewtonRun(problem, epsilon)
+    K = run.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+    symmetric = problem.coupling is None and abs(K - K.T).max() <= SYMMETRIC * abs(K).max()
+    nodes, pivots, A = np.flatnonzero(state.active), None, K
+    if len(nodes):
+        pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).homogeneous()
+        A, _ = pivots.substitute(K, np.zeros(K.shape[0]))
+    factor = factorise(A, ordered=problem.ordered)
+
+    def comply(b: np.ndarray) -> np.ndarray:
+        return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]
+
+    compliances, modes = _largest(comply, K.shape[0], symmetric=symmetric)
+    return Spectrum(1.0 / compliances, modes, _negative(problem, K, nodes, pivots, epsilon) if symmetric else None)
+
+
+def branches_passed(problem_at: Callable[[float], ContactProblem], before: State, after: State, epsilon: float) -> int:
+    """How many more eigenvalues of the tangent are negative after than before; 0 where that cannot be told.
+
+    A large step may find an equilibrium beyond the end of its path, which is not stable where the path was.
+    """
+    counts = [negative_eigenvalues(problem_at(t), state, epsilon) for t, state in (before, after)]
+    return max(0, counts[1] - counts[0]) if counts[0] is not None and counts[1] is not None else 0
+
+
+def negative_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: float) -> int | None:
+    """Negative eigenvalues of the tangent on what the set leaves free; None where they cannot be counted."""
+    K = NewtonRun(problem, epsilon).stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+    if problem.coupling is not None or abs(K - K.T).max() > SYMMETRIC * abs(K).max():
+        return None
+    nodes = np.flatnonzero(state.active)
+    try:
+        pivots = Pivots.choose(problem, state.u, nodes, K, epsilon) if len(nodes) else None
+    except ValueError:  # two candidates share an unknown
+        return None
+    return _negative(problem, K, nodes, pivots, epsilon)
+
+
+def _largest(comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues of largest size of a compliance (n, n), given by its products, and unit vectors (n, k).
+
+    Of a complex pair of an unsymmetric one: the size with the sign of the real part, and the real part of its vector.
+    """
+    if n <= DENSE:
+        values, vectors = np.linalg.eig(np.column_stack([comply(e) for e in np.eye(n)]))
+    else:
+        C, start = LinearOperator((n, n), matvec=comply, dtype=float), np.random.default_rng(0).normal(size=n)
+        try:
+            values, vectors = (eigsh if symmetric else eigs)(C, k=MODES, which="LM", v0=start, tol=PRECISE)
+        except ArpackNoConvergence as error:
+            raise SingularMatrixError(f"its lowest eigenvalues were not found: {error}") from error
+    size = np.abs(values)
+    order = np.argsort(-size)
+    order = order[size[order] > ROUNDING * np.max(size)]  # the others are held
+    modes = np.real(vectors[:, order])
+    return np.copysign(size, np.real(values))[order], modes / np.linalg.norm(modes, axis=0)
+
+
+def _negative(
+    problem: ContactProblem, K: sparse.csc_matrix, nodes: np.ndarray, pivots: Pivots | None, epsilon: float
+) -> int:
+    """Negative eigenvalues of the symmetric tangent on what the set leaves free."""
+    if pivots is None:
+        return negative_pivots(K)
+    if np.isfinite(epsilon):
+        stiff = sparse.diags_array(epsilon * problem.weights[nodes])
+        return negative_pivots(sparse.csc_matrix(K + pivots.rows.T @ stiff @ pivots.rows))
+    Z = pivots.free_motions()
+    return negative_pivots(sparse.csc_matrix(Z.T @ K @ Z))
+
+
+def _cosines(v: np.ndarray, modes: np.ndarray) -> np.ndarray:
+    """Of v (n,) with each of the unit modes (n, k), without sign."""
+    return np.abs(v @ modes) / (float(np.linalg.norm(v)) or 1.0)

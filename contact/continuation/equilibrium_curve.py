@@ -1,0 +1,139 @@
+"""Equilibrium curves r(u) = t f in the space of x = (m u, t): their points on planes, and their tangents.
+
+The load factor t is an unknown, the plane its equation: the bordered matrix is regular at limit points, where K is not.
+The scale m says how much displacement counts like one unit of load.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from contact.newton.step import NewtonRun
+from contact.problem import Linearisation, without_contact
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+
+Linearise = Callable[[np.ndarray, object], Linearisation]
+NO_CONTACT = np.zeros(0)
+NO_SET = np.zeros(0, bool)
+
+
+@dataclass(frozen=True, eq=False)
+class ArcPoint:
+    """A converged point of the curve: u (n,), load factor, iterations it took.
+
+    rising: the load grows along the curve; limit: it is stationary.
+    """
+
+    u: np.ndarray
+    factor: float
+    iterations: int = 0
+    rising: bool = True
+    limit: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class _Loaded:
+    """A linearisation with the load t f taken off its residual."""
+
+    residual: np.ndarray
+    tangent: sparse.csc_matrix
+    scale: float
+    remember: Callable[[np.ndarray], object]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """The curve of one model under one load; ``run`` counts what is spent on it.
+
+    load (n,): force at t = 1.  m: scale of the displacements.  solver: name of the linear solver.
+    """
+
+    run: NewtonRun
+    load: np.ndarray
+    m: float
+    max_iterations: int
+    solver: str
+
+    @classmethod
+    def at_rest(
+        cls, linearise: Linearise, load: np.ndarray, max_iterations: int, solver: str, tolerance: float
+    ) -> Curve:
+        """Displacements and load count alike on the tangent at rest; ``linearise`` must not contain the load."""
+        run = NewtonRun(without_contact(linearise, len(load)), solver=solver, tolerance=tolerance)
+        curve = cls(run, load, 1.0, max_iterations, solver)
+        tangent = curve.tangent(np.zeros_like(load), np.append(np.zeros_like(load), 1.0))
+        return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1]))
+
+    def scaled(self, displacement: float, factor: float) -> Curve:
+        """The curve in the scale in which so much displacement counts like so much load."""
+        return replace(self, m=factor / max(displacement, np.finfo(float).tiny))
+
+    def place(self, point: ArcPoint) -> np.ndarray:
+        """X = (m u, t) (n + 1,)."""
+        return np.append(self.m * point.u, point.factor)
+
+    def tangent(self, u: np.ndarray, along: np.ndarray) -> np.ndarray:
+        """Unit tangent at a converged u, K du = f dt, in the sense of ``along``."""
+        forward = np.append(np.zeros_like(u), 1.0)
+        found = self._solve(self.run.linearise(u, None), along / np.linalg.norm(along), forward)
+        found[:-1] *= self.m
+        return found / np.linalg.norm(found)
+
+    def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint | None:
+        """Newton from ``guess`` on the plane through it with the given normal; None when it fails.
+
+        ``start`` is the converged point that the guess was made from; ``event`` heads its rows of history.
+        """
+        u, factor = guess[:-1] / self.m, float(guess[-1])
+        memory = self.run.remember(self.run.linearise(start.u, None), u - start.u)
+        for iteration in range(self.max_iterations + 1):
+            lin = self._loaded(u, factor, memory)
+            error = self.run.imbalance(lin, u, NO_CONTACT)
+            self.run.note(error, NO_SET, NO_SET, event if iteration == 0 else "")
+            self.run.history[-1] |= {"parameter": factor, "iteration": iteration}
+            if self.run.balanced(lin, u, error):
+                return ArcPoint(u, factor, iteration)
+            if iteration == self.max_iterations or not np.isfinite(error):
+                return None
+            try:
+                step = self._solve(lin, normal, np.append(-lin.residual, 0.0))  # every iterate stays on the plane
+            except SingularMatrixError:
+                return None
+            memory = self.run.remember(lin, step[:-1])
+            u, factor = u + step[:-1], factor + float(step[-1])
+            self.run.counters["newton_iterations"] += 1
+        return None
+
+    def _loaded(self, u: np.ndarray, factor: float, memory: object) -> _Loaded:
+        lin = self.run.linearise(u, memory)
+        scale = max(lin.scale, abs(factor) * float(np.linalg.norm(self.load)))
+        return _Loaded(lin.residual - factor * self.load, lin.tangent, scale, lin.remember)
+
+    def _solve(self, lin: Linearisation, normal: np.ndarray, b: np.ndarray) -> np.ndarray:
+        """(du, dt) with K du - f dt = b_1..n and normal . (m du, dt) = b_n+1.
+
+        Row and column of the border are scaled to the size of K, for the sake of the pivots.
+        """
+        start = time.perf_counter()
+        size = float(np.mean(np.abs(lin.tangent.diagonal())))
+        row = size / max(float(np.max(np.abs(self.m * normal[:-1]))), abs(normal[-1]))
+        column = size / float(np.max(np.abs(self.load)))
+        upper = sparse.hstack([lin.tangent, sparse.csc_matrix(-column * self.load[:, None])], format="csr")
+        lower = np.append(row * self.m * normal[:-1], row * column * normal[-1])
+        A = sparse.csc_matrix(sparse.vstack([upper, sparse.csr_matrix(lower[None, :])], format="csr"))
+        factor = factorise(A, self.solver)
+        start = self._spend("factorisation_s", start)
+        self.run.count(factor)
+        x = checked_solve(factor, A, np.append(b[:-1], row * b[-1]))
+        self._spend("solve_s", start)
+        return np.append(x[:-1], column * x[-1])
+
+    def _spend(self, what: str, start: float) -> float:
+        now = time.perf_counter()
+        self.run.counters[what] += now - start
+        return now

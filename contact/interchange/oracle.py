@@ -1,0 +1,167 @@
+"""An oracle of linearised contact: the quadratic programme by an interior-point solver that shares no line with ours.
+
+    min 1/2 du.K.du + r.du    subject to    g + G du >= 0
+
+Its multipliers are the nodal forces W p. A finite epsilon gives every constraint a slack s of the energy s^2/2 in units
+of 1/sqrt(epsilon w). Clarabel, through cvxpy, finds the set, from no set at all: to 1e-6 of the forces and no closer
+(thin shells, measured). The exact answer on that set then has to obey every condition; as the programme is strictly
+convex, it is the only one that does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse.linalg import SuperLU, splu
+
+from contact.interchange.linearised_step import SYMMETRIC, FrozenStep, asymmetry
+from contact.solvers.sparse import checked_solve, factorise
+
+TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
+EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding
+SETTLINGS = 10
+AGREEMENT = 1e-7  # of forces and displacements, relative to the largest
+
+
+class OracleError(ArithmeticError):
+    """The oracle does not apply or found no solution; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Confirmation:
+    """The oracle's du (n,) and pressure (m,), and how far an answer is from them.
+
+    displacement_error: |difference| over the larger of du and the free response |K^-1 r| [-].  force_error: largest
+    difference of a nodal force over the largest of them [-].  differing: candidates that only one of the two presses
+    by more than the agreement; touching without pressure is in both.
+    """
+
+    du: np.ndarray
+    pressure: np.ndarray
+    displacement_error: float
+    force_error: float
+    differing: np.ndarray
+
+    @property
+    def agrees(self) -> bool:
+        """True when set, forces and displacement are those of the oracle."""
+        return not len(self.differing) and max(self.displacement_error, self.force_error) <= AGREEMENT
+
+
+def refusal(step: FrozenStep) -> str | None:
+    """Why the step is no convex programme with the pressures as multipliers, or None."""
+    if step.coupling is not None:
+        return "with consistent coupling the pressures are no multipliers of the gaps"
+    off = asymmetry(step.K)
+    if off > SYMMETRIC:
+        return f"K is not symmetric (to {off:.1e}): there is no function to minimise"
+    if not positive_definite(step.K):
+        return "K is not positive definite: the programme is not convex"
+    return None
+
+
+def positive_definite(K: sparse.csc_matrix) -> bool:
+    """Whether a symmetric K is, by the pivots of a factorisation that keeps to the diagonal (Sylvester's law)."""
+    if not np.all(K.diagonal() > 0):
+        return False
+    size = sparse.diags_array(1 / np.sqrt(K.diagonal()))
+    unit = sparse.csc_matrix(size @ K @ size)
+    try:
+        factor = splu(unit, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except RuntimeError:
+        return False
+    on_diagonal = np.array_equal(factor.perm_r, factor.perm_c)
+    return bool(on_diagonal and np.all(factor.U.diagonal() > 0))
+
+
+def minimise(step: FrozenStep, epsilon: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
+    """The oracle's du (n,) and pressure (m,); raises OracleError."""
+    reason = refusal(step)
+    if reason is not None:
+        raise OracleError(reason)
+    try:
+        factor = splu(step.K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        return _settle(step, epsilon, factor, _interior(step, epsilon, factor.solve(-step.r)))
+    except (RuntimeError, np.linalg.LinAlgError) as error:
+        raise OracleError(f"the oracle failed: {error}") from None
+
+
+def _interior(step: FrozenStep, epsilon: float, free: np.ndarray) -> np.ndarray:
+    """Which candidates (m,) the interior-point solver presses; ``free`` (n,): displacement without any foundation.
+
+    In unknowns y with a unit diagonal of K, measured by the displacement to be expected, and of energy about 1.
+    """
+    import cvxpy as cp
+
+    unit = 1 / np.sqrt(step.K.diagonal())
+    G = sparse.csr_matrix(step.G @ sparse.diags_array(unit))
+    row = np.sqrt(np.asarray(G.multiply(G).sum(axis=1)).ravel())
+    row[row == 0] = 1.0
+    size = float(max(np.max(np.abs(free / unit), initial=0.0), np.max(-step.gap / row, initial=0.0))) or 1.0
+    K = sparse.diags_array(unit) @ step.K @ sparse.diags_array(unit)
+    y = cp.Variable(len(step.r))  # du = size * unit * y
+    room = (sparse.diags_array(1 / row) @ G) @ y + step.gap / (row * size)
+    cost = cp.quad_form(y, cp.psd_wrap(sparse.csc_matrix((K + K.T) / 2))) / 2 + (unit * step.r / size) @ y
+    if np.isfinite(epsilon):
+        s = cp.Variable(len(step.gap))
+        room = room + cp.multiply(1 / (row * np.sqrt(epsilon * step.weights)), s)
+        cost = cost + cp.sum_squares(s) / 2
+    programme = cp.Problem(cp.Minimize(cost), [room >= 0])
+    for tolerance in TOLERANCES:
+        tight = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas", "tol_ktratio"), tolerance)
+        with contextlib.suppress(cp.error.SolverError), warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": such an answer is not taken
+            programme.solve(solver=cp.CLARABEL, **tight)
+            if programme.status == "optimal":
+                multipliers = np.atleast_1d(programme.constraints[0].dual_value)
+                return np.asarray(multipliers > np.atleast_1d(room.value))
+    raise OracleError(f"the oracle found no solution: {programme.status}")
+
+
+def _settle(step: FrozenStep, epsilon: float, factor: SuperLU, pressed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The exact answer on a set that is nearly right, condensed on the set; it has to obey every condition."""
+
+    def response(force: np.ndarray) -> np.ndarray:
+        x = factor.solve(force)
+        return np.asarray(x + factor.solve(force - step.K @ x))
+
+    free = response(-step.r)
+    closed = step.gap + step.G @ free
+    for _ in range(SETTLINGS):
+        nodes, f = np.flatnonzero(pressed), np.zeros(len(pressed))
+        du = free
+        if len(nodes):
+            rows = step.G[nodes].toarray()
+            flexible = response(rows.T)
+            S = rows @ flexible + np.diag(1 / (epsilon * step.weights[nodes]))
+            f[nodes] = cho_solve(cho_factor((S + S.T) / 2), -closed[nodes])
+            du = free + flexible @ f[nodes]
+        slack = step.gap + step.G @ du + f / (epsilon * step.weights)
+        size = float(np.max(np.abs(step.gap) + np.abs(step.G @ du), initial=0.0))
+        wrong = np.where(pressed, f < -EXACT * np.max(np.abs(f), initial=0.0), slack < -EXACT * size)
+        if not wrong.any():
+            return du, np.maximum(f, 0.0) / step.weights
+        pressed = pressed ^ wrong
+    raise OracleError("the set of the oracle does not settle")
+
+
+def confirm(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, epsilon: float = np.inf) -> Confirmation:
+    """Compare an answer of the step with the oracle's; raises OracleError where that has none."""
+    own, multipliers = minimise(step, epsilon)
+    free = checked_solve(factorise(step.K), step.K, -step.r)
+    size = float(max(np.linalg.norm(free), np.linalg.norm(own))) or 1.0
+    f, found = step.weights * pressure, step.weights * multipliers
+    largest = float(max(np.max(np.abs(f), initial=0.0), np.max(np.abs(found), initial=0.0))) or 1.0
+    pressed, other = f > AGREEMENT * largest, found > AGREEMENT * largest
+    return Confirmation(
+        own,
+        multipliers,
+        float(np.linalg.norm(du - own)) / size,
+        float(np.max(np.abs(f - found), initial=0.0)) / largest,
+        np.flatnonzero((pressed != other) & (np.abs(f - found) > AGREEMENT * largest)),
+    )

@@ -1,0 +1,158 @@
+"""Newton on the contact problem linearised as a whole: the shared loop of all algorithms that solve such a step.
+
+The step is K du - G^T W p = -r with 0 <= p, 0 <= g + G du + p/epsilon, and their product zero. Who solves it, and how
+exactly, is the algorithm's business. Its Newton converges like Newton without contact: the number of iterations does
+not grow with the mesh, because no node waits for the next linearisation to leave a set that the last one got wrong.
+Source: Josephy, MRC Report 1965, University of Wisconsin (1979); for its use as a globalisation, measured here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.newton.step import NewtonRun
+from contact.problem import ContactSolution, Linearisation, Outcome
+from contact.solvers.sparse import SingularMatrixError
+
+FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
+MOST_UPDATES = 60  # on one linearisation, and beyond one an iteration in all of a solve; releases are not counted
+CYCLE = "cycle detected: from here on only the first violating node is swapped"
+
+
+class StepError(ArithmeticError):
+    """The linearised contact problem was not solved: outcome and the reason for the history."""
+
+    def __init__(self, outcome: Outcome, reason: str) -> None:
+        super().__init__(reason)
+        self.outcome = outcome
+
+
+@dataclass(frozen=True, eq=False)
+class Iterate:
+    """Where the step starts: linearisation, u (n,), gap (m,), pressure (m,) and the set (m,) expected to press."""
+
+    lin: Linearisation
+    u: np.ndarray
+    gap: np.ndarray
+    pressure: np.ndarray
+    expected: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What solves the linearised problem: du (n,), pressure (m,), set (m,) bool; ``event`` goes into the history.
+
+    updates: of the set, after the first one, that did more than release nodes.
+    """
+
+    du: np.ndarray
+    pressure: np.ndarray
+    active: np.ndarray
+    event: str = ""
+    updates: int = 0
+
+
+StepSolver = Callable[[NewtonRun, Iterate], Step]
+
+
+def iterate(
+    run: NewtonRun, start: ContactSolution, solve_step: StepSolver, max_iterations: int, c: float = 1.0
+) -> ContactSolution:
+    """From ``start`` until the set repeats and the forces balance; c [MPa/mm] weighs pressure against gap.
+
+    Iterations that only release nodes do not count against ``max_iterations``.
+    """
+    u, pressure, active, memory = start.u, start.pressure, start.active, None
+    noted, counted, event = active, 0, ""
+    run.gap_size(u, run.problem.gap(u))
+    while True:
+        lin = run.linearise(u, memory)
+        gap = run.problem.gap(u)
+        residual = run.imbalance(lin, u, pressure)
+        expected = active ^ run.misplaced(lin, u, gap, pressure, active, c)
+        run.note(residual, expected, noted, event)
+        noted = expected
+        if np.isinf(residual):
+            return run.finish(u, pressure, active, Outcome.DIVERGED)
+        settled = np.array_equal(expected, active) and run.closed(u, gap, pressure, active)
+        if settled and run.balanced(lin, u, residual):
+            return run.finish(u, pressure, active, Outcome.CONVERGED)
+        if settled and run.stuck(lin, u, residual):
+            return run.finish(u, pressure, active, Outcome.ROUNDING)
+        counted += not _only_released(active, expected)
+        if counted > max_iterations:
+            return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
+        try:
+            step = solve_step(run, Iterate(lin, u, gap, pressure, expected))
+        except SingularMatrixError as error:
+            run.tell(str(error))
+            return run.finish(u, pressure, active, Outcome.SINGULAR)
+        except StepError as error:
+            run.tell(str(error))
+            return run.finish(u, pressure, active, error.outcome)
+        u, memory = run.advance(lin, u, step.du, step.active)
+        pressure, active, event = step.pressure, step.active, step.event
+
+
+def settling(settle: float, c: float = 1.0) -> StepSolver:
+    """Steps on the set that each linearised problem keeps, up to the fraction ``settle`` of it.
+
+    Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there.
+    A path that has no next state would go on like that for hundreds of factorisations: MOST_UPDATES end it.
+    """
+    begun: set[bytes] = set()
+    spent = 0
+
+    def step(run: NewtonRun, at: Iterate) -> Step:
+        nonlocal spent
+        if spent > MOST_UPDATES:
+            raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {spent} times beyond one an iteration")
+        again = settle < 1 and at.expected.tobytes() in begun
+        begun.add(at.expected.tobytes())
+        found = settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
+        spent += found.updates
+        return found
+
+    return step
+
+
+def settle_set(
+    run: NewtonRun, at: Iterate, active: np.ndarray, settle: float = 0.0, c: float = 1.0, *, last: bool = True
+) -> Step:
+    """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
+
+    Each update is one factorisation. If this is the ``last`` linearisation to decide the set, a cycle is answered by
+    swapping only the first misplaced node: finite for a P-matrix. Otherwise, and after very many updates, the step is
+    returned as it is: a tangent far from equilibrium may have no consistent set, and another one is not far.
+    Raises SingularMatrixError.
+    """
+    jacobian, seen, event = run.problem.gap_jacobian(at.u), set[bytes](), ""
+    most, updates = MOST_UPDATES if last else FEW_UPDATES, 0
+    while True:
+        du, pressure = run.step(at.lin, at.u, at.pressure, active)
+        gap = at.gap + jacobian @ du
+        wrong = run.misplaced(at.lin, at.u + du, gap, pressure, active, c, solved=True)
+        after = active ^ wrong
+        seen.add(active.tobytes())
+        cycling = bool(event) or after.tobytes() in seen
+        enough = wrong.sum() <= settle * (active | after).sum()
+        if enough or updates == most or (cycling and not last):
+            return Step(du, pressure, active, event, updates)
+        if cycling:
+            event, after = CYCLE, active ^ first_of(wrong)
+        updates += not _only_released(active, after)
+        active = after
+
+
+def first_of(wrong: np.ndarray) -> np.ndarray:
+    """The set (m,) of only the first member: Murty's least-index rule, finite for every P-matrix."""
+    only = np.zeros_like(wrong)
+    only[np.argmax(wrong)] = True
+    return only
+
+
+def _only_released(before: np.ndarray, after: np.ndarray) -> bool:
+    return bool(np.any(before & ~after) and not np.any(after & ~before))

@@ -1,0 +1,164 @@
+"""Rigid frictionless foundations: the signed distance of an obstacle from points in space, and who may touch it.
+
+A foundation sees positions only; how they depend on the unknowns comes as a sparse matrix. This file has the plane and
+the contact problem against any foundation; drum and sphere are in :mod:`contact.obstacles.drum_sphere`, step and cleat
+in :mod:`contact.obstacles.cleat`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol, Self
+
+import numpy as np
+from scipy import sparse
+
+from contact.problem import ContactProblem, Linearisation
+
+
+class Foundation(Protocol):
+    """A rigid body, by its signed distance g(x) from points x (m, 3): positive outside it, in mm.
+
+    Where the nearest point of the surface is unique, |dg/dx| = 1 and g never differs more between two points than they
+    are apart. Every foundation is a frozen record; a moving one is another record at every instant.
+    """
+
+    def gap(self, x: np.ndarray) -> np.ndarray:
+        """G (m,)."""
+        ...
+
+    def gradient(self, x: np.ndarray) -> np.ndarray:
+        """dg/dx (m, 3), unit vectors: the directions in which the foundation pushes."""
+        ...
+
+    def curvature(self, x: np.ndarray) -> np.ndarray:
+        """d2g/dx2 (m, 3, 3)."""
+        ...
+
+    def moved(self, by: np.ndarray) -> Self:
+        """The foundation shifted by the vector ``by`` (3,)."""
+        ...
+
+
+def require_unit(what: str, vector: np.ndarray) -> None:
+    """Raise ValueError unless the vector (3,) has length 1."""
+    if not abs(float(np.linalg.norm(vector)) - 1) < 1e-12:
+        raise ValueError(f"{what} must be a unit vector, got {vector}")
+
+
+@dataclass(frozen=True, eq=False)
+class RigidPlane:
+    """The half space n.x > offset is the foundation; the body must stay at n.x <= offset.
+
+    normal (3,): unit vector from the body towards the foundation.  offset [mm]: n.x of the plane.
+    """
+
+    normal: np.ndarray
+    offset: float
+
+    def __post_init__(self) -> None:
+        require_unit("the normal of a plane", self.normal)
+
+    def gap(self, x: np.ndarray) -> np.ndarray:
+        """Offset - n.x, (m,)."""
+        return self.offset - x @ self.normal
+
+    def gradient(self, x: np.ndarray) -> np.ndarray:
+        """-n, (m, 3)."""
+        return np.broadcast_to(-self.normal, x.shape)
+
+    def curvature(self, x: np.ndarray) -> np.ndarray:
+        """Zero (m, 3, 3)."""
+        return np.zeros((len(x), 3, 3))
+
+    def moved(self, by: np.ndarray) -> RigidPlane:
+        """The plane through the shifted points."""
+        return replace(self, offset=self.offset + float(self.normal @ by))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Points that may touch: x(u) = reference + (operator @ u), reference (m, 3), operator (3m, n) sparse.
+
+    weights (m,) [mm^2]: areas that turn pressure into force.  coupling (m, m): consistent matrix or None (lumped).
+    """
+
+    reference: np.ndarray
+    operator: sparse.csr_matrix
+    weights: np.ndarray
+    coupling: sparse.csr_matrix | None = None
+
+    def positions(self, u: np.ndarray) -> np.ndarray:
+        """X (m, 3)."""
+        return self.reference + (self.operator @ u).reshape(-1, 3)
+
+    def only(self, chosen: np.ndarray) -> Candidates:
+        """The chosen points (m,) bool; raises ValueError with consistent coupling, which ties neighbours together."""
+        if self.coupling is not None:
+            raise ValueError("candidates with consistent coupling cannot be taken apart")
+        return Candidates(self.reference[chosen], self.operator[np.repeat(chosen, 3)], self.weights[chosen])
+
+
+def against(
+    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, foundation: Foundation
+) -> ContactProblem:
+    """The contact problem of the candidates against a foundation.
+
+    dg/du = n.A with n = dg/dx and A = dx/du;  sum_i f_i d2g_i/du2 = A^T diag(f_i d2g_i/dx2) A.
+    """
+    if candidates.coupling is None:
+
+        def only(chosen: np.ndarray) -> ContactProblem:
+            return _against(linearise, candidates.only(chosen), foundation)
+
+        return replace(_against(linearise, candidates, foundation), only=only)
+    return _against(linearise, candidates, foundation)
+
+
+def _against(
+    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, foundation: Foundation
+) -> ContactProblem:
+    if isinstance(foundation, RigidPlane):
+        return against_plane(linearise, candidates, foundation)
+    A, m = candidates.operator, len(candidates.reference)
+
+    def jacobian(u: np.ndarray) -> sparse.csr_matrix:
+        n = foundation.gradient(candidates.positions(u))
+        each = sparse.csr_matrix((n.ravel(), np.arange(3 * m), 3 * np.arange(m + 1)), shape=(m, 3 * m))
+        return sparse.csr_matrix(each @ A)
+
+    def curvature(u: np.ndarray, force: np.ndarray) -> sparse.csc_matrix:
+        nodes = np.flatnonzero(force)  # the others would only fill the matrix with zeros
+        blocks = force[nodes, None, None] * foundation.curvature(candidates.positions(u)[nodes])
+        rows = A[(3 * nodes[:, None] + np.arange(3)).ravel()]
+        shape = (3 * len(nodes), 3 * len(nodes))
+        inner = sparse.bsr_matrix((blocks, np.arange(len(nodes)), np.arange(len(nodes) + 1)), shape=shape)
+        return sparse.csc_matrix(rows.T @ inner.tocsr() @ rows)
+
+    return ContactProblem(
+        linearise=linearise,
+        gap=lambda u: foundation.gap(candidates.positions(u)),
+        gap_jacobian=jacobian,
+        weights=candidates.weights,
+        coupling=candidates.coupling,
+        gap_curvature=curvature,
+        directions=lambda u: foundation.gradient(candidates.positions(u)),
+    )
+
+
+def against_plane(
+    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, plane: RigidPlane
+) -> ContactProblem:
+    """The contact problem of the candidates against a plane; its gap is linear in u."""
+    m = len(candidates.reference)
+    project = sparse.kron(sparse.eye_array(m), -plane.normal[None, :], format="csr")
+    jacobian = sparse.csr_matrix(project @ candidates.operator)
+    return ContactProblem(
+        linearise=linearise,
+        gap=lambda u: plane.gap(candidates.positions(u)),
+        gap_jacobian=lambda u: jacobian,
+        weights=candidates.weights,
+        coupling=candidates.coupling,
+        directions=lambda u: plane.gradient(candidates.reference),
+    )

@@ -1,0 +1,1 @@
+"""Numerical solvers: sparse systems, linear complementarity problems, quadratic programmes. No contact problem."""

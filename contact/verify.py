@@ -1,0 +1,229 @@
+"""The judge: recomputes what an answer is worth from (problem, u, pressure) alone and trusts no algorithm.
+
+What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnosis`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from contact.problem import (
+    ROUNDING_ALONE,
+    WORST_ROUNDING,
+    ContactProblem,
+    Linearisation,
+    excused,
+    rounding_floor,
+)
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+
+KKT = ("equilibrium", "penetration", "tension", "complementarity")
+BALANCES = ("energy", "force")
+_INNER = float(np.sqrt(3 / 7)) / 2
+PANELS = (1, 2, 4, 8, 16)
+EQUILIBRIUM, BALANCE = 1e-8, 1e-8
+LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Residuals of the contact conditions.
+
+    equilibrium: |r - G^T W p| over the largest force in balance [-].  penetration: largest -g [mm].
+    tension: largest -p [MPa].  complementarity: largest |p g| [MPa mm].  All are >= 0, best 0.
+    rounding: the equilibrium that rounding alone would explain [-]; it excuses nothing above itself.
+    correction: the displacement that the imbalance still asks for over all displacement [-], on the pressed nodes held
+    at their gaps; infinite unless it decides, see :func:`contact.problem.excused`.
+    energy: mismatch of the work of all forces with the change of energy, over the largest part [-]; None without a
+    potential.  force: |sum of the forces of the foundation + all others on the body| over the largest [-]; None where
+    the problem does not tell the others.  energy_rounding, force_rounding: what rounding explains of each.
+    """
+
+    equilibrium: float
+    penetration: float
+    tension: float
+    complementarity: float
+    rounding: float
+    correction: float = np.inf
+    energy: float | None = None
+    force: float | None = None
+    energy_rounding: float = 0.0
+    force_rounding: float = 0.0
+
+    @property
+    def kkt(self) -> dict[str, float]:
+        """The four residuals by name."""
+        return {name: getattr(self, name) for name in KKT}
+
+    @property
+    def balances(self) -> dict[str, float]:
+        """The balances of energy and force by name, those that the problem can tell."""
+        return {name: getattr(self, name) for name in BALANCES if getattr(self, name) is not None}
+
+    @property
+    def certificate(self) -> dict[str, Any]:
+        """What a result says of itself: {failures, kkt, balances, rounding}; certified when nothing has failed."""
+        return {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
+
+    def failures(
+        self,
+        *,
+        equilibrium: float = EQUILIBRIUM,
+        penetration: float = 1e-9,
+        tension: float = 0.0,
+        complementarity: float = 1e-9,
+        balance: float = BALANCE,
+    ) -> list[str]:
+        """The names of the residuals above their bounds (NaN counts as above).
+
+        The defaults are those of an exact multiplier; a finite epsilon needs wider bounds for penetration, p/epsilon,
+        and complementarity, p^2/epsilon, or an answer judged with its epsilon. ``balance`` bounds energy and force.
+        """
+        bounds = {
+            "equilibrium": np.inf if excused(self.equilibrium, self.rounding, self.correction) else equilibrium,
+            "penetration": penetration,
+            "tension": tension,
+            "complementarity": complementarity,
+            "energy": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
+            "force": max(balance, min(self.force_rounding, ROUNDING_ALONE)),
+        }
+        return [name for name, value in {**self.kkt, **self.balances}.items() if not value <= bounds[name]]
+
+
+def claim(tolerance: float, n: int) -> dict[str, float]:
+    """Bounds for :meth:`Verdict.failures` of an answer in n unknowns that claims equilibrium to ``tolerance``.
+
+    The judge's own unless the tolerance is wider. A sum of n nodal imbalances is at most sqrt(n) times their norm.
+    """
+    if tolerance <= EQUILIBRIUM:
+        return {}
+    return {"equilibrium": tolerance, "balance": max(BALANCE, math.sqrt(n) * tolerance)}
+
+
+def judge(
+    problem: ContactProblem,
+    u: np.ndarray,
+    pressure: np.ndarray,
+    *,
+    epsilon: float = np.inf,
+    since: np.ndarray | None = None,
+) -> Verdict:
+    """Recompute all residuals; raises ValueError when the pressures do not fit the candidates.
+
+    epsilon [MPa/mm]: with a finite one the conditions are those of its law, that is of the gap g + p/epsilon.
+    since (n,): state from which the energy is balanced, at the same loads; default the undeformed one.
+    """
+    if pressure.shape != problem.weights.shape:
+        raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
+    lin = problem.linearise(u, None)
+    contact = problem.contact_force(u, pressure)
+    scale = max(lin.scale, float(np.linalg.norm(contact))) or 1.0
+    imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
+    equilibrium = float(np.linalg.norm(imbalance)) / scale
+    decides = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
+    energy, energy_rounding = (
+        (None, 0.0)
+        if problem.energy is None
+        else _energy_balance(problem, problem.energy, np.zeros_like(u) if since is None else since, u, contact, lin)
+    )
+    force, force_rounding = _force_balance(problem, lin, u, pressure)
+    return Verdict(
+        equilibrium=equilibrium,
+        **gap_residuals(problem, u, pressure, epsilon),
+        tension=float(np.max(-pressure, initial=0.0)),
+        rounding=rounding,
+        correction=_correction(problem, lin.tangent, imbalance, u, pressure) if decides else np.inf,
+        energy=energy,
+        force=force,
+        energy_rounding=energy_rounding,
+        force_rounding=force_rounding,
+    )
+
+
+def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, epsilon: float) -> dict[str, float]:
+    """Penetration [mm] and complementarity [MPa mm] by the law of an epsilon [MPa/mm], that is of g + p/epsilon."""
+    gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
+    return {
+        "penetration": float(np.max(-gap, initial=0.0)),
+        "complementarity": float(np.max(np.abs(pressure * gap), initial=0.0)),
+    }
+
+
+def _energy_balance(
+    problem: ContactProblem,
+    potential: Callable[[np.ndarray], float],
+    since: np.ndarray,
+    u: np.ndarray,
+    contact: np.ndarray,
+    at_end: Linearisation,
+) -> tuple[float, float]:
+    """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
+
+    P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
+    pressures, not from r. Exact up to the eighth degree of P; strains quadratic in u make the fourth. Others may need
+    more panels: a mismatch of the rule falls with them, one of the answer does not.
+    Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
+    by rounding, a frozen step at its own answer, there is no work to balance.
+    """
+    du = u - since
+    forces = max(at_end.scale, float(np.linalg.norm(contact)))
+    last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
+    ends = [potential(u), -potential(since)]
+    # what the pressures say less what the model says, with the same weight whatever the panels
+    told = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
+    noise = rounding_floor(at_end, u) * float(np.linalg.norm(du))
+
+    def residual(t: float) -> np.ndarray:
+        if t == 1.0:
+            return at_end.residual
+        at = since + t * du
+        return problem.linearise(at, None).residual if problem.residual is None else problem.residual(at)
+
+    for panels in PANELS:
+        works = [
+            weight / panels * float(residual((panel + t) / panels) @ du)
+            for panel in range(panels)
+            for t, weight in LOBATTO
+        ]
+        size = max(sum(map(abs, works + ends)), last_digit / BALANCE) or 1.0
+        mismatch = abs(sum(ends) - sum(works) - told) / size
+        if mismatch <= BALANCE:
+            break
+    return mismatch, noise / size
+
+
+def _force_balance(
+    problem: ContactProblem, lin: Linearisation, u: np.ndarray, pressure: np.ndarray
+) -> tuple[float | None, float]:
+    """Relative mismatch of all forces on the body, and its rounding: errors of a sum add up, so eps sum |K||u|."""
+    if problem.directions is None or problem.others is None:
+        return None, 0.0
+    nodal = problem.nodal_forces(pressure)
+    size = max(lin.scale, float(np.sum(np.abs(nodal)))) or 1.0
+    noise = float(np.finfo(float).eps * np.sum(abs(lin.tangent) @ np.abs(u)))
+    return float(np.linalg.norm(nodal @ problem.directions(u) + problem.others(u))) / size, noise / size
+
+
+def _correction(
+    problem: ContactProblem, K: sparse.csc_matrix, imbalance: np.ndarray, u: np.ndarray, pressure: np.ndarray
+) -> float:
+    """|du|/|u| with K du - G^T W dp = -imbalance and G du = 0 on the pressed nodes; infinite when that is singular."""
+    nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
+    W = sparse.diags_array(problem.weights, format="csc") if problem.coupling is None else problem.coupling
+    if problem.gap_curvature is not None:
+        K = K - problem.gap_curvature(u, problem.nodal_forces(pressure))
+    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ W)[:, nodes]])
+    below = sparse.hstack([G[nodes], sparse.csr_matrix((len(nodes), len(nodes)))])
+    A = sparse.csc_matrix(sparse.vstack([above, below]))
+    b = np.append(-imbalance, np.zeros(len(nodes)))
+    try:
+        du = checked_solve(factorise(A), A, b)[: len(u)]
+    except SingularMatrixError:
+        return float("inf")
+    return float(np.linalg.norm(du) / np.linalg.norm(u))

@@ -1,0 +1,78 @@
+"""Supports by their names: clamped, symmetric, on a diaphragm, hinged; one small vocabulary for grid lines and nodes.
+
+Every word returns a new record; supports that meet at a node add up. No stiffness and no load enters here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from formulations.geometry.grid import Grid
+from formulations.strains.quantities import N_V
+
+FACES = ("inner", "outer")
+_ALL = (0, 1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Supports:
+    """held (N, 6) bool: face displacements; middle (N, 3) bool: components held midway between the faces.
+
+    Components are those of the local frame: 0 along a1, 1 along a2, 2 normal. Pass ``*supports.masks`` to
+    :meth:`formulations.shell.Discretisation.build`.
+    """
+
+    held: np.ndarray
+    middle: np.ndarray
+
+    @classmethod
+    def none(cls, grid: Grid) -> Supports:
+        """Free everywhere."""
+        return cls(np.zeros((grid.n_nodes, N_V), bool), np.zeros((grid.n_nodes, 3), bool))
+
+    def hold(self, nodes: np.ndarray | int, components: Sequence[int], faces: Sequence[str] = FACES) -> Supports:
+        """Components of the named faces held."""
+        held = self.held.copy()
+        for i in components:
+            for face in faces:
+                held[nodes, 2 * i + FACES.index(face)] = True
+        return replace(self, held=held)
+
+    def clamped(self, nodes: np.ndarray) -> Supports:
+        """Nothing moves."""
+        return self.hold(nodes, _ALL)
+
+    def symmetric(self, nodes: np.ndarray, axis: int) -> Supports:
+        """Nodes on a plane of symmetry normal to a_{axis+1}: nothing moves along it, on either face."""
+        return self.hold(nodes, (axis,))
+
+    def diaphragm(self, nodes: np.ndarray, axis: int) -> Supports:
+        """An end a_{axis+1} = constant on a diaphragm stiff in its plane and soft across it."""
+        return self.hold(nodes, [i for i in _ALL if i != axis])
+
+    def hinged(self, nodes: np.ndarray, components: Sequence[int] = _ALL, at: str = "middle") -> Supports:
+        """Components held at the "middle", at the "inner" or at the "outer" face; the director may turn.
+
+        Raises ValueError for another place.
+        """
+        if at in FACES:
+            return self.hold(nodes, components, (at,))
+        if at != "middle":
+            raise ValueError(f"hinged at {at!r}: must be middle, inner or outer")
+        middle = self.middle.copy()
+        for i in components:
+            middle[nodes, i] = True
+        return replace(self, middle=middle)
+
+    @property
+    def masks(self) -> tuple[np.ndarray, np.ndarray]:
+        """(fixed, hinged) for :class:`formulations.conditions.dof_map.DofMap`.
+
+        A face held and the middle held hold both faces.
+        """
+        pair = self.held.reshape(-1, 3, 2)
+        both = pair | (pair.any(axis=2) & self.middle)[..., None]
+        return both.reshape(-1, N_V), self.middle & ~both.any(axis=2)

@@ -1,0 +1,180 @@
+"""What the element needs of surface, grid and thickness: the operator Q from nodal displacements to the quantities q.
+
+Two interpolations of the same unknowns live here. No strain measure, no section and no load may enter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.geometry.grid import CORNERS, Grid
+from formulations.geometry.surfaces import Geometry, Surface
+from formulations.section.laminate import Laminate
+from formulations.strains.quantities import (
+    FULL,
+    N_Q,
+    N_V,
+    QUANTITIES,
+    Kinematics,
+    gradient_coefficients,
+    shear_row_factors,
+)
+
+N_GAUSS, N_DOF = 4, 4 * N_V
+GAUSS = CORNERS / np.sqrt(3.0)
+CHUNK = 128  # elements per pass: large enough to hide the calls, small enough for the cache
+BETA = slice(12, 15)  # rows of beta1, beta2, beta3 in q
+INTERPOLATIONS = ("curvilinear", "isoparametric")
+
+
+def shape_functions(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Bilinear N_r (..., 4) and dN_r/dxi (..., 2, 4) at points xi (..., 2) of the reference square."""
+    one = 1.0 + xi[..., None, 0] * CORNERS[:, 0]
+    two = 1.0 + xi[..., None, 1] * CORNERS[:, 1]
+    slope = np.stack([CORNERS[:, 0] * two, CORNERS[:, 1] * one], axis=-2)
+    return 0.25 * one * two, 0.25 * slope
+
+
+@dataclass(frozen=True, eq=False)
+class ElementGeometry:
+    """All the element needs of surface and grid.
+
+    Q (E, 60, 24): q at the four Gauss points from the nodal displacements.  rows (E, 4, 11): shear row factors.
+    weight (E,): parameter area times mubar at the centre (the paper's area).  face_weight (E, 2): the same with the
+    true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  node_beta (4, 15, 24): q at the
+    four nodes, its beta only.  relaxation (E, 2): share of the parasitic membrane energy that a "relaxed" element
+    keeps.  value (1 or E, 4, 4, 3, 3): components of a face's displacement at Gauss point g, in the frame there, from
+    those of node r: u_i(g) = value[g, r, i, j] v_j^r.  kinematics: what the gradients leave out.
+
+    interpolation "curvilinear" (the paper): displacement components in the turning local frame are bilinear, A, k, B
+    are exact; a rigid motion of a curved element is met to O(l^2).  "isoparametric": Cartesian displacements and
+    positions are bilinear, as in a solid-shell; offset (E, 4, 15) is the q of the interpolated geometry against the
+    true one, strains count from there, E(offset + q) - E(offset), and an exact measure meets rigid motions exactly.
+    """
+
+    Q: np.ndarray
+    rows: np.ndarray
+    weight: np.ndarray
+    face_weight: np.ndarray
+    node_beta: np.ndarray
+    relaxation: np.ndarray
+    value: np.ndarray
+    kinematics: Kinematics
+    interpolation: str
+    offset: np.ndarray | None
+
+    @classmethod
+    def build(
+        cls,
+        surface: Surface,
+        grid: Grid,
+        laminate: Laminate,
+        kinematics: Kinematics = FULL,
+        interpolation: str = "curvilinear",
+    ) -> ElementGeometry:
+        """Evaluate surface and thickness on the grid; raises ValueError for an interpolation that does not exist."""
+        d_minus, d_plus = laminate.d_minus, laminate.d_plus
+        points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
+        geometry = surface.geometry(points[..., 0], points[..., 1])
+        if interpolation == "curvilinear":
+            turn = np.broadcast_to(np.eye(3), (1, N_GAUSS, 4, 3, 3))
+            Q, offset = _curvilinear(gradient_coefficients(geometry, d_minus, d_plus, kinematics), grid), None
+        elif interpolation == "isoparametric" and kinematics == FULL:
+            turn = _frames_turn(surface, points, grid)
+            Q, offset = _isoparametric(surface, geometry, turn, grid, laminate)
+        else:
+            known = " or ".join(INTERPOLATIONS)
+            raise ValueError(f"interpolation {interpolation!r} must be {known}, the latter with full gradients only")
+        at_centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
+        parameter_area = 4.0 * grid.half.prod(axis=-1)
+        face = np.stack([_area_factor(at_centre, d) for d in (d_minus, d_plus)], axis=-1)
+        return cls(
+            Q=Q.reshape(-1, N_GAUSS * N_Q, N_DOF),
+            interpolation=interpolation,
+            offset=offset,
+            rows=shear_row_factors(geometry, d_minus, d_plus, kinematics),
+            weight=parameter_area * _area_factor(at_centre, 0.5 * (d_minus + d_plus)),
+            face_weight=parameter_area[:, None] * face,
+            node_beta=_node_beta(d_plus - d_minus),
+            relaxation=_relaxation(at_centre, grid, d_plus - d_minus),
+            value=shape_functions(GAUSS)[0][:, :, None, None] * turn,
+            kinematics=kinematics,
+        )
+
+    def chunks(self) -> Iterator[slice]:
+        """Slices over the elements, one pass each."""
+        n = len(self.Q)
+        return (slice(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK))
+
+
+def _relaxation(geometry: Geometry, grid: Grid, h: float) -> np.ndarray:
+    """Share s_a = 1/(1 + (k_a l_a^2/h)^2), (E, 2), of the membrane energy kept on the modes 01 (a = 1) and 10 (a = 2).
+
+    A slope w' across an element of length l and curvature k leaves there the parasitic membrane strain k w' l/2 xi.
+    Its energy E h (k w' l/2)^2/3 over that of the bending w'/l, E h^3/12 (w'/l)^2, is (k l^2/h)^2: s_a is the share of
+    bending in the sum. Flat elements keep all (s = 1), and so does every element in the end, 1 - s = O(l^4).
+    The idea of keeping a part of the membrane energy exact: Arnold, Brezzi, Math. Comp. 66 (1997) 1-14.
+    """
+    length = 2.0 * grid.half * geometry.A
+    return 1.0 / (1.0 + (geometry.k * length**2 / h) ** 2)
+
+
+def _curvilinear(coefficients: tuple[np.ndarray, np.ndarray, np.ndarray], grid: Grid) -> np.ndarray:
+    """Q (E, 4, 15, 4, 6) of components interpolated in the turning frame."""
+    c0, c1, c2 = (c[..., None, :] for c in coefficients)
+    value, slope = shape_functions(GAUSS)
+    slope = slope / grid.half[:, None, :, None]
+    d1, d2 = slope[..., 0, :], slope[..., 1, :]
+    return c0 * value[:, None, :, None] + c1 * d1[:, :, None, :, None] + c2 * d2[:, :, None, :, None]
+
+
+def _frames_turn(surface: Surface, points: np.ndarray, grid: Grid) -> np.ndarray:
+    """e_i at the Gauss point . e_j at the node, (E, 4, 4, 3, 3)."""
+    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
+    at_gauss, at_node = (surface.frame(x[..., 0], x[..., 1]) for x in (points, corners))
+    return np.einsum("egix,erjx->egrij", at_gauss, at_node)
+
+
+def _isoparametric(
+    surface: Surface, geometry: Geometry, turn: np.ndarray, grid: Grid, laminate: Laminate
+) -> tuple[np.ndarray, np.ndarray]:
+    """Q (E, 4, 15, 4, 6) of Cartesian displacements, and the offset (E, 4, 15) of the interpolated positions."""
+    value, slope = shape_functions(GAUSS)
+    slope = slope / grid.half[:, None, :, None]
+    Q = np.zeros((len(turn), N_GAUSS, N_Q, 4, N_V))
+    signs = ((1, 1, -1), (1, 1, -1))  # du/ds_a = l e_a + w e_g - t e3
+    for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
+        for a in (0, 1):
+            scale = 1.0 / (geometry.A[..., a] * (1.0 + geometry.k[..., a] * d))
+            for row, i in enumerate((a, 1 - a, 2)):
+                along = signs[a][row] * scale[..., None] * slope[..., a, :]
+                Q[:, :, 6 * a + 2 * row + face, :, face::2] = along[..., None] * turn[:, :, :, i, :]
+        for i in range(3):
+            sign = (2 * face - 1) / laminate.thickness
+            Q[:, :, BETA.start + i, :, face::2] = sign * value[:, :, None] * turn[:, :, :, i, :]
+    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
+    x, at_node = (at(corners[..., 0], corners[..., 1]) for at in (surface.position, surface.frame))
+    nodal = np.empty((len(turn), 4, N_V))
+    for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
+        nodal[..., face::2] = np.einsum("erix,erx->eri", at_node, x + d * at_node[:, :, 2])
+    offset = np.einsum("egqrv,erv->egq", Q, nodal)
+    identity = [QUANTITIES.index(name) for name in ("l1-", "l1+", "l2-", "l2+", "beta3")]
+    offset[..., identity] -= 1.0
+    return Q, offset
+
+
+def _node_beta(h: float) -> np.ndarray:
+    """beta_i = (v_i+ - v_i-)/h of each node, in the rows of q (4, 15, 24)."""
+    beta = np.zeros((4, N_Q, 4, N_V))
+    for i in range(3):
+        beta[range(4), BETA.start + i, range(4), 2 * i] = -1.0 / h
+        beta[range(4), BETA.start + i, range(4), 2 * i + 1] = 1.0 / h
+    return beta.reshape(4, N_Q, N_DOF)
+
+
+def _area_factor(geometry: Geometry, d: float) -> np.ndarray:
+    """A1 A2 zeta1 zeta2 of the surface at distance d."""
+    return np.prod(geometry.A * (1.0 + geometry.k * d), axis=-1)

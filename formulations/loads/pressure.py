@@ -1,0 +1,142 @@
+"""Loads: dead and follower pressure on the inner face, couples that follow the director, dead nodal forces.
+
+A load is a frozen record; it never sees a measure. Pressure is positive when it pushes outwards (along +e3).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
+from formulations.geometry.grid import Grid
+from formulations.strains.quantities import N_Q, QUANTITIES, displacement_index
+
+PRESSURE_AREAS = ("mid", "face")
+_L1, _W1, _T1, _L2, _W2, _T2 = (QUANTITIES.index(name + "-") for name in ("l1", "w1", "t1", "l2", "w2", "t2"))
+_INNER = np.array([[6 * r + displacement_index(i, 0) for i in range(3)] for r in range(4)])  # (node, component)
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure [MPa] on the inner face.
+
+    area "mid" weights it with mubar (the paper's), "face" with the true area of the inner face.
+    follower=False: the force keeps its reference components (dead); True: p n dA of the deformed inner face.
+    """
+
+    value: float
+    follower: bool = False
+    area: str = "mid"
+
+    def __post_init__(self) -> None:
+        if self.area not in PRESSURE_AREAS:
+            raise ValueError(f"pressure area {self.area!r} is not one of {', '.join(PRESSURE_AREAS)}")
+
+    def weights(self, geometry: ElementGeometry) -> np.ndarray:
+        """Area carried by each Gauss point, (E,)."""
+        area = geometry.weight if self.area == "mid" else geometry.face_weight[:, 0]
+        return area / N_GAUSS
+
+    def dead_force(self, geometry: ElementGeometry) -> np.ndarray:
+        """Element forces (E, 24) in the reference frame: F_r = p int N_r dA along e3."""
+        force = np.zeros((len(geometry.Q), N_DOF))
+        along_normal = geometry.value[:, :, :, 2].sum(axis=1)  # (1 or E, node, component)
+        force[:, _INNER] = self.value * self.weights(geometry)[:, None, None] * along_normal
+        return force
+
+    def follower_force(
+        self, geometry: ElementGeometry, v: np.ndarray, force: np.ndarray, tangent: np.ndarray | None = None
+    ) -> None:
+        """Add p n dA of the deformed inner face to ``force`` (E, 24), take its derivative off ``tangent`` (E, 24, 24).
+
+        With g1 = (1 + l1, w1, -t1), g2 = (w2, 1 + l2, -t2) the area vector is their component cross product times the
+        reference area, whatever the handedness of (e1, e2, e3).
+        """
+        weights = self.value * self.weights(geometry)
+        for part in geometry.chunks():
+            Q, weight = geometry.Q[part], weights[part]
+            q = np.matmul(Q, v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
+            if geometry.offset is not None:
+                q += geometry.offset[part]
+            normal, slope = _area_vector(q)
+            spread = _inner_displacement(geometry.value if len(geometry.value) == 1 else geometry.value[part])
+            force[part] += weight[:, None] * np.matmul(normal.reshape(-1, 1, 3 * N_GAUSS), spread)[:, 0]
+            if tangent is None:
+                continue
+            turning = np.matmul(slope, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, 3 * N_GAUSS, N_DOF)
+            tangent[part] -= np.matmul(spread.swapaxes(1, 2), turning) * weight[:, None, None]
+
+
+def _inner_displacement(value: np.ndarray) -> np.ndarray:
+    """Displacement of the inner face at the Gauss points from the element vector, (e, 12, 24)."""
+    spread = np.zeros((len(value), N_GAUSS, 3, N_DOF))
+    spread[..., _INNER] = value.swapaxes(2, 3)  # (e, g, i, node, component)
+    return spread.reshape(len(value), 3 * N_GAUSS, N_DOF)
+
+
+def _area_vector(q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Area vector (..., 3) of the deformed inner face per reference area, and its derivative by q (..., 3, 15)."""
+    l1, w1, t1, l2, w2, t2 = (q[..., i] for i in (_L1, _W1, _T1, _L2, _W2, _T2))
+    normal = np.stack([t1 * (1 + l2) - w1 * t2, t2 * (1 + l1) - t1 * w2, (1 + l1) * (1 + l2) - w1 * w2], axis=-1)
+    slope = np.zeros((*q.shape[:-1], 3, N_Q))
+    slope[..., 0, _T1], slope[..., 0, _L2], slope[..., 0, _W1], slope[..., 0, _T2] = 1 + l2, t1, -t2, -w1
+    slope[..., 1, _T2], slope[..., 1, _L1], slope[..., 1, _T1], slope[..., 1, _W2] = 1 + l1, t2, -w2, -t1
+    slope[..., 2, _L1], slope[..., 2, _L2], slope[..., 2, _W1], slope[..., 2, _W2] = 1 + l2, 1 + l1, -w2, -w1
+    return normal, slope
+
+
+@dataclass(frozen=True, eq=False)
+class Couples:
+    """Couples on nodes that follow the director: opposite forces on the two faces, at right angles to it.
+
+    With the deformed director d = x+ - x- of the node and the unit axis a (components in the local frame of the node)
+    the outer face carries F = M (a x d)/|d|^2 and the inner face -F, so that d x F = M a while d stays normal to a,
+    whatever the stretch of d. The power is M times the spin of d about a.
+
+    nodes (m,): node numbers.  moments (m,): M [N mm].  axes (m, 3): a.  thickness: h [mm].
+    """
+
+    nodes: np.ndarray
+    moments: np.ndarray
+    axes: np.ndarray
+    thickness: float
+
+    def scaled(self, factor: float) -> Couples:
+        """The same couples times ``factor``."""
+        return replace(self, moments=factor * self.moments)
+
+    def follower_force(self, grid: Grid, v: np.ndarray, force: np.ndarray, tangent: np.ndarray | None = None) -> None:
+        """Add the forces to ``force`` (E, 24) and take their derivative off ``tangent`` (E, 24, 24), at v (E, 24).
+
+        dF/dd = M ([a x] - 2 (a x d) d^T/|d|^2)/|d|^2. Each node acts through the first element that has it.
+        """
+        element, corner = _first_elements(grid, self.nodes)
+        inner = _INNER[corner]  # (m, 3) columns of the element vector
+        outer = inner + 1
+        each = element[:, None]
+        d = v[each, outer] - v[each, inner]
+        d[:, 2] += self.thickness
+        square = np.sum(d * d, axis=-1)[:, None]
+        lever = np.cross(self.axes, d)
+        F = self.moments[:, None] * lever / square
+        np.add.at(force, (each, outer), F)
+        np.add.at(force, (each, inner), -F)
+        if tangent is None:
+            return
+        spin = np.cross(self.axes[:, None, :], np.eye(3)).swapaxes(1, 2)  # [a x], a x d = spin @ d
+        turning = spin - 2 * lever[:, :, None] * d[:, None, :] / square[:, :, None]
+        slope = (self.moments[:, None] / square)[:, :, None] * turning
+        both = np.concatenate([outer, inner], axis=1)
+        sign = np.repeat([1.0, -1.0], 3)
+        block = np.tile(slope, (1, 2, 2)) * sign[:, None] * sign
+        np.add.at(tangent, (element[:, None, None], both[:, :, None], both[:, None, :]), -block)
+
+
+def _first_elements(grid: Grid, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each node an element that has it, and the corner it is there."""
+    first = np.full(grid.n_nodes, -1)
+    flat = grid.elements.ravel()
+    first[flat[::-1]] = np.arange(len(flat))[::-1]
+    return first[nodes] // 4, first[nodes] % 4

@@ -1,0 +1,185 @@
+"""Plies and laminates: from the elastic constants of the layers to the 11 x 11 stiffness D of the section.
+
+No geometry of the surface and no element may enter here. Stresses are second Piola-Kirchhoff, strains Green-Lagrange
+(or whatever the measure calls a strain), the law is linear between them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+SECTIONS = ("constant-s33", "nonsymmetric", "full-3d")
+
+# Voigt order of a ply: 11, 22, 12 in the plane; 33; then 13, 23.
+PLANE, NORMAL, SHEAR = slice(0, 3), 3, slice(4, 6)
+
+
+class Layer(Protocol):
+    """What a laminate asks of a ply; a new kind of ply is a frozen record with these two."""
+
+    @property
+    def thickness(self) -> float:
+        """Thickness [mm]."""
+        ...
+
+    def stiffness(self) -> np.ndarray:
+        """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
+        ...
+
+
+@dataclass(frozen=True)
+class Ply:
+    """Transversely isotropic layer; L along the fibre, T across it, the fibre at ``angle`` [rad] from a1 towards a2.
+
+    Moduli in MPa, thickness in mm. nu_LT: contraction along T under tension along L; nu_TT: between the two transverse
+    directions. Raises ValueError naming the violated inequality when the stiffness is not positive definite.
+    """
+
+    E_L: float
+    E_T: float
+    G_LT: float
+    G_TT: float
+    nu_LT: float
+    nu_TT: float
+    angle: float
+    thickness: float
+
+    def __post_init__(self) -> None:
+        values = {"thickness": self.thickness, "E_L": self.E_L, "E_T": self.E_T, "G_LT": self.G_LT, "G_TT": self.G_TT}
+        for name, value in values.items():
+            if not (value > 0 and math.isfinite(value)):
+                raise ValueError(f"ply {name} = {value:g} must be a positive number")
+        if not abs(self.nu_TT) < 1:
+            raise ValueError(f"ply nu_TT = {self.nu_TT:g} must lie in (-1, 1)")
+        determinant = 1 - self.nu_TT - 2 * self.nu_LT**2 * self.E_T / self.E_L
+        if not determinant > 0:
+            raise ValueError(
+                f"ply is not positive definite: 1 - nu_TT - 2 nu_LT^2 E_T/E_L = {determinant:.4g} must be > 0 "
+                f"(nu_TT = {self.nu_TT:g}, nu_LT = {self.nu_LT:g})"
+            )
+
+    @classmethod
+    def isotropic(cls, E: float, nu: float, thickness: float) -> Ply:
+        """Isotropic layer; raises ValueError unless E > 0 and -1 < nu < 0.5."""
+        if not -1 < nu < 0.5:
+            raise ValueError(f"nu = {nu:g} must lie in (-1, 0.5)")
+        G = E / (2 * (1 + nu))
+        return cls(E, E, G, G, nu, nu, 0.0, thickness)
+
+    def stiffness(self) -> np.ndarray:
+        """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
+        compliance = np.zeros((6, 6))
+        compliance[0, 0] = 1 / self.E_L
+        compliance[1, 1] = compliance[3, 3] = 1 / self.E_T
+        for i, j, value in (
+            (0, 1, -self.nu_LT / self.E_L),
+            (0, 3, -self.nu_LT / self.E_L),
+            (1, 3, -self.nu_TT / self.E_T),
+        ):
+            compliance[i, j] = compliance[j, i] = value
+        compliance[2, 2] = compliance[4, 4] = 1 / self.G_LT
+        compliance[5, 5] = 1 / self.G_TT
+        turn = strain_rotation(self.angle)
+        return turn.T @ np.linalg.inv(compliance) @ turn
+
+
+def strain_rotation(angle: float) -> np.ndarray:
+    """Strains in fibre axes from strains in shell axes, Voigt order 11, 22, 12, 33, 13, 23, engineering shears."""
+    c, s = math.cos(angle), math.sin(angle)
+    turn = np.eye(6)
+    turn[PLANE, PLANE] = [[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]]
+    turn[SHEAR, SHEAR] = [[c, s], [-s, c]]
+    return turn
+
+
+@dataclass(frozen=True)
+class Laminate:
+    """Plies stacked from d_minus outwards; d_minus [mm] is the offset of the inner face from the reference surface."""
+
+    plies: tuple[Layer, ...]
+    d_minus: float
+
+    @classmethod
+    def single(cls, ply: Layer) -> Laminate:
+        """One ply about its middle surface."""
+        return cls((ply,), -0.5 * ply.thickness)
+
+    @property
+    def thickness(self) -> float:
+        """H [mm]."""
+        return math.fsum(ply.thickness for ply in self.plies)
+
+    @property
+    def d_plus(self) -> float:
+        """Offset of the outer face [mm]."""
+        return self.d_minus + self.thickness
+
+    def stiffness(self, section: str = "constant-s33") -> np.ndarray:
+        """D (11, 11) [N/mm], H = D E in the strain order of :data:`formulations.strains.quantities.STRAINS`.
+
+        D^{pq} = sum_k int b (N-)^{2-p-q} (N+)^{p+q} da3, exact per ply. Options for the thickness stretch:
+
+        - ``constant-s33``: S33 constant through the thickness, s = (h E33 + int c:E da3)/int(1/b3333) with
+          c_ij = b_ij33/b3333; the energy is 1/2 int E Q E + 1/2 s^2 int(1/b3333), Q the plane-stress stiffness.
+        - ``nonsymmetric``: Q in the tangential rows, the full b_33ij in the E33 row only (the paper's kind).
+        - ``full-3d``: the plain law with constant E33; locks in bending by (1-nu)^2/(1-2nu).
+
+        Raises ValueError for another name. Source: Grigolyuk et al. (2004), eq. 9.
+        """
+        if section not in SECTIONS:
+            raise ValueError(f"section {section!r} is not one of {', '.join(SECTIONS)}")
+        D = np.zeros((11, 11))
+        coupling = np.zeros(6)  # int b_33I N^p, or int c_I N^p for constant-s33
+        through = 0.0  # int b_3333, or int 1/b_3333
+        for ply, one, two in self._thickness_moments():
+            b = ply.stiffness()
+            reduced = b[PLANE, PLANE] - np.outer(b[PLANE, NORMAL], b[NORMAL, PLANE]) / b[NORMAL, NORMAL]
+            plane = b[PLANE, PLANE] if section == "full-3d" else reduced
+            D[:6, :6] += np.kron(plane, two)
+            D[6:10, 6:10] += np.kron(b[SHEAR, SHEAR], two)
+            if section == "constant-s33":
+                coupling += np.kron(b[NORMAL, PLANE] / b[NORMAL, NORMAL], one)
+                through += ply.thickness / b[NORMAL, NORMAL]
+            else:
+                coupling += np.kron(b[NORMAL, PLANE], one)
+                through += ply.thickness * b[NORMAL, NORMAL]
+        if section == "constant-s33":
+            row = np.append(coupling, self.thickness)
+            in_plane_and_normal = [*range(6), 10]
+            D[np.ix_(in_plane_and_normal, in_plane_and_normal)] += np.outer(row, row) / through
+        else:
+            D[10, :6] = coupling
+            D[10, 10] = through
+            if section == "full-3d":
+                D[:6, 10] = coupling
+        return D
+
+    def initial_resultants(self, stresses: Sequence[Sequence[float]]) -> np.ndarray:
+        """H0 (11,) [N/mm] of initial stresses (S11, S22, S12) [MPa] in the shell axes, one triple a ply.
+
+        H0^p = sum_k S_k int N^p da3, the work of S on the face strains; transverse shears and E33 carry none.
+        The strains are linear between the faces, also in their quadratic part: N0 adds N0 h^2/4 to the bending
+        stiffness where a continuum adds N0 h^2/12. Raises ValueError unless there is one finite triple a ply.
+        """
+        S = np.asarray(stresses, float)
+        if S.shape != (len(self.plies), 3) or not np.all(np.isfinite(S)):
+            raise ValueError(f"initial stresses must be (S11, S22, S12) of {len(self.plies)} plies, got {stresses}")
+        H0 = np.zeros(11)
+        for stress, (_, one, _) in zip(S, self._thickness_moments(), strict=True):
+            H0[:6] += np.kron(stress, one)
+        return H0
+
+    def _thickness_moments(self) -> Iterator[tuple[Layer, np.ndarray, np.ndarray]]:
+        """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""
+        h, bottom = self.thickness, 0.0
+        for ply in self.plies:
+            middle, half = bottom + 0.5 * ply.thickness, 0.5 * ply.thickness
+            upper = (middle + half * np.array([-1, 1]) / math.sqrt(3)) / h
+            shape = np.stack([1 - upper, upper])
+            yield ply, half * shape.sum(axis=1), half * shape @ shape.T
+            bottom += ply.thickness

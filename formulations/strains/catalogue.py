@@ -1,0 +1,149 @@
+"""The catalogue of strain measures: each a few lines of coefficients beside its equation.
+
+A new quadratic measure is one more table and one more name in :data:`MEASURES`. All E_a3 rows are multiplied by
+zeta_a/zbar_a, which belongs to the geometry. Sources that were not at hand when a table was written say "recalled".
+"""
+
+from __future__ import annotations
+
+import math
+
+from formulations.strains.elongation import ElongationMeasure
+from formulations.strains.measure import EXACT_LAW, RigidBodyLaw, StrainMeasure, Terms, quadratic_measure
+from formulations.strains.quantities import Kinematics
+
+
+def _cosine(theta: float, zeta: float) -> float:
+    """The linear law, ~ -theta^2/2."""
+    return math.cos(theta) - 1.0
+
+
+def _quartic(theta: float, zeta: float) -> float:
+    """A linear law mended by half the square of the sine of the rotation, ~ -theta^4/8."""
+    return -((1.0 - math.cos(theta)) ** 2) / 2
+
+
+# Exact (Green-Lagrange at the faces): vanishes under any rigid motion, to rounding.
+#   E_aa  = l_a + (l_a^2 + w_a^2 + t_a^2)/2
+#   2E_12 = w1 + w2 + l1 w2 + l2 w1 + t1 t2
+#   2E_a3 = beta_a - t_a + beta_a l_a + beta_g w_a - beta3 t_a
+#   E_33  = beta3 + (beta1^2 + beta2^2 + beta3^2)/2
+EXACT_TERMS: Terms = {
+    "E11": {"l1": 1, "l1 l1": 1 / 2, "w1 w1": 1 / 2, "t1 t1": 1 / 2},
+    "E22": {"l2": 1, "l2 l2": 1 / 2, "w2 w2": 1 / 2, "t2 t2": 1 / 2},
+    "2E12": {"w1": 1, "w2": 1, "l1 w2": 1, "l2 w1": 1, "t1 t2": 1},
+    "2E13": {"beta1": 1, "t1": -1, "beta1 l1": 1, "beta2 w1": 1, "beta3 t1": -1},
+    "2E23": {"beta2": 1, "t2": -1, "beta2 l2": 1, "beta1 w2": 1, "beta3 t2": -1},
+    "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2, "beta3 beta3": 1 / 2},
+}
+EXACT = quadratic_measure(
+    "exact",
+    EXACT_TERMS,
+    reference="Kulikov and Plotnikova, CMAME 192 (2003) 851-875; Grigolyuk et al. (2004), eqs 2-3",
+    rigid_body_law=EXACT_LAW,
+)
+
+# Linear: the same without its quadratic terms.
+LINEAR_TERMS: Terms = {
+    strain: {monomial: c for monomial, c in polynomial.items() if " " not in monomial}
+    for strain, polynomial in EXACT_TERMS.items()
+}
+LINEAR = quadratic_measure(
+    "linear",
+    LINEAR_TERMS,
+    reference="Grigolyuk et al. (2004), eq. 3, e-terms only",
+    rigid_body_law=RigidBodyLaw(out_of_plane=_cosine, drilling=_cosine, axis=_cosine),
+)
+
+# Von Karman: t_a^2 and t1 t2 in the tangential strains, everything else linear.
+VON_KARMAN_TERMS: Terms = {
+    **LINEAR_TERMS,
+    "E11": {"l1": 1, "t1 t1": 1 / 2},
+    "E22": {"l2": 1, "t2 t2": 1 / 2},
+    "2E12": {"w1": 1, "w2": 1, "t1 t2": 1},
+}
+VON_KARMAN = quadratic_measure(
+    "von-karman",
+    VON_KARMAN_TERMS,
+    reference="von Kármán (1910), with the full slope t of the curved shell",
+    rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_cosine, axis=_quartic),
+)
+
+# Donnell: von Karman with th_a = -v3,a/A_a. Even a translation strains a curved shell, because U . e3 has a slope.
+DONNELL = quadratic_measure(
+    "donnell",
+    VON_KARMAN_TERMS,
+    reference="Donnell, NACA Report 479 (1933); Mushtari (1938)",
+    rigid_body_law=RigidBodyLaw(
+        translation=lambda amount, zeta: (amount / zeta) ** 2 / 2,
+        out_of_plane=_quartic,
+        drilling=_cosine,
+        axis=_cosine,
+    ),
+    kinematics=Kinematics(shallow=True),
+)
+
+# Sanders: von Karman and half the square of the rotation about the normal, (w1 - w2)/2.
+DRILLING = {"w1 w1": 1 / 8, "w1 w2": -1 / 4, "w2 w2": 1 / 8}
+SANDERS = quadratic_measure(
+    "sanders",
+    {
+        **VON_KARMAN_TERMS,
+        "E11": {"l1": 1, "t1 t1": 1 / 2, **DRILLING},
+        "E22": {"l2": 1, "t2 t2": 1 / 2, **DRILLING},
+    },
+    reference="Sanders, Q. Appl. Math. 21 (1963) 21-36; Nemeth, NASA/TP-2013-218025 (recalled)",
+    rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_quartic, axis=_quartic),
+)
+
+# Novozhilov, small elongations: l_a and beta3 dropped beside 1 in the products, rotations kept.
+NOVOZHILOV = quadratic_measure(
+    "novozhilov",
+    {
+        "E11": {"l1": 1, "w1 w1": 1 / 2, "t1 t1": 1 / 2},
+        "E22": {"l2": 1, "w2 w2": 1 / 2, "t2 t2": 1 / 2},
+        "2E12": {"w1": 1, "w2": 1, "t1 t2": 1},
+        "2E13": {"beta1": 1, "t1": -1, "beta2 w1": 1},
+        "2E23": {"beta2": 1, "t2": -1, "beta1 w2": 1},
+        "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2},
+    },
+    reference="Novozhilov, Foundations of the Nonlinear Theory of Elasticity (1953), small elongations (recalled)",
+    rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_quartic, axis=_quartic),
+)
+
+# Moderate rotations of a shear-deformable shell: the director's products with the gradients kept, but beta3 t_a.
+MODERATE_ROTATION = quadratic_measure(
+    "moderate-rotation",
+    {
+        **VON_KARMAN_TERMS,
+        "2E13": {"beta1": 1, "t1": -1, "beta1 l1": 1, "beta2 w1": 1},
+        "2E23": {"beta2": 1, "t2": -1, "beta2 l2": 1, "beta1 w2": 1},
+        "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2},
+    },
+    reference="Schmidt and Reddy, J. Appl. Mech. 55 (1988) 611-617; Librescu and Schmidt (1988) (recalled)",
+    rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_cosine, axis=_quartic),
+)
+
+# Thin-shell Green-Lagrange: the exact terms with zeta = 1. A turning cylinder strains where its faces are stretched.
+THIN_GREEN_LAGRANGE = quadratic_measure(
+    "thin-green-lagrange",
+    EXACT_TERMS,
+    reference="the exact measure in the limit k d -> 0, Grigolyuk et al. (2004), eq. 3 with zeta = 1",
+    rigid_body_law=RigidBodyLaw(axis=lambda theta, zeta: zeta * (zeta - 1) * (1 - math.cos(theta))),
+    kinematics=Kinematics(thin=True),
+)
+
+MEASURES: dict[str, StrainMeasure] = {
+    measure.name: measure
+    for measure in (
+        EXACT,
+        LINEAR,
+        VON_KARMAN,
+        DONNELL,
+        SANDERS,
+        NOVOZHILOV,
+        MODERATE_ROTATION,
+        THIN_GREEN_LAGRANGE,
+        ElongationMeasure(EXACT),
+    )
+}

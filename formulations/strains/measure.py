@@ -1,0 +1,165 @@
+"""The strain-measure protocol, and the measure as data: a table of constants over the quantities q.
+
+No particular measure may enter here; they live in :mod:`formulations.strains.catalogue`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from formulations.strains.quantities import FACES, FULL, N_E, N_Q, QUANTITIES, STRAINS, Kinematics
+
+Terms = Mapping[str, Mapping[str, float]]
+
+
+def _none(amount: float, zeta: float) -> float:
+    return 0.0
+
+
+@dataclass(frozen=True)
+class RigidBodyLaw:
+    """The strain E_aa that a rigid motion leaves on a face, declared as closed forms; 0 where the measure is exact.
+
+    Each law is a function of the amount of motion and of the stretch zeta = 1 + k d of the face:
+    translation: of a cylinder, E22 for the amount (U . e2)/R;  out_of_plane: of a plate, the angle theta [rad] about a
+    tangent, E_aa normal to it;  drilling: of a plate, theta about its normal;  axis: of a cylinder, theta about its
+    own axis, E22. A measure that passes where it should fail is as wrong as one that fails where it should pass.
+    """
+
+    translation: Callable[[float, float], float] = _none
+    out_of_plane: Callable[[float, float], float] = _none
+    drilling: Callable[[float, float], float] = _none
+    axis: Callable[[float, float], float] = _none
+
+
+class StrainMeasure(Protocol):
+    """Everything the element needs of a measure; q is (..., 15), strains are (..., 11)."""
+
+    @property
+    def name(self) -> str:
+        """Name in the catalogue."""
+        ...
+
+    @property
+    def reference(self) -> str:
+        """The source of the measure."""
+        ...
+
+    @property
+    def rigid_body_law(self) -> RigidBodyLaw:
+        """The strains it is known to leave under rigid motions."""
+        ...
+
+    @property
+    def kinematics(self) -> Kinematics:
+        """What the gradients q leave out for this measure."""
+        ...
+
+    def strain(self, q: np.ndarray) -> np.ndarray:
+        """E(q), (..., 11), before the shear row factors of the geometry."""
+        ...
+
+    def gradient(self, q: np.ndarray) -> np.ndarray:
+        """dE/dq, (..., 11, 15)."""
+        ...
+
+    def contract(self, q: np.ndarray, resultants: np.ndarray) -> np.ndarray:
+        """Sum over n of H_n d2E_n/dq2, (..., 15, 15), for resultants H (..., 11)."""
+        ...
+
+
+EXACT_LAW = RigidBodyLaw()
+
+
+@dataclass(frozen=True, eq=False)
+class QuadraticMeasure:
+    """E_n = L_n . q + 1/2 q . Q_n . q with constant L (11, 15) and Q (11, 15, 15), symmetric in its last two axes.
+
+    ``reference``: the source of the measure.  ``kinematics``: what its gradients q leave out.
+    """
+
+    name: str
+    linear: np.ndarray
+    quadratic: np.ndarray
+    reference: str
+    rigid_body_law: RigidBodyLaw
+    kinematics: Kinematics = FULL
+
+    def strain(self, q: np.ndarray) -> np.ndarray:
+        """E = L q + 1/2 q Q q, (..., 11)."""
+        return np.matmul(self._slope(q, self._half_table), q[..., None])[..., 0]
+
+    def gradient(self, q: np.ndarray) -> np.ndarray:
+        """dE/dq = L + Q q, (..., 11, 15)."""
+        return self._slope(q, self._table)
+
+    def contract(self, q: np.ndarray, resultants: np.ndarray) -> np.ndarray:
+        """H_n Q_n, (..., 15, 15); constant in q, which only says the batch here."""
+        flat = resultants.reshape(-1, N_E) @ self.quadratic.reshape(N_E, N_Q * N_Q)
+        return flat.reshape(*q.shape[:-1], N_Q, N_Q)
+
+    def _slope(self, q: np.ndarray, table: np.ndarray) -> np.ndarray:
+        slope = q.reshape(-1, N_Q) @ table
+        slope += self.linear.ravel()
+        return slope.reshape(*q.shape[:-1], N_E, N_Q)
+
+    @cached_property
+    def _table(self) -> np.ndarray:
+        return np.ascontiguousarray(self.quadratic.reshape(N_E * N_Q, N_Q).T)
+
+    @cached_property
+    def _half_table(self) -> np.ndarray:
+        return 0.5 * self._table
+
+
+def strain_change(measure: StrainMeasure, start: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """E(start + q) - E(start), (..., 11).
+
+    Of a quadratic measure dE/dq half-way times q, which is the same but loses no digits where q is far smaller than
+    ``start``; of any other measure the difference.
+    """
+    if isinstance(measure, QuadraticMeasure):
+        return np.matmul(measure.gradient(start + 0.5 * q), q[..., None])[..., 0]
+    return measure.strain(start + q) - measure.strain(start)
+
+
+def quadratic_measure(
+    name: str, terms: Terms, *, reference: str, rigid_body_law: RigidBodyLaw, kinematics: Kinematics = FULL
+) -> QuadraticMeasure:
+    """Build a measure from its formulas written as data.
+
+    ``terms`` maps each strain ("E11", "2E12", ..., without face) to {monomial: coefficient}; a monomial is one or two
+    quantity names separated by a space ("l1", "l1 w2", "beta3 t1"). l, w and t take the face of the strain.
+    Raises ValueError naming the strain or the monomial that does not exist.
+    """
+    linear, quadratic = np.zeros((N_E, N_Q)), np.zeros((N_E, N_Q, N_Q))
+    faceless = {strain.rstrip("-+") for strain in STRAINS}
+    for strain, polynomial in terms.items():
+        if strain not in faceless:
+            raise ValueError(f"measure {name}: unknown strain {strain!r}, choose from {sorted(faceless)}")
+        for face in FACES if strain != "E33" else ("",):
+            row = STRAINS.index(strain + face)
+            for monomial, coefficient in polynomial.items():
+                indices = [_quantity(name, factor, face) for factor in monomial.split()]
+                if len(indices) == 1:
+                    linear[row, indices[0]] += coefficient
+                elif len(indices) == 2:
+                    quadratic[row, indices[0], indices[1]] += coefficient
+                    quadratic[row, indices[1], indices[0]] += coefficient
+                else:
+                    raise ValueError(f"measure {name}: {monomial!r} is not a monomial of degree 1 or 2")
+    for table in (linear, quadratic):
+        table.setflags(write=False)
+    return QuadraticMeasure(name, linear, quadratic, reference, rigid_body_law, kinematics)
+
+
+def _quantity(name: str, factor: str, face: str) -> int:
+    for candidate in (factor, factor + face):
+        if candidate in QUANTITIES:
+            return QUANTITIES.index(candidate)
+    raise ValueError(f"measure {name}: unknown quantity {factor!r}, choose from l, w, t with 1 or 2, and beta1..3")

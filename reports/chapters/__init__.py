@@ -1,0 +1,1 @@
+"""The pages, a folder for each subject. Only tables are read; nothing of ours beside :mod:`reports` is imported."""

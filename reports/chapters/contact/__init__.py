@@ -1,0 +1,1 @@
+"""Pages of contact: agreement and costs of the algorithms, the regularisation."""

@@ -1,0 +1,116 @@
+"""How contact algorithms behave far from the solution: large steps, the end of the path, cycles, false claims."""
+
+from __future__ import annotations
+
+import re
+
+from reports import labels
+from reports.markdown import Part, commands, fixed, joined, machine, prose, scientific, table
+from reports.tables import Cell, Store
+
+EXACT = 1e-9  # an error below it is no error
+
+
+def robustness(store: Store) -> Part:
+    """All of it, for the page of algorithms."""
+    return joined([_one_step(store), _far(store), _cycles(store), _claims(store)])
+
+
+def _one_step(store: Store) -> Part:
+    """Inflation, then 20 mm at once, on finer and finer meshes."""
+    cells = store.matching(labels.ONE_STEP)
+    ways = dict.fromkeys(str(re.fullmatch(labels.ONE_STEP, cell.label)["way"]) for cell in cells)  # type: ignore[index]
+    rows = []
+    for way in ways:
+        own = [cell for cell in cells if cell.label.startswith(f"one step {way} ")]
+        rows += [[_quoted(way), cell.result["mesh"], *_press(cell)] for cell in own]
+    growth = [_growth([cell for cell in cells if cell.label.startswith(f"one step {way} ")]) for way in ways]
+    found = "; ".join(f"{_quoted(way)} {text}" for way, text in zip(ways, growth, strict=True))
+    text = prose(f"""## Far from the solution
+
+From the inflated tyre {labels.DELTA:g} mm in one step. An algorithm that gives every set a linearisation of its own
+(`settle` 1, the textbook's) chases sets that mean nothing there; settled on one linearisation first, they cost
+factorisations, but few iterations. From the second mesh to the last the iterations grow: {found}.""")
+    header = ["algorithm", "mesh", "outcome", "iterations", "factorisations", "set changes", "steps cut"]
+    return Part(f"{text}\n\n{table('One step of 20 mm', header, rows, words=3)}\n\n{_commands(cells)}")
+
+
+def _press(cell: Cell) -> list[str]:
+    step = cell.steps[-1] if cell.steps else {}
+    counts = [fixed(step.get(name), 0) for name in ("newton_iterations", "factorisations", "set_changes")]
+    return [str(cell.result["outcome"]), *counts, str(len(cell.cuts()))]
+
+
+def _growth(cells: list[Cell]) -> str:
+    before, after = cells[-2:]
+    if not (before.converged and after.converged) or before.cuts() or after.cuts():
+        return "is lost: its step has to be cut"
+    pair = [cell.steps[-1]["newton_iterations"] for cell in (before, after)]
+    return f"from {pair[0]} to {pair[1]}"
+
+
+def _far(store: Store) -> Part:
+    """As far as the path goes, and why it ends."""
+    cell = store.cell(labels.FAR)
+    rows = [
+        [f"{step['delta_mm']:g}", fixed(step["force_N"], 1), *(fixed(step[k], 0) for k in ("contact_nodes", *COUNTS))]
+        for step in cell.steps
+    ]
+    end = "The path reached all that was asked." if cell.converged else f"The end: {cell.result['reason']}."
+    header = ["travel [mm]", "force [N]", "contact nodes", "iterations", "sub-steps"]
+    shown = table(f"`{cell.result['contact']}` on {cell.result['mesh']}, as far as it goes", header, rows)
+    return Part(f"{shown}\n\n{machine(end)}\n\n{_commands([cell])}")
+
+
+COUNTS = ("newton_iterations", "substeps")
+
+
+def _cycles(store: Store) -> Part:
+    """Sets that repeat themselves."""
+    found = store.table("cycles")
+    ways = list(found.columns[2:])
+    lines = found.to_dict("records")
+    rows = [[line["problem"], _period(line["plain_period"]), *(line[way] for way in ways)] for line in lines]
+    text = prose("""## Cycles
+
+The textbook's active set swaps all violators at once, with both bounds of an unknown as one set; on published problems
+it comes back to a set it has had. Here every bound is a candidate of its own, which alone settles the two-sided ones;
+where sets still repeat, the algorithm says so and swaps only the first violator from then on (Murty's rule).""")
+    header = ["problem", "textbook", *(_quoted(way) for way in ways)]
+    return Part(f"{text}\n\n{table('From the set that the textbook begins with', header, rows, words=len(header))}")
+
+
+def _period(period: int) -> str:
+    return f"cycles, period {period}" if period else "settles"
+
+
+def _claims(store: Store) -> Part:
+    """Who says that it has solved a problem, and has not."""
+    found = store.table("false_success")
+    wrong = found[found["false"] > 0]
+    counts = ["contender", "problems", "refused", "claimed", "false"]
+    rows = [[*(line[name] for name in counts), _error(line["largest_error"])] for line in found.to_dict("records")]
+    ours = found[~found["contender"].str.contains("alone")]
+    told = ", ".join(f"{row['contender']} {row['false']} of {row['claimed']}" for _, row in wrong.iterrows())
+    text = prose(f"""## Who says that it has solved it
+
+Every algorithm and setting, and the solvers of quadratic programmes alone and at their word (*alone*), over published
+obstacle problems, classics of linear complementarity and linearised steps of shells in contact. The judge recomputes
+each answer that is called solved; *false* is one that it does not accept, *largest error* that of a displacement so
+called, over the largest displacement. Of our own {int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are
+false; false are: {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
+    header = ["who", "problems", "refused", "claimed", "false", "largest error"]
+    return Part(f"{text}\n\n{table('Claims of success, judged', header, rows)}")
+
+
+def _error(error: float) -> str:
+    return f"under {scientific(EXACT, 0)}" if error < EXACT else scientific(error, 0)
+
+
+def _quoted(way: str) -> str:
+    name, comma, setting = way.partition(",")
+    return f"`{name}`{comma}{setting}"
+
+
+def _commands(cells: list[Cell]) -> str:
+    return commands(cell.command for cell in cells)

@@ -1,0 +1,1 @@
+"""Pages of the limits: symmetry and invariance, extremes."""

@@ -1,0 +1,143 @@
+"""The page of extremes: maps of outcomes, how their boundaries were found, and each kind of failure in one sentence."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+import numpy as np
+import pandas as pd
+
+from reports.chapters.limits import figures_extremes
+from reports.markdown import Part, commands, fixed, joined, machine, percent, picture, prose, table
+from reports.navigation import links
+from reports.tables import Store
+
+INTRODUCTION = prose(f"""# Extremes
+
+{links("extremes.md")}
+
+Where does solving stop? Each map takes two settings to their extremes and shows what comes of it. Every point is a
+small solve of its own, by `semismooth` unless the map says otherwise, followed by the judge of contact. Colours and
+hatches are classes of outcomes: *converged*; converged though *nothing touches*; *wrong*, which is what the algorithm
+calls converged and the judge does not certify; the *end of the path*, where the tangent tells of a limit point or a
+bifurcation; *not converged* without such a reason; *refused*, by the range of a setting or by the algorithm; and
+*crashed*. Lines and small numbers are the cost in Newton iterations, all load steps and rejected attempts included. A
+step is cut to a sixteenth of the load and no further.""")
+GOOD = ("converged", "converged, nothing touches")
+TANGENT = {  # what the end of a reason begins with, and what it says in short
+    "limit point of the path": "the tangent shows a limit point",
+    "bifurcation near": "the tangent shows a bifurcation",
+    "no limit point": "the tangent gives no reason",
+    "too few converged steps": "too few steps converged to tell why",
+}
+
+
+def extremes_page(store: Store) -> Part:
+    """The whole page."""
+    points, maps = store.table("extremes"), store.table("extremes_maps")
+    each = [_map(points[points["map"] == labels["map"]], labels) for _, labels in maps.iterrows()]
+    return joined([Part(INTRODUCTION), _overview(store), *each])
+
+
+def faults(store: Store) -> dict[str, int]:
+    """How many solved points of all maps are of each class that is no success."""
+    points = store.table("extremes")
+    bad = points[points["asked"] & ~points["class"].isin(GOOD)]
+    return {str(kind): int(count) for kind, count in bad["class"].value_counts().items()}
+
+
+def _overview(store: Store) -> Part:
+    """What was found, and at what share of the points."""
+    points = store.table("extremes")
+    titles = _titles(store)
+    rows = []
+    for name, own in points.groupby("map", sort=False):
+        counts = [int((own["class"] == kind).sum()) for kind in figures_extremes.LOOKS]
+        share = percent(float(own["asked"].mean()), 0, False)
+        spent = "" if own["complete"].all() else " (budget spent)"
+        title = titles[str(name)]
+        rows.append([f"[{title}](#{_anchor(title)})", f"{share}{spent}", *counts])
+    asked, whole = int(points["asked"].sum()), len(points)
+    found = faults(store)
+    told = ", ".join(f"{count} {kind}" for kind, count in found.items()) or "none"
+    text = prose(f"""## All maps
+
+{points["map"].nunique()} maps of {whole} points in all. Their boundaries are located by cutting blocks in four wherever
+two classes meet, down to two cells of the grid: {asked} points were solved, {percent(asked / whole, 0, False)} of them.
+Of the points solved, those without success are: {told}. The counts of the table are of all points, solved or between
+solved ones of the same class.""")
+    header = ["map", "points solved", *figures_extremes.LOOKS]
+    parts = [text, table("Points of each map by class", header, rows, words=2)]
+    check = store.table("extremes_check")
+    met = check[np.isfinite(check["distance"])]
+    lost = check[~np.isfinite(check["distance"])]
+    lines = [
+        [titles[str(row["map"])], row["points"], row["asked"], _distance(float(row["distance"])), row["unlike"]]
+        for _, row in check.iterrows()
+    ]
+    missed = f"""What is smaller than a block of the first grid can be missed: in {_list(lost["map"].map(titles))} a
+class shows at {int(lost["unlike"].sum())} single points that the search passed by."""
+    text = f"""### Against all points
+
+{len(check)} of the maps are cheap enough to be solved at all of their points. Where a boundary was met, it is nowhere
+further than {fixed(float(met["distance"].max()), 1)} cells from the true one. {missed if len(lost) else ""}"""
+    parts.append(prose(text))
+    header = ["map", "points", "solved by the search", "boundary off by at most [cells]", "points of another class"]
+    parts.append(table("Boundaries found against brute force", header, lines))
+    return Part("\n\n".join(parts))
+
+
+def _list(names: Iterable[object]) -> str:
+    return ", ".join(f"*{name}*" for name in names)
+
+
+def _distance(cells: float) -> str:
+    return fixed(cells, 1) if np.isfinite(cells) else "missed"
+
+
+def _titles(store: Store) -> dict[str, str]:
+    maps = store.table("extremes_maps")
+    return dict(zip(map(str, maps["map"]), map(str, maps["title"]), strict=True))
+
+
+def _anchor(title: str) -> str:
+    """The fragment of a heading."""
+    return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
+
+
+def _map(points: pd.DataFrame, labels: pd.Series) -> Part:
+    """One map: its picture and its failures."""
+    asked = points[points["asked"]]
+    name = f"extremes-{labels['map']}.svg"
+    share = percent(float(points["asked"].mean()), 0, False)
+    cut = "" if points["complete"].all() else " The budget was spent before the whole boundary was known."
+    head = prose(f"""## {labels["title"]}
+
+{len(asked)} of {len(points)} points solved ({share}); {labels["fixed"]}.{cut}""")
+    shown = picture(name, f"Outcomes over {labels['x_label']} and {labels['y_label']}")
+    failures, lines = [], []
+    for kind, own in asked[~asked["class"].isin(GOOD)].groupby("class", sort=False):
+        causes = [group for _, group in own.groupby(own["reason"].map(cause), sort=False)]
+        told = []
+        for group in sorted(causes, key=len, reverse=True):
+            one = group.iloc[len(group) // 2]
+            told.append(f"{cause(one['reason'])} ({len(group)}, as at {_value(one['x'])}, {_value(one['y'])})")
+            lines.append(str(one["command"]))
+        points_of = "point" if len(own) == 1 else "points"
+        failures.append(f"- *{kind}* at {len(own)} solved {points_of}: {'; '.join(told)}.")
+    parts = [head, shown]
+    if failures:
+        parts += [machine("\n".join(failures)), commands(lines)]
+    return Part("\n\n".join(parts), {name: figures_extremes.outcome_map(points, labels)})
+
+
+def cause(reason: str) -> str:
+    """What stopped a solve, and what the tangent says of it, without numbers, so that equal causes are counted."""
+    first, *more = str(reason).split("; ")
+    told = [short for clause in more for begin, short in TANGENT.items() if clause.startswith(begin)]
+    return ", ".join([re.split(r" \(|, \d|: ", first)[0] if told else first, *told[:1]])
+
+
+def _value(value: object) -> str:
+    return value if isinstance(value, str) else f"{value:g}"

@@ -1,0 +1,187 @@
+"""The page of symmetry and invariance: what must not change an answer, and what each pair makes of it."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from reports.chapters.limits import figures_symmetry
+from reports.chapters.tyre.paper_table import FILE, IMAGES, asymmetry, printed_map
+from reports.markdown import NOTHING, Part, commands, fixed, joined, machine, picture, prose, scientific, table
+from reports.navigation import links
+from reports.tables import Store
+
+INTRODUCTION = prose(f"""# Symmetry and invariance
+
+{links("symmetry.md")}
+
+An answer must not depend on the order of the nodes, on which coordinate is called the first, on the units, on the
+number of load steps, or on where in space the body is. Each check compares two answers that ought to be one, or an
+answer with its own image. The deviation is the largest difference of pressures over the peak, or of displacements over
+the largest, whichever is more. It belongs to one of five classes: *exactly zero*; *rounding*, below what machine
+precision explains of a nodal pressure; *solver tolerance*, below what the residual tolerance of Newton's iteration
+allows; *broken by design*, where a measure or a structure declares that it must be; and *broken by accident*, which is
+a failure. What is declared to be broken and is not is an accident, too, and so is an answer that does not pass the
+judge of contact.""")
+CLASSES = tuple(figures_symmetry.LOOKS)
+ACCIDENT, DESIGN = "broken by accident", "broken by design"
+PRINTED_ANGLE, PRINTED_MESH, PRINTED_MEASURE = 52.0, "42x40", "exact"
+
+
+def symmetry_page(store: Store) -> Part:
+    """The whole page."""
+    return joined([Part(INTRODUCTION), _overview(store), _design(store), _pairs(store), _mirror(store)])
+
+
+def accidents(store: Store) -> tuple[int, int]:
+    """How many checks are broken by accident, and of how many."""
+    data = store.table("symmetry")
+    return int((data["class"] == ACCIDENT).sum()), len(data)
+
+
+def _overview(store: Store) -> Part:
+    """One row a check."""
+    data = store.table("symmetry")
+    rows = []
+    for check, own in data.groupby("check", sort=False):
+        counts = [int((own["class"] == name).sum()) for name in CLASSES]
+        healthy = own[own["class"] != DESIGN]
+        rows.append([check, *counts, scientific(float(healthy["deviation"].max())), scientific(_yardstick(own))])
+    wrong, whole = accidents(store)
+    measures, algorithms = data["measure"].nunique(), data["algorithm"].nunique()
+    designed = data[data["class"] == DESIGN]
+    again = data[data["class"].isin(("rounding", "solver tolerance", "exactly zero"))]
+    worst = again.iloc[int((again["deviation"] / again["tolerance"]).argmax())]
+    nearest = prose(f"""What is not broken comes nearest to the tolerance of the solver in *{worst["check"]}* by
+`{worst["measure"]}` and `{worst["algorithm"]}`, with {scientific(float(worst["deviation"]))} where
+{scientific(float(worst["tolerance"]))} is allowed.""")
+    text = prose(f"""## What holds
+
+{measures} measures by {algorithms} contact algorithms: {whole} checks, of which {wrong} are broken by accident and
+{len(designed)} by design. Panels are small laminated shells, clamped all around, under a load
+and pressed by a plane or a ball; the tyre is that of the paper on a coarse mesh, the whole of it. Algorithms keep their
+own defaults, in the units of the problem.""")
+    header = ["check", *CLASSES, "largest unless by design", "rounding explains"]
+    grid = table("Checks by class: number of pairs of measure and algorithm", header, rows)
+    name = "symmetry-deviations.svg"
+    shown = picture(name, "Deviation of every pair of measure and algorithm, by check, coloured by class")
+    caption = prose("""A point is a pair of a measure and an algorithm; the grey bar ends where rounding does, in the
+median. Exact zeros are drawn at the left edge.""")
+    parts = [text, machine("\n\n".join([grid, nearest])), shown, caption]
+    bad = data[data["class"] == ACCIDENT]
+    if len(bad):
+        lines = bad[["check", "measure", "algorithm", "deviation", "reason"]].to_numpy()
+        body = [[a, b, c, scientific(float(d)), e] for a, b, c, d, e in lines]
+        parts.append(table("Broken by accident", ["check", "measure", "algorithm", "deviation", "why"], body, words=3))
+    return Part("\n\n".join(parts), {name: figures_symmetry.deviations(data)})
+
+
+def _yardstick(own: pd.DataFrame) -> float:
+    return float(own["rounding"].median())
+
+
+def _design(store: Store) -> Part:
+    """What is broken by design, with the reason."""
+    data = store.table("symmetry")
+    own = data[data["class"] == DESIGN]
+    rows = []
+    for (check, reason, measure), group in own.groupby(["check", "reason", "measure"]):
+        low, high = float(group["deviation"].min()), float(group["deviation"].max())
+        rows.append([check, f"`{measure}`", reason, f"{low:.4g}", f"{high:.4g}"])
+    text = prose("""## What is broken by design
+
+A measure that strains under a rigid motion says so in its declared law, and a structure without a mirror plane has no
+mirrored answer. Such deviations are demanded: one that were missing would be an accident. They do not depend on the
+algorithm, so the smallest and the largest of all algorithms are given.""")
+    header = ["check", "measure", "reason", "smallest", "largest"]
+    return Part("\n\n".join([text, table("Deviations that must be there", header, rows, words=3)]))
+
+
+def _pairs(store: Store) -> Part:
+    """Measures by algorithms: the largest deviation that is not by design."""
+    data = store.table("symmetry")
+    healthy = data[data["class"] != DESIGN]
+    algorithms = list(dict.fromkeys(data["algorithm"]))
+    rows = []
+    for measure in dict.fromkeys(data["measure"]):
+        line = [f"`{measure}`"]
+        for algorithm in algorithms:
+            own = healthy[(healthy["measure"] == measure) & (healthy["algorithm"] == algorithm)]
+            line.append(_worst(own))
+        rows.append(line)
+    text = prose("""## Measure by algorithm
+
+The largest deviation of each pair over all checks that are not broken by design, over what the tolerance of the solver
+allows: below 1 nothing is broken.""")
+    header = ["measure", *(f"`{name}`" for name in algorithms)]
+    grid = table("Largest deviation over the tolerance of the solver", header, rows)
+    return Part("\n\n".join([text, machine(grid)]))
+
+
+def _worst(own: pd.DataFrame) -> str:
+    ratio = (own["deviation"] / own["tolerance"]).max()
+    return scientific(float(ratio)) if len(own) else NOTHING
+
+
+def _mirror(store: Store) -> Part:
+    """The mirror asymmetry over gamma, with the printed value."""
+    every = store.table("mirror")
+    data = every.dropna(subset=["mirror_both_MPa"])
+    printed = printed_map(store.reference_table(FILE, ["row_label"]))
+    told = max(asymmetry(printed, image)[1] for image in list(IMAGES)[1:])
+    sweeps = {
+        f"{measure}, {mesh}": group.sort_values("gamma_deg")
+        for (mesh, measure), group in data.groupby(["mesh", "measure"], sort=False)
+    }
+    own = f"{PRINTED_MEASURE}, {PRINTED_MESH}"
+    one = sweeps[own]
+    here = one[one["gamma_deg"] == PRINTED_ANGLE]
+    top = _top(one)
+    zeros = float(data[data["gamma_deg"].isin((0.0, 90.0))]["mirror_MPa"].max())
+    unstable = one[one["negative"] > 0]["gamma_deg"]
+    shaky = f"{', '.join(f'{angle:.3g}°' for angle in unstable)}" if len(unstable) else "none of the angles"
+    rows = []
+    for name, sweep in sweeps.items():
+        at = (sweep[sweep["gamma_deg"] == gamma]["mirror_both_MPa"] for gamma in (0.0, PRINTED_ANGLE, 90.0))
+        zero, middle, right = (float(value.iloc[0]) if len(value) else None for value in at)
+        best, (measure, _, mesh) = _top(sweep), name.partition(", ")
+        planned = every[(every["measure"] == measure) & (every["mesh"] == mesh) & (every["kind"] == "grid")]
+        stable = int(((planned["negative"] == 0) & planned["mirror_MPa"].notna()).sum())
+        line = [f"{float(sweep['delta_mm'].iloc[0]):g}", scientific(zero), fixed(middle, 4), scientific(right)]
+        line += [fixed(float(best["mirror_both_MPa"]), 4), fixed(float(best["gamma_deg"]), 1)]
+        rows.append([f"`{measure}`", mesh, *line, f"{stable} of {len(planned)}"])
+    text = prose(f"""## Mirror asymmetry over the cord angle
+
+Plies at ±γ leave a half turn about the contact normal, but no mirror plane, except at 0 and 90 degrees, where the
+largest difference over all measures and meshes is {scientific(zeros)} MPa. At {PRINTED_ANGLE:g}° and
+{float(one["delta_mm"].iloc[0]):g} mm the printed table differs from its mirror image by {fixed(told, 3)} MPa where both
+nodes touch; ours, on the paper's mesh, by {fixed(float(here["mirror_both_MPa"].iloc[0]), 3)} MPa, and by
+{fixed(float(here["mirror_MPa"].iloc[0]), 3)} MPa when a node that does not touch counts as zero. The largest among
+stable states is {fixed(float(top["mirror_both_MPa"]), 3)} MPa at {fixed(float(top["gamma_deg"]), 1)}°, found by a
+search in one dimension around the largest value of the grid.
+
+Not all angles make a stable tyre: on the paper's mesh the tangent has negative eigenvalues at {shaky}. There several
+states satisfy all conditions, which of them is found is a matter of the steps, and their asymmetry says little; they
+are drawn with open marks and left out of the maximum.""")
+    header = [
+        "measure",
+        "mesh",
+        "travel [mm]",
+        "at 0°",
+        f"at {PRINTED_ANGLE:g}°",
+        "at 90°",
+        "largest stable",
+        "at [deg]",
+    ]
+    title = "Largest difference of the pressure from a mirror image, both touching [MPa]"
+    grid = table(title, [*header, "angles stable"], rows, words=2)
+    name = "symmetry-mirror.svg"
+    shown = picture(name, "Mirror asymmetry of the pressure over the cord angle, with the printed value at 52 degrees")
+    made = commands(str(command) for command in (top["command"], here["command"].iloc[0]))
+    pictures = {name: figures_symmetry.mirror(sweeps, own, (PRINTED_ANGLE, told))}
+    return Part("\n\n".join([text, grid, shown, made]), pictures)
+
+
+def _top(sweep: pd.DataFrame) -> pd.Series:
+    """The row of the largest asymmetry of a stable state, of any state where none is stable."""
+    stable = sweep[sweep["negative"] == 0]
+    return (stable if len(stable) else sweep).sort_values("mirror_both_MPa").iloc[-1]

@@ -1,0 +1,1 @@
+"""The first page of a report, and the page that any campaign supports."""

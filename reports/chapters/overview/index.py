@@ -1,0 +1,200 @@
+"""The first page: what is compared, how much of it is there, what was found, and what the numbers do not cover."""
+
+from __future__ import annotations
+
+import math
+
+from reports import labels
+from reports.chapters.overview.headlines import headlines
+from reports.chapters.overview.outcomes import analysed, completeness, refusals
+from reports.chapters.shells.benchmarks import BENCHMARKS, limit
+from reports.chapters.shells.convergence import WITHIN, split
+from reports.chapters.shells.element_choice import choices
+from reports.chapters.shells.locking import worst_energy
+from reports.chapters.tyre.algorithms import relative_difference, set_difference
+from reports.chapters.tyre.meshes import change, isotropic_differences
+from reports.chapters.tyre.paper import forces
+from reports.chapters.tyre.paper_table import FILE, HALF, compare, on_printed_nodes, printed_map
+from reports.ladders import read_ladders
+from reports.maps import at_delta
+from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
+from reports.tables import Cell, Store
+
+
+def index_page(store: Store) -> Part:
+    """The whole page."""
+    sections = (headlines, _pages, _findings, _limitations, _completeness, _machine)
+    return Part("\n\n".join(["# Results", *(section(store) for section in sections)]) + "\n")
+
+
+def _pages(store: Store) -> str:
+    return prose(f"""## Pages
+
+- [The tyre](tyre.md): an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and
+  against three-dimensional solids.
+- [Benchmarks without contact](benchmarks.md): large bending against exact and published values.
+- [Convergence](convergence.md): every scene on three meshes or more, its order, its limit, and its error split into
+  that of the mesh and that of the model.
+- [Strain measures](measures.md): up to which load each is enough.
+- [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
+- [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.
+- [Symmetry](symmetry.md): axes, numbering, units, load steps and rigid motions, which must not matter, and the mirror
+  image of the tyre's pressure.
+- [Extremes](extremes.md): where solving stops, as maps of outcomes over pairs of extreme settings.
+- [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
+- [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
+  says "solved" and is wrong, and how far the tyre can be pressed.
+- [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
+- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step
+  costs.{analysed(store)}""")
+
+
+def _completeness(store: Store) -> str:
+    cells = list(store.cells.values())
+    scenes = dict.fromkeys(cell.scene for cell in cells)
+    rows = [[scene, *_counts([c for c in cells if c.scene == scene])] for scene in scenes]
+    rows.append(["all", *_counts(cells)])
+    header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "refused", "not converged"]
+    parts = ["## Completeness", completeness(store)]
+    parts.append(table("Cells behind the pages", header, rows))
+    asked = [cell for cell in cells if not cell.unsupported]  # what an algorithm refuses stands on its own page
+    unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
+    if unusual:
+        title = "Cells that did not go as asked, or were not expected to"
+        parts.append(table(title, ["cell", "what happened", "expected"], (_unusual(cell) for cell in unusual), words=3))
+        events = [[cell.label, event] for cell in unusual for event in cell.cuts()]
+        events += [[cell.label, cell.result["reason"]] for cell in unusual if not cell.converged]
+        if events:
+            parts.append(machine(table("Rejected steps, and how it ended", ["cell", "event"], events, words=2)))
+        parts.append(commands(cell.command for cell in unusual))
+    parts.append(folded("Why cells were refused", refusals(store)))
+    return "\n\n".join(parts)
+
+
+def _counts(cells: list[Cell]) -> list[str]:
+    converged = [cell for cell in cells if cell.converged]
+    cut = [cell for cell in converged if cell.cuts()]
+    refused = sum(cell.unsupported for cell in cells)
+    failed = len(cells) - len(converged) - refused
+    return [str(n) for n in (len(cells), len(converged) - len(cut), len(cut), refused, failed)]
+
+
+def _unusual(cell: Cell) -> list[str]:
+    if not cell.converged:
+        happened = f"not converged: {cell.result['outcome']}"
+    else:
+        happened = "converged after its step was cut" if cell.cuts() else "converged as asked"
+    return [cell.label, happened, labels.EXPECTED_TO_FAIL.get(cell.label, "converges as asked")]
+
+
+def _findings(store: Store) -> str:
+    found = (_linear(store), _newton(store), _agreement(store), _convergence(store), _element(store))
+    return "\n".join(["## More findings", "", *(f"{i}. {text}" for i, text in enumerate(found, start=1))])
+
+
+def _linear(store: Store) -> str:
+    pairs = forces(store)
+    (first, (low, high)), (linear, exact) = next(iter(pairs.items())), pairs[labels.DELTA]
+    return (
+        f"**Linear against geometrically exact strains.** At a travel of {labels.DELTA:g} mm linear "
+        f"strains give {fixed(linear, 1)} N, exact ones {fixed(exact, 1)} N: the force is {fixed(linear / exact, 2)} "
+        f"times as large. At {first:g} mm it is {fixed(low / high, 2)} times as large."
+    )
+
+
+def _newton(store: Store) -> str:
+    names = (labels.ONE_STEP_MIXED, labels.TWENTY_STEPS_PLAIN, labels.BASE, labels.SLOWEST)
+    mixed, plain, fast, slow = (store.cell(name) for name in names)
+    counts = [cell.result["counters"]["newton_iterations"] for cell in (mixed, plain, fast, slow)]
+    return (
+        f"**Mixed against plain Newton.** The hemisphere takes {counts[0]} iterations in one "
+        f"step, plain Newton {counts[1]} in {plain.result['settings']['steps']} steps; the tyre takes {counts[2]} with "
+        f"`{fast.result['contact']}`, against {counts[3]} with `{slow.result['contact']}` and plain Newton."
+    )
+
+
+def _element(store: Store) -> str:
+    found = choices(store)
+    counts = [sum(choice.verdict == word for choice in found) for word in ("better", "equal", "worse")]
+    return prose(f"""**Which element.** On the coarsest mesh of each scene the default element is nearer to the limit
+than the element of the paper for {counts[0]} of {len(found)} quantities, equal for {counts[1]} and worse for
+{counts[2]}; see [which element](convergence.md#which-element).""")
+
+
+def _agreement(store: Store) -> str:
+    exact = [c for c in store.matching(labels.ALGORITHMS) if c.result["settings"]["epsilon"] == "inf"]
+    pairs = [(c, store.cell(labels.REFERENCE.format(measure=c.result["measure"]))) for c in exact]
+    pairs = [(cell, reference) for cell, reference in pairs if cell is not reference]
+    same = sum(set_difference(cell, reference) == 0 for cell, reference in pairs)
+    offs = [abs(off) for off in (relative_difference(*pair) for pair in pairs) if not math.isnan(off)]
+    return (
+        f"**Algorithms against one another.** {same} of {len(pairs)} other ways to enforce the contact condition "
+        f"exactly end on the very contact set of `semismooth` with mixed Newton; forces differ by at most "
+        f"{scientific(max(offs, default=None))} of their value."
+    )
+
+
+def _convergence(store: Store) -> str:
+    rungs = read_ladders(store)
+    good = sum(rung.sequence.asymptotic for rung in rungs)
+    parts = [split(rung, reference) for rung in rungs if rung.sequence.asymptotic for reference in rung.references]
+    within = sum(part.verdict == WITHIN for part in parts)
+    return (
+        f"**Mesh against model.** {good} of {len(rungs)} sequences of meshes are in their asymptotic range. Their "
+        f"extrapolated values are within the uncertainties in {within} of {len(parts)} comparisons with references."
+    )
+
+
+def _limitations(store: Store) -> str:
+    paper = store.cell(labels.PAPER)
+    printed = printed_map(store.reference_table(FILE, ["row_label"]))
+    c = compare(on_printed_nodes(at_delta(paper.table("contact"), labels.DELTA), printed, HALF), printed)
+    mesh = change(store.cell(labels.FINE), store.cell(labels.BASE))
+    follower = change(store.cell(labels.FOLLOWER), store.cell(labels.BASE))
+    coarse, fine = (
+        max((abs(d) for d in column if not math.isnan(d)), default=None)
+        for column in list(zip(*isotropic_differences(store), strict=True))[1:]
+    )
+    hemisphere = BENCHMARKS[-1]
+    quantity = list(hemisphere.quantities)[-1]
+    reference = store.reference(hemisphere.scene, quantity, "read", load_fraction=1.0)["value"]
+    goal = limit(store, hemisphere, quantity, 1.0)
+    off = None if goal is None else goal / reference - 1.0
+    return prose(f"""## Known limitations
+
+- The origin of the plane's travel in the paper is not known. Counted from first touch, at {labels.DELTA:g} mm the
+  centre pressure is {fixed(c.centre, 3)} MPa (printed: {fixed(c.printed_centre, 3)}), but {c.outside} of the
+  {c.printed_nodes} printed nodes are not in contact.
+- The paper's mesh is coarse: halving its elements changes the force by {percent(mesh)}. Its dead load is a model; a
+  pressure that follows the wall changes the force by {percent(follower)}.
+- Against three-dimensional solids the force of the isotropic tyre is off by up to {percent(coarse, sign=False)} on
+  the mesh of the paper and by up to {percent(fine, sign=False)} on the finer one.
+- The extrapolated {hemisphere.quantities[quantity].partition(" [")[0]} of the hemisphere is {percent(off)} from the
+  published value.
+- {_locking(store)}
+- These pages cover one shell element in static equilibrium, and a rigid, frictionless plane as the only obstacle. Times
+  are single runs.""")
+
+
+def _locking(store: Store) -> str:
+    shell, thinness, n, ratio = worst_energy(store)
+    return (
+        f"Coarse meshes of very thin doubly curved shells that bend freely [still lock](locking.md): of the energy of "
+        f"the {shell} with free ends at h/R = {thinness:g}, {n} x {n} elements find {percent(ratio, 0, False)}."
+    )
+
+
+def _machine(store: Store) -> str:
+    """Versions and times, skipped by comparisons."""
+    made = [cell.result["provenance"] for cell in store.cells.values()]
+    total = sum(cell.result["timing_s"].get("total", 0.0) for cell in store.cells.values())
+    packages = dict.fromkeys(f"{name} {version}" for p in made for name, version in p["packages"].items())
+    machines = dict.fromkeys(", ".join(f"{key} {value}" for key, value in p["machine"].items()) for p in made)
+    rows = [
+        ["footprint", ", ".join(dict.fromkeys(p["version"] for p in made))],
+        ["commit", ", ".join(dict.fromkeys(p["commit"] for p in made))],
+        ["packages", ", ".join(packages)],
+        ["machine", "; ".join(machines)],
+        ["time to solve all cells [s]", digits(total, 3)],
+    ]
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], rows, words=2))

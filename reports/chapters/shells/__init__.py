@@ -1,0 +1,1 @@
+"""Pages of shells without contact: benchmarks, convergence, measures, rigid motions, locking."""

@@ -1,0 +1,64 @@
+"""Section of the benchmarks page: what plain and mixed Newton need to reach the full load of the hemisphere."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from reports import labels
+from reports.markdown import Part, commands, fixed, machine, prose, scientific, table
+from reports.tables import CUT, Cell, Store
+
+
+def newton_part(store: Store) -> Part:
+    """Mixed Newton in one step, plain Newton in one and in twenty."""
+    mixed, plain, twenty = (
+        store.cell(label) for label in (labels.ONE_STEP_MIXED, labels.ONE_STEP_PLAIN, labels.TWENTY_STEPS_PLAIN)
+    )
+    answer = mixed.value("inward_mm", load_fraction=1.0)
+    header = ["cell", "Newton", "load steps asked for", "taken", "rejected", "Newton iterations"]
+    header.append("inward displacement against mixed")
+    steady: list[list[str]] = []
+    unsteady: list[list[str]] = []
+    for cell in (mixed, twenty, plain):
+        (unsteady if cell.cuts() else steady).append(_row(cell, answer))
+    text = prose(f"""## Load steps of Newton's method
+
+The hemisphere's whole load on the coarsest mesh. Mixed Newton keeps the stress resultants of the last linear step in
+the tangent; equations and answer are those of plain Newton. {_one_step(plain)}""")
+    parts = [text]
+    if steady:
+        parts.append(table("Newton iterations to the full load, every step taken as asked", header, steady, words=2))
+    if unsteady:
+        note = "How many iterations a rejected step takes is decided by rounding, and so by the machine."
+        counts = table("Newton iterations to the full load, with rejected steps", header, unsteady, words=2)
+        parts.append(machine("\n\n".join([note, counts, _attempts(plain)])))
+    return Part("\n\n".join([*parts, commands(cell.command for cell in (mixed, twenty, plain))]))
+
+
+def _row(cell: Cell, answer: float) -> list[str]:
+    result, at = cell.result, {"load_fraction": 1.0}
+    row = [cell.label, result["newton"], str(result["settings"]["steps"]), fixed(cell.value("substeps", **at), 0)]
+    row += [str(len(cell.cuts())), str(result["counters"]["newton_iterations"])]
+    return [*row, scientific(cell.value("inward_mm", **at) / answer - 1.0)]
+
+
+def _one_step(plain: Cell) -> str:
+    """What became of the whole load in one plain step."""
+    if not plain.converged:
+        return f"Plain Newton, asked to take it in one step, fails even with smaller steps: {plain.result['reason']}."
+    if not plain.cuts():
+        return "Plain Newton takes it in one step, too."
+    return "Plain Newton does not reach it in one step: the attempt is rejected, and the step is cut until it goes on."
+
+
+def _attempts(cell: Cell) -> str:
+    """Every attempt of a path, as its history tells."""
+    history = cell.table("history")
+    number = (history["iteration"] == 0).cumsum()
+    rows = []
+    for _, attempt in history.groupby(number):
+        last = attempt.iloc[-1]
+        event = last.get("event")
+        said = "taken" if pd.isna(event) or CUT not in str(event) else str(event)
+        rows.append([f"{last['parameter']:g}", str(len(attempt) - 1), said])
+    return table(f"Attempts of the cell `{cell.label}`", ["load fraction tried", "iterations", "outcome"], rows)

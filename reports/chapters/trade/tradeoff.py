@@ -1,0 +1,242 @@
+"""The page of the trade: what accuracy costs, who wins how often, which axis explains it, and what is suspicious."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+
+from reports.chapters.trade import figures_tradeoff
+from reports.markdown import (
+    NOTHING,
+    Part,
+    commands,
+    fixed,
+    folded,
+    joined,
+    machine,
+    percent,
+    picture,
+    prose,
+    scientific,
+    table,
+)
+from reports.navigation import links
+from reports.tables import Store
+
+NEEDED = ("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "attribution")
+COST = "flops"  # the same on every machine
+PRECISION, PROFILES, SHARES = "tradeoff-precision.svg", "tradeoff-profiles.svg", "tradeoff-shares.svg"
+LARGEST = {"mesh": "mesh", "solver": "solver", "formulation": "formulation", "reference": "reference"}
+FEW = 12  # rows of a family's front
+
+
+def tradeoff_page(store: Store) -> Part:
+    """The whole page."""
+    introduction = prose(f"""# What accuracy costs
+
+{_links(store)}
+
+Every cell of the campaign `{store.campaign}` is verified: against the scene's reference where one holds for its
+settings, else against the limit of a ladder of meshes by the exact measure, so that what a measure loses is an error.
+Costs are floating-point operations of the factorisations, the same on every machine; what a quadratic programme or
+pivots take beside them is in the wall times only.""")
+    parts = (_split, _fronts, _families, _profiles, _attribution, _flags)
+    return joined([Part(introduction), *(part(store) for part in parts)])
+
+
+def _links(store: Store) -> str:
+    return links("tradeoff.md") if store.pages == "all" else "[The campaign](index.md)"
+
+
+def _split(store: Store) -> Part:
+    """Whose error it is, per scene."""
+    fronts, split = store.analysis("fronts"), store.analysis("verified")
+    own = split.merge(fronts[["label", "quantity"]], on=["label", "quantity"])
+    rows = []
+    for scene, cells in own.groupby("scene", sort=False):
+        referred = cells["against"].str.startswith("reference").sum()
+        counts = cells["largest"].value_counts()
+        asymptotic = cells["asymptotic"].astype(bool).sum()
+        numbers = [len(cells), referred, asymptotic, *(counts.get(name, 0) for name in LARGEST)]
+        rows.append([f"`{scene}`", f"`{cells['quantity'].iloc[0]}`", *map(str, numbers)])
+    text = prose("""## Whose error it is
+
+The error of a cell has four parts: what its mesh leaves (Richardson on its own ladder), what its solver leaves
+(against the tightest tolerance), what its formulation loses (limit against reference), and what the reference is
+uncertain by. The table counts which one is the largest; *asymptotic*: two successive observed orders agree.""")
+    header = ["scene", "quantity", "answers", "with a reference", "asymptotic", *LARGEST.values()]
+    return Part(f"{text}\n\n{table('Largest part of the error', header, rows, words=2)}")
+
+
+def _fronts(store: Store) -> Part:
+    """Fronts per scene, drawn and listed."""
+    data = store.analysis("fronts")
+    data = data[data["main"].astype(bool)]
+    front = data[data[f"front.{COST}"].astype(bool)].sort_values(["scene", f"cost.{COST}"], kind="stable")
+    wrong = int((data["flag"] == "wrong").sum())
+    rows = [
+        [
+            f"`{row['scene']}`",
+            f"`{row['measure']}`",
+            f"`{row['contact']}`",
+            row["mesh"],
+            scientific(row["tolerance"], 0),
+            percent(row["error"], 3, sign=False),
+            percent(row["uncertainty"], 3, sign=False),
+            scientific(row[f"cost.{COST}"]),
+        ]
+        for row in front.to_dict("records")
+    ]
+    text = prose(f"""## Cost against verified error
+
+Cells compete that were asked the same question; shown is the one that each scene was asked most often. Of {len(data)}
+planned cells {len(front)} are on the front of their scene: nobody is both cheaper and more accurate. An
+error below what the reference is uncertain by (the grey band) counts as that. {wrong} answers are wrong by more than
+{percent(figures_tradeoff.WORST, 0, sign=False)}, or rest on a formulation that is: however cheap, they are on no
+front.""")
+    header = ["scene", "measure", "contact", "mesh", "tolerance", "error", "reference known to", COST]
+    listed = folded("The fronts as a table", table("Fronts per scene", header, rows, words=3))
+    shown = picture(PRECISION, "Verified error over cost, by scene")
+    reproduce = commands(front["command"])
+    return Part(
+        f"{text}\n\n{shown}\n\n{listed}\n\n{reproduce}", {PRECISION: figures_tradeoff.work_precision(data, COST)}
+    )
+
+
+def _families(store: Store) -> Part:
+    """Fronts over all scenes of a family."""
+    data = store.analysis("family_fronts")
+    front = data[data[f"front.{COST}"].astype(bool)].sort_values(["family", f"cost.{COST}"], kind="stable")
+    front = front.groupby("family", sort=False).head(FEW)
+    names = [name for name in ("measure", "contact", "newton", "element") if name in front]
+    rows = [
+        [
+            row["family"],
+            str(row["scenes"]),
+            *(f"`{row[name]}`" if row[name] else NOTHING for name in names),
+            f"{int(row['rung']) + 1}",
+            percent(row["error"], 3, sign=False),
+            fixed(row[f"cost.{COST}"], 1),
+        ]
+        for row in front.to_dict("records")
+    ]
+    text = prose("""## Fronts of families
+
+Configurations that have solved all scenes of a family, none wrongly: geometric means over its scenes of the error and
+of the cost, the latter over the cheapest cell of each scene. *Mesh*: 1 is the coarsest of each scene.""")
+    header = ["family", "scenes", *names, "mesh", "error", "cost"]
+    return Part(f"{text}\n\n{table('Fronts per family', header, rows, words=2 + len(names))}")
+
+
+def _profiles(store: Store) -> Part:
+    """Profiles, pairs, flips."""
+    data = store.analysis("profiles")
+    pairs, flips = (store.analysis(name) for name in ("pairs", "flips"))
+    if data.empty:
+        return Part("## Who wins how often\n\nNo axis of this campaign has two competitors.")
+    rows = [_pair(row) for row in pairs[pairs["cost"] == COST].to_dict("records")]
+    checked = flips[flips["cost"] == COST]
+    lines = []
+    for axis, each in checked.groupby("axis", sort=False):
+        whole = each[each["removed"] == ""]["ranking"].iloc[0]
+        turned = each[each["flips"] != ""]
+        found = "; ".join(f"without `{row['removed']}`: {row['flips']}" for row in turned.to_dict("records"))
+        verdict = f"it is not stable, {found} change places" if found else "removing any one turns no pair"
+        lines.append(f"- {axis}: {whole}; {verdict}.")
+    text = prose("""## Who wins how often
+
+For how many problems is each within a factor of the best? Contact algorithms and Newton iterations solve the same
+problem; measures and elements are compared by the least cost to reach an error. A failure, or a wrong answer, is
+infinitely dear. A profile depends on the whole field, so pairs are compared alone, too, and the ranking (by the share
+within twice the best) is repeated without each competitor.""")
+    header = ["axis", "a", "b", "problems", "a cheaper", "b cheaper", "median of b over a [95 %]"]
+    body = table(f"Pairs, {COST}", header, rows, words=3)
+    timed = [_pair(row) for row in pairs[pairs["cost"] == "seconds"].to_dict("records")]
+    if timed:
+        body += "\n\n" + machine(folded("Pairs by wall time", table("Pairs, seconds", header, timed, words=3)))
+    shown = picture(PROFILES, "Share of problems within a factor of the best")
+    return Part("\n\n".join([text, "\n".join(lines), shown, body]), {PROFILES: figures_tradeoff.profiles(data, COST)})
+
+
+def _pair(row: dict) -> list[str]:
+    ratio = f"{fixed(row['ratio'], 2)} [{fixed(row['ratio_low'], 2)}, {fixed(row['ratio_high'], 2)}]"
+    counts = (str(row[name]) for name in ("problems", "a_better", "b_better"))
+    return [row["axis"], f"`{row['a']}`", f"`{row['b']}`", *counts, ratio]
+
+
+def _attribution(store: Store) -> Part:
+    """Which axis explains what."""
+    data = store.analysis("attribution")
+    if data.empty:
+        return Part("## Which axis explains it\n\nToo few cells of any scene differ.")
+    said = []
+    for response, words in (("error", "the error"), (COST, f"the {COST}")):
+        own = data[(data["response"] == response) & ~data["factor"].isin(("interactions", "rest"))]
+        best = own.loc[own.groupby(["scope", "name"], sort=False)["share"].idxmax()]
+        counts = best["factor"].value_counts()
+        top = best.sort_values("share", ascending=False).iloc[0]
+        said.append(
+            f"Of {words}, the {counts.index[0]} explains the most in {counts.iloc[0]} of {len(best)} scenes and "
+            f"families (in `{top['name']}` {top['factor']} alone {_interval(top)})."
+        )
+    rows = []
+    for (_, name), own in data[data["response"].isin(("error", COST))].groupby(["scope", "name"], sort=False):
+        for of, each in own.groupby("response", sort=False):
+            shown = [f"{row['factor']} {_interval(row)}" for row in each.to_dict("records") if row["share"] >= 0.005]
+            rows.append([f"`{name}`", str(of), str(each["cells"].iloc[0]), ", ".join(shown)])
+    text = prose(f"""## Which axis explains it
+
+Shares of the variance of the logarithm of error and cost (type II, with 95 % bootstrap intervals). {" ".join(said)}""")
+    listed = table("Shares of the variance", ["scene or family", "of", "cells", "explained by"], rows, words=4)
+    shown_picture = picture(SHARES, "Shares of the variance by axis")
+    return Part(
+        f"{text}\n\n{shown_picture}\n\n{folded('The shares as a table', listed)}",
+        {SHARES: figures_tradeoff.attribution(data, ("error", COST))},
+    )
+
+
+def _interval(row: pd.Series | dict) -> str:
+    return f"{100 * row['share']:.0f} % [{100 * row['low']:.0f}, {100 * row['high']:.0f}]"
+
+
+def _flags(store: Store) -> Part:
+    """What is suspicious."""
+    data = store.analysis("flags")
+    own = [data[data["flag"] != "wall"], data[data["flag"] == "wall"]]
+    text = prose("""## What is suspicious
+
+A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early. An error that
+stands still while the mesh goes on converging has met a wall: digits of the reference, its uncertainty, or the
+formulation itself.""")
+    inert = [
+        [f"`{row['scene']}`", row["subject"], f"{row['cases']} of {row['of']}", _count(row["size"]), row["cause"]]
+        for row in own[0].to_dict("records")
+    ]
+    lost = own[1]["cause"].eq("formulation") & ~own[1]["subject"].str.endswith(" by exact")
+    walls, losses = ([_wall(row) for row in each.to_dict("records")] for each in (own[1][~lost], own[1][lost]))
+    header = ["scene", "algorithm", "without effect", "most iterations", "cause"]
+    parts = [text]
+    parts.append(
+        table("Tolerances without effect", header, inert, words=2)
+        if inert
+        else "Every tolerance has an effect somewhere."
+    )
+    if walls:
+        parts.append(table("Walls", WALL, walls, words=2))
+    if losses:
+        shown = table("Walls of measures that approximate", WALL, losses, words=2)
+        parts.append(folded("What other measures than the exact one lose on scenes with a reference", shown))
+    return Part("\n\n".join(parts))
+
+
+WALL = ["scene", "quantity", "wall", "cause", "finest cell"]
+
+
+def _wall(row: dict) -> list[str]:
+    size = percent(row["size"], 3, sign=False)
+    return [f"`{row['scene']}`", row["subject"], size, row["cause"], f"`{row['label']}`"]
+
+
+def _count(value: float) -> str:
+    return "–" if math.isnan(value) else str(int(value))

@@ -1,0 +1,1 @@
+"""The page of the tyre: its sections, the paper's printed table, its pictures."""

@@ -1,0 +1,70 @@
+"""The pictures of one solved request, as drawn by ``footprint solve --plot``.
+
+Which pictures a scene has is decided here; how they look, in figures_tyre and figures_benchmarks.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from reports.chapters.shells import figures_benchmarks
+from reports.chapters.tyre import figures as figures_tyre
+from reports.files import write_texts
+from reports.maps import along_meridian, at_delta, deltas, pressure_map
+from reports.tables import TYRES, Cell, load_cell
+
+BOOKKEEPING = {
+    *("newton_iterations", "factorisations", "assemblies", "flops", "set_changes", "substeps", "limit_point"),
+    *("kkt", "balances", "failures", "diagnosis", "rounding"),
+}
+
+
+def draw_result(directory: Path) -> list[Path]:
+    """Draw what ``directory`` holds into its folder ``figures``; raises StoreError when there is no result."""
+    cell = load_cell(directory, directory.name)
+    if not cell.steps:
+        return []
+    pictures = tyre_pictures(cell) if cell.scene in TYRES else {"load-displacement.svg": _load_displacement(cell)}
+    return write_texts(directory / "figures", pictures)
+
+
+def tyre_pictures(cell: Cell) -> dict[str, str]:
+    """Load-deflection, pressure along psi, pressure map at the last travel, profiles."""
+    contact, profile = cell.table("contact"), cell.table("profile")
+    reached = deltas(contact)
+    forces = [step["force_N"] for step in cell.steps]
+    shown = reached[-4:]
+    curves = {f"Δ = {delta:g} mm": along_meridian(at_delta(contact, delta)) for delta in shown}
+    last = pressure_map(at_delta(contact, reached[-1]))
+    return {
+        "load-deflection.svg": figures_tyre.load_deflection({cell.result["measure"]: (reached, forces)}),
+        "pressure-psi.svg": figures_tyre.pressure_along_psi({"φ = 0": curves}),
+        "pressure-map.svg": figures_tyre.pressure_map(last, mm_per_degree(profile)),
+        "profiles.svg": figures_tyre.profiles(profile, shown),
+    }
+
+
+def mm_per_degree(profile: pd.DataFrame) -> tuple[float, float]:
+    """Lengths [mm] of a degree of psi and of phi on the inflated outer face at the crown."""
+    inflated = profile[profile["state"] == "inflated"]
+    psi = inflated["psi_deg"].to_numpy(dtype=float)
+    radial, axial = (inflated[f"outer_{name}_mm"].to_numpy(dtype=float) for name in ("radial", "axial"))
+    crown = int(np.argmin(np.abs(psi)))
+    near = slice(crown - 1, crown + 2)
+    along_psi = np.sum(np.hypot(np.diff(radial[near]), np.diff(axial[near]))) / np.ptp(psi[near])
+    return float(along_psi), float(np.deg2rad(radial[crown]))
+
+
+def _load_displacement(cell: Cell) -> str:
+    steps = pd.DataFrame(cell.steps)
+    columns = [str(name) for name in steps if name not in BOOKKEEPING | {"load_fraction"}]
+    return figures_benchmarks.load_displacement({cell.scene: steps}, {name: _words(name) for name in columns})
+
+
+def _words(quantity: str) -> str:
+    """tip_deflection_mm -> tip deflection [mm]."""
+    name, _, unit = quantity.rpartition("_")
+    return f"{name.replace('_', ' ')} [{unit}]"

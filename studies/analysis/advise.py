@@ -1,0 +1,221 @@
+"""Which configuration is good enough, and what is the cheapest? From the cells of a scene whose errors are verified.
+
+A configuration qualifies when the upper confidence bound of its error, the verified error and what its reference is
+uncertain by, meets the tolerance. Where its formulation alone is further off than the cell, two errors cancel by
+chance: then the formulation's counts, and one that is wrong in any quantity of the scene is not advised for another.
+Nothing is extrapolated: what no cell has shown is not advised.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.fronts import COSTS, WRONG
+from studies.analysis.rows import parsed, without
+from studies.analysis.verify import CHOICES, REFERENCE, headline
+from studies.scene import UsageError
+
+CONFIGURATION = ("measure", "contact", "newton", "element")  # two cells that differ in one of them are two ways
+COST = "flops"  # the same on every machine
+STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
+TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)  # of the table
+COVER = 0.9  # of the interval of the seconds
+ADVICE_COLUMNS = (
+    *("scene", "quantity", "against", "tolerance", "cells", "label", "configuration", "bound"),
+    *("cost", "seconds_low", "seconds", "seconds_high", "runner_up", "runner_up_ratio", "next_ratio", "command"),
+)
+
+
+@dataclass(frozen=True)
+class Question:
+    """Cells of one scene that answer the same question, verified against the same value.
+
+    cells: rows of the table with value, error (no less than the formulation's), uncertainty, bound, and ``cost.NAME``,
+    sorted by cost.
+    """
+
+    scene: str
+    asked: str
+    quantity: str
+    against: str
+    cells: pd.DataFrame
+
+
+@dataclass(frozen=True)
+class Advice:
+    """The cheapest cell that qualifies, the next configuration, the next tolerance; None where there is none.
+
+    best, runner_up, next_best: rows of the question's cells. nearest: the cell with the smallest bound.
+    """
+
+    question: Question
+    tolerance: float
+    best: Mapping[str, Any] | None
+    runner_up: Mapping[str, Any] | None
+    next_step: float
+    next_best: Mapping[str, Any] | None
+    nearest: Mapping[str, Any]
+
+
+def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity: str, cost: str) -> list[Question]:
+    """What a scene was asked, each with its cells, the best answered first.
+
+    Cells with a reference come before cells with a limit: where some have one, the others have solved another problem.
+    """
+    own = verified[(verified["scene"] == scene) & (verified["quantity"] == quantity) & verified["error"].notna()]
+    beyond = verified.groupby("label")["formulation_error"].max()
+    own = own[~(own["label"].map(beyond) > WRONG)]
+    own = own.assign(error=own[["error", "formulation_error"]].max(axis=1))
+    facts = own.set_index("label")[["value", "error", "uncertainty", "against", "reference"]]
+    cells = table[(table["scene"] == scene) & (table["outcome"] == "converged")].join(facts, on="label", how="inner")
+    cells = cells.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
+    if cells.empty:
+        return []
+    cells["bound"] = cells["error"] + cells["uncertainty"]
+    cells = cells[cells[f"cost.{cost}"].notna()].sort_values(f"cost.{cost}", kind="stable")
+    asked = cells["command"].map(lambda command: without(command, *CHOICES))
+    found = []
+    for words, rows in cells.groupby(asked, sort=False):
+        referred = rows["against"].str.startswith(REFERENCE)
+        answered = rows[referred] if referred.any() else rows
+        for against, same in answered.groupby("against", sort=False):
+            found.append(Question(scene, str(words), quantity, str(against), same.reset_index(drop=True)))
+    return sorted(found, key=lambda question: -len(question.cells))
+
+
+def asked_question(
+    table: pd.DataFrame,
+    verified: pd.DataFrame,
+    scene: str,
+    quantity: str | None = None,
+    settings: Mapping[str, str] | None = None,
+    cost: str = COST,
+) -> Question:
+    """The question that is meant: the largest one with these settings. Raises UsageError when there is none."""
+    known = sorted(set(table["scene"]))
+    if scene not in known:
+        raise UsageError(f"scene {scene!r} is not in this campaign; it has {', '.join(known)}")
+    if COSTS.get(cost) not in table:
+        raise UsageError(f"cost {cost!r} must be one of {', '.join(k for k, v in COSTS.items() if v in table)}")
+    name = quantity or headline(table, scene) or ""
+    there = sorted(set(verified["quantity"][(verified["scene"] == scene) & verified["error"].notna()]))
+    if name not in there:
+        raise UsageError(f"{scene} has no verified quantity {name!r}; it has {', '.join(there) or 'none'}")
+    found = questions(table, verified, scene, name, cost)
+    wanted = dict(settings or {})
+    for question in found:
+        if wanted.items() <= parsed(question.asked)[2].items():
+            return question
+    has = "; ".join(question.asked.removeprefix(f"footprint solve {scene}").strip() or "defaults" for question in found)
+    raise UsageError(f"{scene} was not solved with {wanted}; it was with: {has}")
+
+
+def advise(question: Question, tolerance: float, cost: str = COST) -> Advice:
+    """The advice for a relative error."""
+    cells = question.cells
+    best = _cheapest(cells, tolerance)
+    runner_up = next_best = None
+    step = next((each for each in STEPS if each < 0.999 * tolerance), math.nan)
+    if best is not None:
+        ways = _ways(cells)
+        other = cells[ways != ways[cells["label"] == best["label"]].iloc[0]]
+        runner_up = _cheapest(other, tolerance)
+        next_best = _cheapest(cells, step)
+    nearest = _cheapest(cells.sort_values("bound", kind="stable"), math.inf)
+    assert nearest is not None
+    return Advice(question, tolerance, best, runner_up, step, next_best, nearest)
+
+
+def _ways(cells: pd.DataFrame) -> pd.Series:
+    return cells[[name for name in CONFIGURATION if name in cells]].astype(str).agg(" ".join, axis=1)
+
+
+def _cheapest(cells: pd.DataFrame, tolerance: float) -> dict[str, Any] | None:
+    """The first cell, in the order of cost, whose bound meets the tolerance."""
+    good = cells[cells["bound"] <= tolerance]
+    return None if good.empty else {str(key): value for key, value in good.iloc[0].to_dict().items()}
+
+
+def seconds_interval(question: Question, cell: Mapping[str, Any]) -> tuple[float, float, float]:
+    """Seconds that a cell takes, and between what: its flops by the machine's law, with the spread of all its cells.
+
+    log seconds = a + b log flops over the cells of the scene; NaN when there are less than three.
+    """
+    cells = question.cells
+    if not {"cost.flops", "cost.seconds"} <= set(cells):
+        return math.nan, math.nan, math.nan
+    timed = cells[(cells["cost.flops"] > 0) & (cells["cost.seconds"] > 0)]
+    if len(timed) < 3 or timed["cost.flops"].nunique() < 2:
+        return math.nan, math.nan, math.nan
+    x, y = np.log(timed["cost.flops"].to_numpy(float)), np.log(timed["cost.seconds"].to_numpy(float))
+    law = np.polyfit(x, y, 1)
+    at = float(np.polyval(law, math.log(cell["cost.flops"])))
+    low, high = np.quantile(y - np.polyval(law, x), [(1 - COVER) / 2, (1 + COVER) / 2])
+    return math.exp(at + low), math.exp(at), math.exp(at + high)
+
+
+def advice_table(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> pd.DataFrame:
+    """The advice for every scene, its largest question and headline, at each of TARGETS; empty where none qualifies."""
+    rows = []
+    for scene in dict.fromkeys(table["scene"]):
+        found = questions(table, verified, scene, headline(table, scene) or "", cost)
+        for target in TARGETS if found else ():
+            rows.append(_advice_row(advise(found[0], target, cost), cost))
+    return pd.DataFrame(rows, columns=list(ADVICE_COLUMNS))
+
+
+def _advice_row(advice: Advice, cost: str) -> list[object]:
+    question, best = advice.question, advice.best
+    named = [question.scene, question.quantity, question.against, advice.tolerance, len(question.cells)]
+    if best is None:
+        return [*named, "", "", advice.nearest["bound"], *[math.nan] * 4, "", math.nan, math.nan, ""]
+    seconds = seconds_interval(question, best)
+    price = best[f"cost.{cost}"]
+    ratios = [
+        math.nan if other is None else other[f"cost.{cost}"] / price for other in (advice.runner_up, advice.next_best)
+    ]
+    runner_up = "" if advice.runner_up is None else _named(advice.runner_up)
+    numbers = [best["bound"], price, *seconds]
+    return [*named, best["label"], _named(best), *numbers, runner_up, *ratios, best["command"]]
+
+
+def lines(advice: Advice, cost: str = COST) -> Iterator[str]:
+    """The advice for a terminal."""
+    question = advice.question
+    asked = f"{question.scene}, {question.quantity} within {advice.tolerance:.3g} of {question.against}"
+    if advice.best is None:
+        near = advice.nearest
+        yield f"{asked}: none qualifies of {len(question.cells)} cells"
+        yield f"nearest: error at most {100 * near['bound']:.3g} %, {_named(near)}"
+        yield f"  {near['command']}"
+        return
+    low, at, high = seconds_interval(question, advice.best)
+    price = advice.best[f"cost.{cost}"]
+    yield asked
+    yield f"cheapest: {_named(advice.best)}: error at most {100 * advice.best['bound']:.3g} %"
+    yield f"  {advice.best['command']}"
+    yield f"  {price:.4g} {cost}, about {at:.2g} s on this machine, in [{low:.2g}, {high:.2g}] s"
+    if advice.runner_up is None:
+        yield "runner-up: no other configuration qualifies"
+    else:
+        ratio = advice.runner_up[f"cost.{cost}"] / price
+        yield f"runner-up: {_named(advice.runner_up)}: {ratio:.3g} times the {cost}"
+    if math.isnan(advice.next_step):
+        return
+    if advice.next_best is None:
+        yield f"next step, {100 * advice.next_step:g} %: none qualifies"
+    else:
+        ratio = advice.next_best[f"cost.{cost}"] / price
+        yield f"next step, {100 * advice.next_step:g} %: {_named(advice.next_best)}: {ratio:.3g} times the {cost}"
+
+
+def _named(cell: Mapping[str, Any]) -> str:
+    words = [str(cell[name]) for name in CONFIGURATION if name in cell and not pd.isna(cell[name]) and cell[name] != ""]
+    tolerance = f", tolerance {float(cell['tolerance']):g}" if not pd.isna(cell.get("tolerance", math.nan)) else ""
+    return " ".join([*words, str(cell["mesh"])]) + tolerance

@@ -1,0 +1,103 @@
+"""A campaign of a store as one table: a row for each planned cell, whatever became of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from studies.scene import UsageError
+from studies.scenes.element import PRESETS
+from studies.solve import UNSUPPORTED
+from studies.store.layout import Archive, DamagedError
+
+MISSING = "missing"
+OPTIONS = ("measure", "contact", "newton", "model")
+SETTINGS = ("section", "load", "epsilon", "tolerance")
+COLUMNS = (
+    *("label", "id", "scene", "measure", "contact", "newton", "mesh", "n1", "n2", "model"),
+    *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason", "command"),
+)
+NOT_READ = ("rounding", "substeps", "limit_point")  # of a step: how it was got
+NUMBERS = ("epsilon", "tolerance")
+
+
+def collect(store: Path, campaign: str) -> pd.DataFrame:
+    """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, t.<time in s>, k.<residual of the judge>.
+
+    outcome: a class of :data:`studies.solve.CLASSES`, or "missing".  q: headline quantities and the numbers of the last
+    step.  Empty text, or NaN, where a scene has no such thing. Raises UsageError when the store has no such campaign,
+    or a record that cannot be read.
+    """
+    archive = Archive(Path(store))
+    rows = [_row(archive, planned) for planned in archive.index(campaign)["cells"]]
+    table = pd.DataFrame(rows)
+    more = [name for kind in "qctk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
+    table = table.reindex(columns=[*COLUMNS, *more])
+    for name in NUMBERS:
+        table[name] = pd.to_numeric(table[name], errors="coerce")
+    return table
+
+
+def _row(archive: Archive, planned: Mapping[str, Any]) -> dict[str, Any]:
+    row = {**_asked(planned), "reason": planned["reason"]}
+    if planned["id"] is None:
+        return {**row, "outcome": UNSUPPORTED}
+    try:
+        found = archive.record(planned["id"])
+    except DamagedError as error:
+        raise UsageError(f"{error}; footprint run sets it aside and solves it again") from None
+    if found is None:
+        failure = archive.failure(planned["id"]) or {"class": MISSING, "reason": ""}
+        return {**row, "outcome": failure["class"], "reason": failure["reason"]}
+    last = found["steps"][-1] if found["steps"] else {}
+    numbers = {
+        key: value for key, value in last.items() if _is_number(value) and key not in (*found["counters"], *NOT_READ)
+    }
+    return {
+        **row,
+        **{"outcome": found["class"], "reason": found["reason"]},
+        **{f"q.{key}": _number(value) for key, value in {**numbers, **found["quantities"]}.items()},
+        **{f"c.{key}": value for key, value in found["counters"].items()},
+        "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
+        **{f"t.{key}": value for key, value in found["timing_s"].items()},
+        **{f"k.{key}": _number(value) for key, value in last.get("kkt", {}).items()},
+    }
+
+
+def _asked(planned: Mapping[str, Any]) -> dict[str, Any]:
+    """What was asked for: the resolved request, or as much of it as was given."""
+    request = planned["request"]
+    if request is None:
+        given = {"measure": "exact", "contact": "semismooth", "newton": "mixed", **planned["options"]}
+        n1, _, n2 = str(given.get("mesh", "")).partition("x")
+        request = {**given, "mesh": [int(n1), int(n2)] if n1 and n2 else [], "settings": planned["settings"]}
+    settings, mesh = request["settings"], request["mesh"]
+    return {
+        **{key: planned[key] for key in ("label", "scene", "command")},
+        "id": planned["id"] or "",
+        **{key: request.get(key, "") for key in OPTIONS},
+        "mesh": "x".join(map(str, mesh)),
+        **dict(zip(("n1", "n2"), mesh, strict=False)),
+        "element": _element(settings),
+        **{key: settings.get(key, "") for key in SETTINGS},
+    }
+
+
+def _element(settings: Mapping[str, Any]) -> str:
+    """The name of the three options of the element, if they have one."""
+    if "element" in settings:
+        return str(settings["element"])
+    names = (name for name, preset in PRESETS.items() if all(settings.get(k) == v for k, v in preset.items()))
+    return next(names, "")
+
+
+def _is_number(value: object) -> bool:
+    return (isinstance(value, int | float) and not isinstance(value, bool)) or value in ("inf", "-inf", None)
+
+
+def _number(value: Any) -> float:
+    return math.nan if value is None else float(value)

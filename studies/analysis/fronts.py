@@ -1,0 +1,127 @@
+"""What accuracy costs: fronts of cost against verified error, per scene and per family of scenes.
+
+An error below what the reference is uncertain by counts as that uncertainty: nobody is better than what is known. An
+answer that is off by more than WRONG beyond it is wrong, however fast: it is flagged and on no front. So is one whose
+formulation is that far off in any quantity of the scene: on a coarse mesh two errors may cancel.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.verify import CLAIMED, family_of, headline, main_questions, questions
+
+WRONG = 0.1  # relative error from which an answer is none
+SAME = 0.01  # errors that differ by less of themselves are one: what is left is the solver's noise
+COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.total"}
+NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
+SCENE_COLUMNS = (
+    "label",
+    "scene",
+    "family",
+    "main",
+    *NAMES,
+    "mesh",
+    "outcome",
+    "quantity",
+    "error",
+    "uncertainty",
+    "against",
+)
+
+
+def on_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
+    """Who is on the front (n,): nobody else has both at most as much cost and error, and less of one; NaN never is.
+
+    Errors that differ by less than SAME of themselves count as equal; of equals the first one is.
+    """
+    front = np.zeros(len(cost), bool)
+    best = np.inf
+    for i in np.lexsort((error, cost)):
+        if np.isfinite(cost[i]) and error[i] < (1 - SAME) * best:  # NaN is not below
+            # of those that cost the same, the first with this error
+            same = (cost == cost[i]) & (error * (1 - SAME) <= error[i])
+            front[np.flatnonzero(same)[0]], best = True, error[i]
+    return front
+
+
+def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
+    """One row a planned cell and its scene's headline quantity: SCENE_COLUMNS, flag, and the fronts of each cost.
+
+    Cells compete that were asked the same question; ``main`` is the one that the scene was asked most often.
+    flag: "wrong", "failed" (no answer), "unsupported", "unverified", or "".  Columns ``cost.NAME`` and ``front.NAME``.
+    """
+    named = {scene: headline(table, scene) for scene in table["scene"].unique()}
+    own = verified[verified["quantity"] == verified["scene"].map(named)]
+    facts = own.set_index("label")[["quantity", "error", "uncertainty", "against"]]
+    rows = table.join(facts, on="label")
+    rows["family"], rows["main"] = rows["scene"].map(family_of), main_questions(table)
+    asked = questions(table)
+    rows = rows.reindex(columns=[*SCENE_COLUMNS, *(column for column in COSTS.values() if column in table), "command"])
+    off = rows["label"].map(verified.groupby("label")["formulation_error"].max()).fillna(0.0)
+    rows["flag"] = [
+        _flag(str(outcome), error, max(error - uncertainty, beyond))
+        for outcome, error, uncertainty, beyond in zip(
+            rows["outcome"], rows["error"], rows["uncertainty"], off, strict=True
+        )
+    ]
+    shown = np.where(rows["flag"] == "", np.maximum(rows["error"], rows["uncertainty"]), np.nan)
+    for name, column in COSTS.items():
+        if column in rows:
+            rows[f"front.{name}"] = _fronts_of(asked, rows[column], shown)
+    return rows.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
+
+
+def _flag(outcome: str, error: float, beyond: float) -> str:
+    if outcome not in CLAIMED:
+        return "unsupported" if outcome == "unsupported" else "failed"
+    if outcome == "wrong" or beyond > WRONG:
+        return "wrong"
+    return "unverified" if np.isnan(error) else ""
+
+
+def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
+    """One row a configuration of a family, solved and not wrong on all its scenes: geometric means over the scenes.
+
+    scenes: of ``fronts``; the main question of each counts.
+    rung: 0 the coarsest mesh of each scene.  Costs are over the smallest one of the scene.
+    Columns: family, scenes, NAMES, rung, error, ``cost.NAME``, ``front.NAME``.
+    """
+    kinds = [name for name in COSTS if f"cost.{name}" in scenes]
+    good = scenes[(scenes["flag"] == "") & scenes["main"]].copy()
+    good["shown"] = np.maximum(good["error"], good["uncertainty"])
+    good["rung"] = _rungs(good)
+    for kind in kinds:
+        good[f"cost.{kind}"] /= good.groupby("scene")[f"cost.{kind}"].transform("min")
+    keys = ["family", *(name for name in NAMES if good[name].notna().any()), "rung"]
+    numbers = ["shown", *(f"cost.{kind}" for kind in kinds)]
+    logs = good.assign(**{name: np.log(good[name].astype(float)) for name in numbers})
+    # several cells of one scene with the same names (other settings) count once, so that each scene has the same weight
+    per_scene = logs.groupby([*keys, "scene"], dropna=False)[numbers].mean().reset_index()
+    means = per_scene.groupby(keys, dropna=False).agg(scenes=("scene", "nunique"), **{n: (n, "mean") for n in numbers})
+    whole = scenes.groupby("family")["scene"].nunique()
+    found = means.reset_index()
+    found = found[found["scenes"] == found["family"].map(whole)].copy()
+    found[numbers] = np.exp(found[numbers])
+    found = found.rename(columns={"shown": "error"})
+    for kind in kinds:
+        found[f"front.{kind}"] = _fronts_of(found["family"], found[f"cost.{kind}"], found["error"].to_numpy(float))
+    return found.reset_index(drop=True)
+
+
+def _fronts_of(group: pd.Series, cost: pd.Series, error: np.ndarray) -> np.ndarray:
+    """Who is on the front of its own group."""
+    names, values = group.to_numpy(), cost.to_numpy(float)
+    front = np.zeros(len(values), bool)
+    for name in group.unique():
+        own = np.flatnonzero(names == name)
+        front[own] = on_front(values[own], error[own])
+    return front
+
+
+def _rungs(cells: pd.DataFrame) -> pd.Series:
+    """The number of the mesh among those of its scene, 0 the coarsest."""
+    sides = cells["mesh"].str.split("x", expand=True).astype(float)
+    elements = sides[0] * sides[1]
+    return elements.groupby(cells["scene"]).rank(method="dense").astype(int) - 1

@@ -1,0 +1,157 @@
+"""How good is advice for a scene whose reference nobody knows? Each scene is left out once, and advised all the same.
+
+The adviser then sees values only, no reference and no mesh finer than the one it stops at: it climbs. Its estimate of
+the error of a cell is
+
+    what the mesh leaves       |v_j - v_(j-1)| / (r^2 - 1) by Richardson's law of second order, of the last two steps
+                               the larger one; three times as much where the last three meshes have no sensible order
+  + what the measure leaves    its distance from the exact measure on the second-coarsest mesh
+  + what the solver leaves     its distance from the tightest tolerance there
+
+relative to the value. How much too small such estimates are, it learns from the other scenes, whose references it does
+know: the COVER quantile of true error over estimate is the factor of safety. The cheapest cell whose estimate times
+that factor meets the tolerance is its advice; its regret is the cost of that over that of the cheapest cell that truly
+does, and its success whether the advised cell truly does.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.advise import COST, Question, questions
+from studies.analysis.richardson import FORMAL, UNSAFE, order_of
+from studies.analysis.rows import without
+from studies.analysis.verify import EXACT, headline, judged
+
+TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)
+COVER = 0.9  # quantile of true error over estimate on the other scenes
+LEAST, MOST = 5e-4, 0.3  # estimates of which the factor is learnt: below is the reference's own error, above is none
+SENSIBLE = (0.7, 4.5)  # observed orders that do not raise a doubt
+DECIDABLE = 2.0  # a tolerance below so many uncertainties of the reference decides nothing
+COLUMNS = (
+    *("scene", "quantity", "headline", "tolerance", "factor", "advised", "best", "met", "regret"),
+    *("true_error", "estimate"),
+)
+SUMMARY_COLUMNS = ("quantities", "cases", "advised", "met", "median_regret", "mean_regret", "abstained", "truly_none")
+
+
+def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> pd.DataFrame:
+    """One row a scene, quantity and tolerance that its reference can decide, with COLUMNS; empty names for none."""
+    known: list[tuple[str, str, bool, pd.DataFrame]] = []
+    for scene in dict.fromkeys(table["scene"]):
+        first = headline(table, scene)
+        for name in judged(table, scene):
+            for question in questions(table, verified, scene, name, cost)[:1]:
+                known.append((scene, name, name == first, estimated(question)))
+    ratios = [(scene, ratios_of(cells)) for scene, _, _, cells in known]
+    factors = {scene: factor_of([own for it, own in ratios if it != scene]) for scene, _ in ratios}
+    rows = [
+        [scene, name, first, *row]
+        for scene, name, first, cells in known
+        for row in _advised(cells, factors[scene], cost)
+    ]
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def summary(cases: pd.DataFrame) -> pd.DataFrame:
+    """Rates and regrets, of the headline quantities and of all; met: of the advised ones."""
+    rows: list[list[object]] = []
+    for words, own in (("headline", cases[cases["headline"].astype(bool)]), ("all", cases)):
+        given = own[own["advised"] != ""]
+        none = own["best"] == ""
+        missed = int(((own["advised"] == "") & ~none).sum())
+        met = given["met"].astype(float).mean() if len(given) else math.nan
+        regret = given["regret"].astype(float)
+        rows.append([words, len(own), len(given), met, regret.median(), regret.mean(), missed, int(none.sum())])
+    return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
+
+
+def ratios_of(cells: pd.DataFrame) -> np.ndarray:
+    """True error over estimate (n,), of those estimates that teach something."""
+    usable = cells[(cells["estimate"] >= LEAST) & (cells["estimate"] <= MOST)]
+    return np.asarray(usable["error"] / usable["estimate"], float)
+
+
+def factor_of(others: list[np.ndarray]) -> float:
+    """The factor of safety from the ratios of other questions, each with the same weight; UNSAFE without any."""
+    told = [ratios for ratios in others if len(ratios)]
+    if not told:
+        return UNSAFE
+    weights = np.concatenate([np.full(len(ratios), 1 / len(ratios)) for ratios in told])
+    return float(np.quantile(np.concatenate(told), COVER, method="inverted_cdf", weights=weights))
+
+
+def _advised(cells: pd.DataFrame, factor: float, cost: str) -> Iterator[list[object]]:
+    """From the tolerance to the estimate, for each tolerance that can be decided."""
+    uncertainty = float(cells["uncertainty"].iloc[0])
+    for target in TARGETS:
+        if target < DECIDABLE * uncertainty:
+            continue
+        offered, good = cells[factor * cells["estimate"] <= target], cells[cells["error"] <= target]
+        best = "" if good.empty else good["label"].iloc[0]
+        if offered.empty:
+            yield [target, factor, "", best, math.nan, math.nan, math.nan, math.nan]
+            continue
+        advised = offered.iloc[0]
+        regret = math.nan if good.empty else advised[f"cost.{cost}"] / good[f"cost.{cost}"].iloc[0]
+        met = float(advised["error"] <= target)
+        yield [target, factor, advised["label"], best, met, regret, advised["error"], advised["estimate"]]
+
+
+def estimated(question: Question) -> pd.DataFrame:
+    """The question's cells, in their order, with ``estimate`` of the relative error, from values only; NaN: unknown."""
+    cells = question.cells
+    refined = cells["n1"] if cells["n1"].nunique() > 1 else cells["n2"]
+    cells = cells.assign(size=1 / refined.astype(float))
+    sizes = sorted(cells["size"].unique(), reverse=True)
+    probe = cells[cells["size"] == sizes[min(1, len(sizes) - 1)]]
+    by_measure, by_tolerance = _measures(probe), _tolerances(probe)
+    mesh = {label: left for _, rows in _by_ladder(cells) for label, left in _mesh_parts(rows)}
+    way = cells["command"].map(lambda command: without(command, "mesh"))
+    estimate = cells["label"].map(mesh) + cells["measure"].map(by_measure) + way.map(by_tolerance)
+    return cells.assign(estimate=estimate)
+
+
+def _by_ladder(cells: pd.DataFrame) -> Iterator[tuple[object, pd.DataFrame]]:
+    ordered = cells.sort_values("size", ascending=False, kind="stable")
+    yield from ordered.groupby(ordered["command"].map(lambda command: without(command, "mesh")), sort=False)
+
+
+def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float]]:
+    """Label and estimate on every mesh, coarse to fine, from the meshes up to it; the coarsest asks the second one."""
+    rungs = rungs.drop_duplicates("size")
+    h, f = rungs["size"].to_numpy(float), rungs["value"].to_numpy(float)
+    for j, label in enumerate(rungs["label"] if len(h) > 1 else ()):
+        steps = [_step(h, f, i) * (h[j] / h[i]) ** FORMAL for i in range(max(1, j - 1), max(1, j) + 1)]
+        doubt = 1.0
+        if j >= 2 and not SENSIBLE[0] <= order_of(h[j - 2 : j + 1].tolist(), f[j - 2 : j + 1].tolist()) <= SENSIBLE[1]:
+            doubt = UNSAFE
+        yield str(label), doubt * max(steps) / abs(f[j]) if f[j] else math.inf
+
+
+def _step(h: np.ndarray, f: np.ndarray, i: int) -> float:
+    """Richardson's error of mesh i from the one before."""
+    return float(abs(f[i] - f[i - 1]) / ((h[i - 1] / h[i]) ** FORMAL - 1))
+
+
+def _measures(probe: pd.DataFrame) -> dict[str, float]:
+    """Relative distance of each measure from the exact one, or from the most frequent where there is none."""
+    tight = probe[probe["tolerance"].fillna(0.0) == probe["tolerance"].fillna(0.0).min()]
+    values = tight.groupby("measure")["value"].median()
+    base = EXACT if EXACT in values else str(tight["measure"].mode().iloc[0])
+    return {str(name): abs(value / values[base] - 1) for name, value in values.items() if values[base]}
+
+
+def _tolerances(probe: pd.DataFrame) -> dict[str, float]:
+    """By the command without its mesh, the relative distance from the same with the tightest tolerance."""
+    found: dict[str, float] = {}
+    key = probe["command"].map(lambda command: without(command, "mesh", "tolerance"))
+    for _, rows in probe.groupby(key, sort=False):
+        tightest = rows.sort_values("tolerance")["value"].iloc[0]
+        for command, value in zip(rows["command"], rows["value"], strict=True):
+            found[without(command, "mesh")] = abs(value / tightest - 1) if tightest else math.inf
+    return found

@@ -1,0 +1,111 @@
+"""What a table shows that nobody asked for: settings that change nothing, and errors that stop at a wall.
+
+A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early; both are said,
+the second by the number of iterations. An error that stands still while the mesh goes on converging has met a wall:
+the last digit of a printed reference, its uncertainty, or the formulation itself.
+"""
+
+from __future__ import annotations
+
+import math
+from decimal import Decimal
+
+import pandas as pd
+
+from studies.analysis.richardson import Limit
+from studies.analysis.rows import reference_rows, without
+from studies.analysis.verify import CLAIMED, limits, siblings
+
+FLAG_COLUMNS = ("flag", "scene", "subject", "cases", "of", "size", "cause", "label")
+STANDS_STILL = 0.5  # of the error of the finest mesh: so much must be the wall for the error to count as standing
+FEW_DIGITS = (4, 6)  # with so many a reference looks exact and is not; with less it is a round number
+
+
+def flags(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.DataFrame:
+    """All flags with FLAG_COLUMNS: inert settings and walls; no row when there is nothing to say."""
+    known = reference_rows(table) if references is None else references
+    parts = [inert(table, "tolerance"), walls(table, known)]
+    return pd.concat([part for part in parts if len(part)] or [pd.DataFrame(columns=list(FLAG_COLUMNS))])
+
+
+def inert(table: pd.DataFrame, setting: str) -> pd.DataFrame:
+    """Algorithms on scenes in which a setting changes nothing at all, in any group of rows that differ in it only.
+
+    subject: the contact algorithm and Newton's iteration, which should read it; cases, of: groups without any effect;
+    size: the most Newton iterations there.
+    """
+    numbers = [str(name) for name in table if str(name).startswith(("q.", "c."))]
+    groups = []
+    for rows in siblings(table[table["outcome"].isin(CLAIMED)], setting):
+        same = bool((rows[numbers].nunique(dropna=False) <= 1).all())
+        iterations = float(rows["c.newton_iterations"].max()) if "c.newton_iterations" in rows else math.nan
+        first = rows.iloc[0]
+        groups.append((first["scene"], _who(first), same, iterations, first["label"]))
+    frame = pd.DataFrame(groups, columns=["scene", "subject", "same", "iterations", "label"])
+    found = []
+    for (scene, subject), rows in frame.groupby(["scene", "subject"], sort=False):
+        if rows["same"].all():
+            most = rows["iterations"].max()
+            cause = "one iteration: nothing to stop" if most <= 1 else "not read, or never what stops"
+            found.append((f"inert {setting}", scene, subject, len(rows), len(rows), most, cause, rows["label"].iloc[0]))
+    return pd.DataFrame(found, columns=list(FLAG_COLUMNS))
+
+
+def _who(row: pd.Series) -> str:
+    return " ".join(str(row[name]) for name in ("contact", "newton") if name in row and not pd.isna(row[name]))
+
+
+def walls(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
+    """References in front of which the error of a converging ladder stands still.
+
+    size: the wall, relative: how far the limit of the ladder is from the reference.  cause: "digits" when that is no
+    more than the last printed digit is worth, "uncertainty" when it is within the stated one, else "formulation".
+    cases, of: ladders of one quantity and measure that stand, for this cause; label: the finest cell of the first one.
+    """
+    table = table[table["scene"].isin(table["scene"][table["label"].isin(references["label"])])]
+    loose = {label for rows in siblings(table, "tolerance") for label in rows["label"].iloc[1:]}
+    table = table[~table["label"].isin(loose)]  # their wall would be the solver's
+    own, _ = limits(table)
+    finest = {(without(str(row["command"]), "mesh")): row for row in _coarse_to_fine(table).to_dict("records")}
+    by_cell = {(row["label"], row["quantity"]): row for row in references.to_dict("records")}
+    found = []
+    for (command, name), limit in own.items():
+        cell = finest[command]
+        reference = by_cell.get((cell["label"], name))
+        if reference is None:
+            continue
+        target, value = float(reference["value"]), float(cell[f"q.{name}"])
+        wall, error = abs(limit.value - target), abs(value - target)
+        if limit.asymptotic and wall >= STANDS_STILL * error and wall > limit.uncertainty:
+            cause = _cause(limit, target, float(reference["uncertainty"]))
+            found.append((cell["scene"], f"{name} by {cell['measure']}", wall / abs(target), cause, cell["label"]))
+    frame = pd.DataFrame(found, columns=["scene", "subject", "size", "cause", "label"])
+    rows = [
+        ("wall", scene, subject, len(same), len(same), same["size"].median(), cause, same["label"].iloc[0])
+        for (scene, subject, cause), same in frame.groupby(["scene", "subject", "cause"], sort=False)
+    ]
+    return pd.DataFrame(rows, columns=list(FLAG_COLUMNS))
+
+
+def _coarse_to_fine(table: pd.DataFrame) -> pd.DataFrame:
+    solved = table[table["outcome"] == "converged"]
+    return solved.assign(elements=solved["n1"] * solved["n2"]).sort_values("elements", kind="stable")
+
+
+def _cause(limit: Limit, reference: float, uncertainty: float) -> str:
+    off = abs(limit.value - reference)
+    digits, last = printed(reference)
+    if FEW_DIGITS[0] <= digits <= FEW_DIGITS[1] and off <= last + limit.uncertainty:
+        return f"{digits} digits of the reference"
+    return "uncertainty of the reference" if off <= uncertainty * abs(reference) else "formulation"
+
+
+def printed(value: float) -> tuple[int, float]:
+    """Number of significant digits of a value as it is written, and half of what the last one is worth.
+
+    Zeros at the end are not known to be digits.
+    """
+    number = Decimal(repr(value)).normalize()
+    exponent = number.as_tuple().exponent
+    assert isinstance(exponent, int)
+    return len(number.as_tuple().digits), 0.5 * 10.0**exponent

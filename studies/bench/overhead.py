@@ -1,0 +1,98 @@
+"""``footprint bench --harness``: what running a cell costs beside solving it, and what reading a large store costs."""
+
+from __future__ import annotations
+
+import statistics
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from studies.analysis.collect import collect
+from studies.campaigns.cell import Cell
+from studies.campaigns.file import Campaign
+from studies.campaigns.plan import Row, identity, plan
+from studies.pool import process as worker
+from studies.pool.process import Limits, Task
+from studies.store.atomic import SCHEMA, as_text, write_json
+from studies.store.layout import Archive
+
+TRIVIAL = Cell(
+    "trivial", "cantilever", {"mesh": "1x1", "measure": "linear"}, {"load_fraction": "0.001"}, artefacts=False
+)
+SECOND = Cell("of about 1 s", "hemisphere", {"mesh": "24x24"}, artefacts=False)
+LARGE = 10_000
+
+
+@dataclass(frozen=True)
+class Cost:
+    """One row: what was done, its seconds, those of the solve inside it if any, and the bound it must keep."""
+
+    what: str
+    seconds: float
+    solve: float | None
+    bound: str
+    kept: bool
+
+
+def harness(repeats: int = 9, large: int = LARGE) -> list[Cost]:
+    """Medians over repeats; the store lies in a temporary directory."""
+    with tempfile.TemporaryDirectory() as folder:
+        root = Path(folder)
+        try:
+            return [*_cells(root / "cells", repeats), *_store(root / "large", large)]
+        finally:
+            worker.forget()
+
+
+def lines(costs: list[Cost]) -> Iterator[str]:
+    """A table for the terminal."""
+    yield f"{'what':44s}{'s':>10s}{'solve s':>10s}{'beside ms':>11s}  bound"
+    for cost in costs:
+        solve = "" if cost.solve is None else f"{cost.solve:.4f}"
+        beside = "" if cost.solve is None else f"{1e3 * (cost.seconds - cost.solve):.1f}"
+        bound = f"  {cost.bound}: {'kept' if cost.kept else 'BROKEN'}" if cost.bound else ""
+        yield f"{cost.what:44s}{cost.seconds:10.4f}{solve:>10s}{beside:>11s}{bound}"
+
+
+def _cells(root: Path, repeats: int) -> Iterator[Cost]:
+    """The whole of a task: to the process and back, the record written and on the disk; the process is warm."""
+    for cell, times in ((TRIVIAL, repeats), (SECOND, max(2, repeats // 3))):
+        spent, inside = [], []
+        for _ in range(1 + times):
+            task = Task("cell", identity(cell), cell.label, cell.scene, cell.options, cell.settings)
+            start = time.perf_counter()
+            worker.perform(task, str(root), Limits())
+            spent.append(time.perf_counter() - start)
+            record = Archive(root).record(task.id)
+            assert record is not None
+            inside.append(record["timing_s"]["total"])
+        beside = statistics.median(a - b for a, b in zip(spent[1:], inside[1:], strict=True))
+        total, solve = statistics.median(spent[1:]), statistics.median(inside[1:])
+        bound, kept = ("50 ms", beside < 0.05) if cell is TRIVIAL else ("5 %", beside < 0.05 * solve)
+        yield Cost(f"cell: {cell.label}", total, total - beside, f"beside the solve under {bound}", kept)
+
+
+def _store(root: Path, count: int) -> Iterator[Cost]:
+    """A store of copies of one record is planned, read and filtered."""
+    task = Task("cell", identity(TRIVIAL), "one", TRIVIAL.scene, TRIVIAL.options, TRIVIAL.settings)
+    worker.perform(task, str(root), Limits())
+    archive = Archive(root)
+    record = archive.record(task.id)
+    assert record is not None
+    start = time.perf_counter()
+    fractions = [{"load_fraction": f"{1e-6 * (i + 1):.9g}"} for i in range(count)]
+    cells = tuple(replace(TRIVIAL, label=f"cell {i}", settings=settings) for i, settings in enumerate(fractions))
+    rows: list[Row] = plan(Campaign("large", "large", cells))
+    yield Cost(f"{count} cells planned", time.perf_counter() - start, None, "", True)
+    for row in rows:
+        archive.record_path(str(row.id)).write_text(as_text({**record, "id": row.id}), encoding="utf-8")
+    told = {"schema": SCHEMA, "campaign": "large", "title": "large", "pages": "", "tables": []}
+    write_json(archive.index_path("large"), {**told, "cells": [row.as_json() for row in rows]})
+    start = time.perf_counter()
+    table = collect(root, "large")
+    found = table[(table["outcome"] == "converged") & (table["c.dofs"] > 0)]
+    assert len(found) == count
+    spent = time.perf_counter() - start
+    yield Cost(f"{count} cells listed, collected and filtered", spent, None, "under 5 s", spent < 5.0)

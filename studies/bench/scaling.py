@@ -1,0 +1,239 @@
+"""``footprint bench --scaling``: what one Newton step in contact costs over the number of unknowns, in time and memory.
+
+Every size is measured in a process of its own, so that its peak memory is its own. The state is that of one coarse
+solve, interpolated: what a step costs does not depend on how the step was reached.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import resource
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any, ParamSpec, TypeVar
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+
+from contact.newton.step import NewtonRun
+from contact.problem import ContactProblem, ContactSolution
+from contact.solvers.sparse import Factor, factorise
+from formulations.shell import ShellModel
+from studies.bench.newton import iterate, pressed
+from studies.bench.newton import timed as timed_by
+from studies.scene import Request, UsageError
+from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.solve import resolve
+
+MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200")  # 2, 10, 40, 100 and 250 thousand unknowns
+COARSE = "42x40"
+FITTED_FROM = 9_000  # unknowns; below, calls cost more than numbers
+SECONDS = 20.0  # spent on one size at the least, or MOST repetitions
+LEAST, MOST = 3, 25
+TIMES = ("elements", "scatter", "assembly", "factorisation", "solve", "contact", "total")
+# what the time of a part is compared with: the same machine, the same run, no code of ours
+FLOORS = {
+    "elements": "gemm",
+    "scatter": "copy",
+    "assembly": "copy",
+    "factorisation": "same_matrix",
+    "solve": "copy",
+    "contact": "copy",
+    "total": "same_matrix",
+}
+GEMM, COPIED = 1000, 100_000_000  # rows and columns of the matrices multiplied; bytes
+CLOCK = time.process_time  # of one thread: long work always meets other programs, short work may slip between them
+timed = partial(timed_by, clock=CLOCK)
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """The pressed tyre: grid lines psi (n1 + 1,) and phi (n2 + 1,), v (n1 + 1, n2, 6) [mm], pressure (n1 + 1, n2)."""
+
+    psi: np.ndarray
+    phi: np.ndarray
+    v: np.ndarray
+    pressure: np.ndarray
+
+
+@dataclass
+class _Kept(NewtonRun):
+    """A run that keeps the last matrix it has factorised."""
+
+    matrix: sparse.csc_matrix | None = field(default=None)
+
+    def factorise(self, A: sparse.csc_matrix) -> Factor:
+        """Keep and factorise."""
+        self.matrix = A
+        return super().factorise(A)
+
+
+def scaling(
+    meshes: Sequence[str] = MESHES,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+    *,
+    coarse: str = COARSE,
+    seconds: float = SECONDS,
+) -> pd.DataFrame:
+    """One row a mesh: mesh, dofs, elements, shortest times [s] of the parts and the floors, peak memory [GiB].
+
+    Times are processor time of one thread (OPENBLAS_NUM_THREADS=1, as the command line sets it), the shortest of
+    several repetitions: other programs on the machine disturb that least. Tyre of the paper with its element, model
+    ``full``, 20 mm. Raises UsageError for a mesh that the tyre cannot have.
+    """
+    for mesh in (*meshes, coarse):
+        request_of(mesh)
+    progress(0, len(meshes), f"{coarse} into contact")
+    state = _alone(_pressed, coarse)
+    rows = []
+    for done, mesh in enumerate(meshes):
+        progress(done, len(meshes), mesh)
+        rows.append(_alone(_cost, mesh, state, seconds))
+    progress(len(meshes), len(meshes), "done")
+    return pd.DataFrame(rows)
+
+
+def exponents(table: pd.DataFrame, smallest: int = FITTED_FROM) -> dict[str, float]:
+    """The p of time = c dofs^p for every part: least squares of log time over log dofs, sizes from ``smallest`` on.
+
+    NaN where fewer than two sizes are left.
+    """
+    large = table[table["dofs"] >= smallest]
+    if len(large) < 2:
+        return dict.fromkeys(TIMES, float("nan"))
+    size = np.log(large["dofs"].to_numpy(float))
+    return {part: float(np.polyfit(size, np.log(large[f"{part}_s"].to_numpy(float)), 1)[0]) for part in TIMES}
+
+
+def lines(table: pd.DataFrame, *, floors: bool = False) -> Iterator[str]:
+    """The table for a terminal, in ms, with its exponents; ``floors``: each time over that of its floor."""
+    wide = 20 if floors else 14
+    yield (
+        f"{'mesh':>9s}{'dofs':>9s}" + "".join(f"{part:>{wide}s}" for part in TIMES) + f"{'us/element':>12s}{'GiB':>7s}"
+    )
+    for row in table.to_dict("records"):
+        cells = [f"{1e3 * row[f'{part}_s']:.2f}" + _ratio(row, part, floors) for part in TIMES]
+        per_element = 1e6 * row["elements_s"] / row["elements"]
+        told = "".join(f"{cell:>{wide}s}" for cell in cells)
+        yield f"{row['mesh']:>9s}{row['dofs']:9d}{told}{per_element:12.2f}{row['peak_GiB']:7.2f}"
+    fitted = "".join(f"{p:{wide}.2f}" for p in exponents(table).values())
+    yield f"{f'exponent from {FITTED_FROM}':>18s}{fitted}"
+    if floors:
+        yield "in brackets: over the machine's floor in the same run, for " + ", ".join(
+            f"{part} {floor.replace('_', ' ')}" for part, floor in FLOORS.items()
+        )
+        for floor, what in (("gemm", f"product of matrices {GEMM}x{GEMM}"), ("copy", f"copy of {COPIED // 10**6} MB")):
+            yield f"{what}: {1e3 * statistics.median(table[f'{floor}_s']):.2f} ms"
+
+
+def _ratio(row: dict[Any, Any], part: str, floors: bool) -> str:
+    return f" ({row[f'{part}_s'] / row[f'{FLOORS[part]}_s']:.2f})" if floors else ""
+
+
+def _alone(work: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> T:
+    """The same in a fresh process: nothing of what others have allocated counts."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(work, *arguments, **named).result()
+
+
+def request_of(mesh: str) -> Request:
+    """The tyre that is measured; raises UsageError for a mesh that it cannot have."""
+    request = resolve("tyre", {"element": "paper", "delta_mm": "20"}, mesh, model="full")[1]
+    if min(request.mesh) < 6 or request.mesh[0] % 2 or request.mesh[1] % 2:
+        raise UsageError(f"mesh {mesh}: both numbers must be even and at least 6")
+    return request
+
+
+def _model(mesh: str) -> TyreModel:
+    request = request_of(mesh)
+    return Tyre().build_on(request, *Tyre().lines(request))
+
+
+def _pressed(mesh: str) -> Pressed:
+    """The solution on a coarse mesh, off its unknowns."""
+    model = _model(mesh)
+    _, state = pressed(model)
+    shape = model.part.grid.node_shape
+    psi, phi = _lines(model)
+    v = model.shell.displacements(state.u).reshape(*shape, -1)
+    return Pressed(psi, phi, v, model.outer_pressure(state).reshape(shape))
+
+
+def _lines(model: TyreModel) -> tuple[np.ndarray, np.ndarray]:
+    """Grid lines psi (n1 + 1,) and, around the axis and back to the first, phi (n2 + 1,)."""
+    nodes = model.part.grid.nodes
+    phi = np.unique(nodes[:, 1])
+    return np.unique(nodes[:, 0]), np.append(phi, phi[0] + 2 * np.pi)
+
+
+def _interpolated(model: TyreModel, coarse: Pressed) -> tuple[np.ndarray, np.ndarray]:
+    """Unknowns (n,) and pressures (m,) of the state on another grid, bilinear in psi and phi."""
+    psi, phi = _lines(model)
+    along, around = _hats(coarse.psi, psi), _hats(coarse.phi, phi[:-1])
+    closed = [np.concatenate([x, x[:, :1]], axis=1) for x in (coarse.v, coarse.pressure[..., None])]
+    v, pressure = (np.einsum("ac,bd,cdk->abk", along, around, x, optimize=True) for x in closed)
+    return model.shell.discretisation.map.restrict(v), pressure.ravel()[model.nodes]
+
+
+def _hats(lines: np.ndarray, at: np.ndarray) -> np.ndarray:
+    """Values (a, n) of the piecewise linear function of each of n lines at the points (a,)."""
+    return np.column_stack([np.interp(at, lines, unit) for unit in np.eye(len(lines))])
+
+
+def _cost(mesh: str, coarse: Pressed, seconds: float) -> dict[str, Any]:
+    model = _model(mesh)
+    u, pressure = _interpolated(model, coarse)
+    *_, stage = model.stages()
+    rest = ContactSolution.at_rest(model.n_unknowns, 0)
+    state = ContactSolution(u, pressure, pressure > 0, rest.outcome)
+    problem = stage.begin(state)[0](0.0)  # the plane touches the state as it is: gaps are no matter of cost
+    shell = model.shell
+    memory = shell.linearise(u, None).remember(np.zeros_like(u))
+    samples: list[dict[str, float]] = []
+    start, peak = time.perf_counter(), 0.0
+    while len(samples) < LEAST or (time.perf_counter() - start < seconds and len(samples) < MOST):
+        sample, matrix = _sample(shell, problem, state, memory)
+        peak = peak or _peak()  # before the floors have taken theirs
+        samples.append({**sample, **_floors(matrix, problem)})
+    best = {f"{key}_s": min(sample[key] for sample in samples) for key in samples[0]}
+    sizes = {"mesh": mesh, "dofs": model.n_unknowns, "elements": len(model.part.grid.elements)}
+    return {**sizes, **best, "peak_GiB": peak, "repeats": len(samples)}
+
+
+def _sample(
+    shell: ShellModel, problem: ContactProblem, state: ContactSolution, memory: object
+) -> tuple[dict[str, float], sparse.csc_matrix]:
+    """One Newton step, whole and by its parts [s], and the matrix that it has factorised."""
+    run = _Kept(problem, clock=CLOCK)
+    total = timed(partial(iterate, run, state, memory))
+    elements = timed(partial(shell.element_contributions, state.u, memory))
+    scatter = timed(partial(shell.discretisation.assemble, shell.discretisation.scratch[1]))
+    counted = {part: run.counters[f"{part}_s"] for part in ("factorisation", "solve", "contact")}
+    times = {"elements": elements, "scatter": scatter, "assembly": elements + scatter, **counted, "total": total}
+    assert run.matrix is not None
+    return times, run.matrix
+
+
+def _floors(matrix: sparse.csc_matrix, problem: ContactProblem) -> dict[str, float]:
+    """Times [s] of the same factorisation alone, of a matrix product, and of a copy."""
+    square, memory = np.ones((GEMM, GEMM)), np.ones(COPIED, np.uint8)
+    target = np.zeros_like(memory)  # touched: the first touch of fresh memory costs more than the copy
+    return {
+        "same_matrix": timed(partial(factorise, matrix, ordered=problem.ordered)),
+        "gemm": timed(partial(np.matmul, square, square)),
+        "copy": timed(partial(np.copyto, target, memory)),
+    }
+
+
+def _peak() -> float:
+    """Peak memory of this process so far [GiB]."""
+    unit = 1 if sys.platform == "darwin" else 1024  # bytes there, kibibytes elsewhere
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**30

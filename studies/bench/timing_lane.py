@@ -1,0 +1,190 @@
+"""The timing lane: cells that are known to be right, one at a time, in interleaved rounds, with a canary beside them.
+
+A block is a fresh process: every cell once, cold, then rounds over all cells. Before and after it a fixed workload is
+timed, the canary; when that has moved, so has the machine, and the block is discarded and repeated, not for ever.
+All samples are kept, those of discarded blocks apart.
+"""
+
+from __future__ import annotations
+
+import json
+import statistics
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+from scipy.sparse.linalg import splu
+from scipy.stats import bootstrap
+
+from studies.campaigns.file import Campaign
+from studies.campaigns.plan import plan, solved_rows
+from studies.pool.process import Child, Limits
+from studies.scene import UsageError
+from studies.solve import CONVERGED, provenance
+from studies.store.atomic import SCHEMA, write_json
+from studies.store.layout import Archive
+
+DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
+REPEATS = 3  # of a block that was discarded
+LOOKS = 25  # of the canary: other programs disturb some of them, a slower machine all
+BLOCKS, ROUNDS = 2, 4  # eight samples of each cell: the first number that a rank test over many cells can use
+CONFIDENCE = 0.95
+COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "flops")
+
+
+def canary() -> float:
+    """Seconds of a fixed workload, a sparse factorisation and small and large matrix products: the least of several."""
+    n = 100
+    line = sparse.diags_array([-1.0, 2.0, -1.0], offsets=(-1, 0, 1), shape=(n, n))
+    A = sparse.csc_matrix(sparse.kron(line, sparse.eye_array(n)) + sparse.kron(sparse.eye_array(n), line))
+    batch, block = np.ones((1000, 24, 24)), np.ones((300, 300))
+    found = []
+    for _ in range(LOOKS):
+        start = time.perf_counter()
+        splu(A, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        np.einsum("eij,ejk->eik", batch, batch, optimize=True)
+        block @ block
+        found.append(time.perf_counter() - start)
+    return min(found)
+
+
+@dataclass
+class Samples:
+    """Seconds of each cell by its label: warm of the blocks that count, cold, and of discarded blocks.
+
+    canaries: before and after each block, with whether it counts.
+    """
+
+    warm: dict[str, list[float]] = field(default_factory=dict)
+    cold: dict[str, list[float]] = field(default_factory=dict)
+    discarded: dict[str, list[float]] = field(default_factory=dict)
+    canaries: list[tuple[float, float, bool]] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Stopwatch:
+    """What is timed: ``block()`` begins a fresh process, then ``canary()`` and ``cell(label)`` give seconds."""
+
+    block: Callable[[], None]
+    canary: Callable[[], float]
+    cell: Callable[[str], float]
+
+
+def sample(
+    labels: Sequence[str],
+    watch: Stopwatch,
+    blocks: int = BLOCKS,
+    rounds: int = ROUNDS,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+) -> Samples:
+    """Interleaved rounds, in blocks that count only when the canary has stood still."""
+    found, quiet = Samples(), float("inf")
+    for block in range(blocks):
+        for _ in range(1 + REPEATS):
+            watch.block()
+            before = watch.canary()
+            cold = {label: watch.cell(label) for label in labels}
+            warm: dict[str, list[float]] = {label: [] for label in labels}
+            for turn in range(rounds):
+                progress(block * rounds + turn, blocks * rounds, f"block {block + 1}, round {turn + 1}")
+                for label in labels:
+                    warm[label].append(watch.cell(label))
+            after = watch.canary()
+            quiet = min(quiet, before, after)
+            counts = max(before, after) <= (1 + DRIFT) * quiet
+            found.canaries.append((before, after, counts))
+            for label in labels:
+                found.cold.setdefault(label, []).append(cold[label])
+                (found.warm if counts else found.discarded).setdefault(label, []).extend(warm[label])
+            if counts:
+                break
+    progress(blocks * rounds, blocks * rounds, "done")
+    return found
+
+
+def interval(samples: Sequence[float]) -> tuple[float, float, float]:
+    """Median and its bootstrap interval; of fewer than two samples there is none."""
+    if len(samples) < 2:
+        return (samples[0] if samples else float("nan")), float("nan"), float("nan")
+    if min(samples) == max(samples):
+        return samples[0], samples[0], samples[0]
+    found = bootstrap((np.array(samples),), np.median, confidence_level=CONFIDENCE, method="percentile", rng=2004)
+    low, high = found.confidence_interval
+    return statistics.median(samples), float(low), float(high)
+
+
+def time_campaign(
+    campaign: Campaign,
+    store: Path,
+    only: Callable[[str], object] = lambda label: True,
+    blocks: int = BLOCKS,
+    rounds: int = ROUNDS,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+) -> pd.DataFrame:
+    """Time the cells of a campaign that the store knows to be converged, keep all samples, and return the table.
+
+    Raises UsageError when there is none, and when a cell does not end as it did.
+    """
+    archive = Archive(store)
+    rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(plan(campaign)) if only(row.cell.label)}
+    records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
+    right = {label: record for label, record in records.items() if record and record["class"] == CONVERGED}
+    if not right:
+        raise UsageError(f"{store} has no converged cell of {campaign.name!r} to time: footprint run comes first")
+    child, limits = Child(), Limits()
+
+    def ask(kind: str, **task: Any) -> dict[str, Any]:
+        wanted = {"kind": kind, "files": "", "modules": campaign.modules, "folder": campaign.folder, **task}
+        wanted |= {"time_s": limits.time_s, "memory_MB": limits.memory_MB}
+        answer = child.ask(wanted, limits.time_s)
+        if answer["class"]:
+            raise UsageError(f"{task.get('id', kind)} was solved before, and now: {answer['reason']}")
+        return dict(json.loads(answer["text"]))
+
+    def cell(label: str) -> float:
+        cell_id, asked = rows[label]
+        told = ask("cell", id=cell_id, scene=asked.scene, options=asked.options, settings=asked.settings)
+        return float(told["timing_s"]["total"])
+
+    try:
+        watch = Stopwatch(child.end, lambda: float(ask("canary")["seconds"]), cell)
+        found = sample(list(right), watch, blocks, rounds, progress)
+    finally:
+        child.end()
+    with archive.claimed():
+        _keep(archive, campaign.name, {label: rows[label][0] for label in right}, found)
+    return summary(archive.root, campaign.name)
+
+
+def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples) -> None:
+    told = {"schema": SCHEMA, "campaign": name, "provenance": provenance(), "canaries": found.canaries}
+    cells = [
+        {"label": label, "id": cell_id}
+        | {kind: getattr(found, kind).get(label, []) for kind in ("warm", "cold", "discarded")}
+        for label, cell_id in ids.items()
+    ]
+    write_json(archive.root / "timing" / f"{name}.json", {**told, "cells": cells})
+
+
+def summary(store: Path, campaign: str) -> pd.DataFrame:
+    """label, samples, median_s with its interval low_s to high_s, cold_s, discarded, and the counters of each cell.
+
+    Raises UsageError when the campaign was not timed.
+    """
+    path = store / "timing" / f"{campaign}.json"
+    if not path.exists():
+        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them")
+    rows = []
+    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+        record = Archive(store).record(cell["id"])
+        counters = record["counters"] if record else {}
+        median, low, high = interval(cell["warm"])
+        row = {"label": cell["label"], "samples": len(cell["warm"]), "median_s": median, "low_s": low, "high_s": high}
+        row |= {"cold_s": statistics.median(cell["cold"]), "discarded": len(cell["discarded"])}
+        rows.append(row | {name: counters.get(name) for name in COUNTERS})
+    return pd.DataFrame(rows)

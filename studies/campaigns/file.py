@@ -1,0 +1,190 @@
+"""What a campaign is: lists of cells by name, and crosses of everything with everything, as a short TOML file says.
+
+::
+
+    title = "..."
+    lists = ["benchmarks"]        # of studies/campaigns/report_cells.py, with the tables that belong to them
+    pages = "all"                 # the pages of the report; without it, the short ones of any campaign
+    modules = ["my_scenes"]       # of your own beside the file: they put scenes and algorithms into the catalogues
+
+    [[cross]]
+    name = "sweep"                # how its labels begin
+    measures = "all"
+    contacts = ["semismooth", "qp"]
+    tolerances = [1e-3, 1e-9]
+    set = { element = "paper" }
+    [cross.scenes.tyre]           # what is said here counts for this scene, before what is said above
+    meshes = ["12x12", "16x14"]
+    set = { delta_mm = "20" }
+
+Axes: ``measures contacts newtons models meshes`` are options of ``footprint solve``, ``sections loads elements epsilons
+tolerances`` settings, and ``vary = { KEY = [...] }`` makes an axis of any other setting.
+"""
+
+from __future__ import annotations
+
+import importlib
+import itertools
+import sys
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from contact.catalogue import ALGORITHMS
+from formulations.shell import NEWTONS
+from formulations.strains.catalogue import MEASURES
+from studies.campaigns.cell import Cell
+from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.scene import UsageError
+from studies.scenes import SCENES
+
+SHIPPED = Path(__file__).parent
+OPTIONS = {"measures": "measure", "contacts": "contact", "newtons": "newton", "models": "model", "meshes": "mesh"}
+SETTINGS = {
+    **{"sections": "section", "loads": "load", "elements": "element"},
+    **{"epsilons": "epsilon", "tolerances": "tolerance"},
+}
+CATALOGUES: dict[str, Mapping[str, Any]] = {
+    "measures": MEASURES,
+    "contacts": ALGORITHMS,
+    "newtons": dict.fromkeys(NEWTONS),
+    "scenes": SCENES,
+}
+KEYS = ("title", "lists", "pages", "modules", "cross")
+CROSS_KEYS = (*OPTIONS, *SETTINGS, "vary", "set", "steps")
+ALL_PAGES = "all"
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """Cells by unique labels, tables of the whole store; ``modules`` in ``folder`` are imported before all."""
+
+    name: str
+    title: str
+    cells: tuple[Cell, ...]
+    tables: tuple[str, ...] = ()
+    pages: str = ""
+    modules: tuple[str, ...] = ()
+    folder: str = ""
+
+
+def find(name: str) -> Campaign:
+    """A shipped campaign, a list of cells, or a TOML file by its path; raises UsageError."""
+    path = SHIPPED / f"{name}.toml"
+    if path.exists():
+        return read(path)
+    if name in LISTS:
+        return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]), tuple(TABLES_OF.get(name, ())))
+    if name.endswith(".toml"):
+        return read(Path(name))
+    raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")
+
+
+def names() -> list[str]:
+    """Those that need no file of one's own."""
+    return [*(path.stem for path in sorted(SHIPPED.glob("*.toml"))), *LISTS]
+
+
+def read(path: Path) -> Campaign:
+    """The campaign of a TOML file, named like the file; raises UsageError."""
+    try:
+        data = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
+    _known(path, data, KEYS)
+    modules, folder = tuple(data.get("modules", ())), str(path.parent.resolve())
+    load_modules(modules, folder)
+    cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]]
+    for cross in data.get("cross", []):
+        cells += _crossed(path, cross)
+    unique = _without_repeats(path, cells)
+    tables = tuple(dict.fromkeys(table for name in data.get("lists", ()) for table in TABLES_OF.get(name, ())))
+    return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), modules, folder)
+
+
+def load_modules(modules: tuple[str, ...], folder: str) -> None:
+    """Import a user's own modules, which lie in ``folder``; raises UsageError."""
+    if modules and folder not in sys.path:
+        sys.path.insert(0, folder)
+    for name in modules:
+        try:
+            importlib.import_module(name)
+        except Exception as error:
+            raise UsageError(f"module {name!r} in {folder}: {type(error).__name__}: {error}") from error
+
+
+def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
+    """The cells of one cross, scene by scene; the last axis varies fastest."""
+    _known(path, cross, ("name", "scenes", *CROSS_KEYS))
+    if not isinstance(cross.get("scenes"), Mapping):
+        raise UsageError(f"campaign {path}: a cross needs its scenes, as tables [cross.scenes.NAME]")
+    for scene in _listed(path, {"scenes": list(cross["scenes"])}, "scenes", SCENES):
+        own = cross["scenes"][scene]
+        _known(path, own, CROSS_KEYS)
+        asked = {**cross, **own}
+        constant = {**cross.get("set", {}), **own.get("set", {})}
+        axes = _axes(path, asked)
+        steps = {"steps": asked["steps"]} if "steps" in asked else {}
+        for values in itertools.product(*(axis.values for axis in axes)):
+            chosen = list(zip(axes, values, strict=True))
+            options = {axis.key: value for axis, value in chosen if axis.option}
+            settings = {axis.key: value for axis, value in chosen if not axis.option}
+            words = [value if axis.option else f"{axis.key}={value}" for axis, value in chosen]
+            label = " ".join([str(cross.get("name", "cross")), scene, *words])
+            given = {key: _text(value) for key, value in constant.items()} | settings
+            yield Cell(label, scene, {**options, **steps}, given, artefacts=False)
+
+
+@dataclass(frozen=True)
+class _Axis:
+    key: str
+    values: list[str] = field(default_factory=list)
+    option: bool = True
+
+
+def _axes(path: Path, asked: Mapping[str, Any]) -> list[_Axis]:
+    axes = [
+        _Axis(key, _listed(path, asked, name, CATALOGUES.get(name))) for name, key in OPTIONS.items() if name in asked
+    ]
+    for name, key in SETTINGS.items():
+        if name in asked:
+            axes.append(_Axis(key, _listed(path, asked, name, None), option=False))
+    vary = asked.get("vary", {})
+    return axes + [_Axis(key, _listed(path, vary, key, None), option=False) for key in vary]
+
+
+def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[str, Any] | None) -> list[str]:
+    """The values of a key as text, each of the catalogue if there is one; "all" stands for it."""
+    values = data.get(name, [])
+    if values == "all" and catalogue is not None:
+        return list(catalogue)
+    if not isinstance(values, list):
+        raise UsageError(f"campaign {path}: {name} = {values!r} must be a list" + (' or "all"' if catalogue else ""))
+    for value in values:
+        if catalogue is not None and value not in catalogue:
+            raise UsageError(f"campaign {path}: {value!r} in {name} must be one of {', '.join(catalogue)}")
+    return [_text(value) for value in values]
+
+
+def _text(value: object) -> str:
+    """As it is written after KEY= on the command line."""
+    if isinstance(value, list):
+        return ",".join(_text(each) for each in value)
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _known(path: Path, data: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+    for key in data:
+        if key not in keys:
+            raise UsageError(f"campaign {path}: key {key!r} must be one of {', '.join(keys)}")
+
+
+def _without_repeats(path: Path, cells: list[Cell]) -> tuple[Cell, ...]:
+    """The cells; the same one of two lists counts once. Raises UsageError for one label of two cells."""
+    found: dict[str, Cell] = {}
+    for cell in cells:
+        if found.setdefault(cell.label, cell) != cell:
+            raise UsageError(f"campaign {path}: two cells have the label {cell.label!r}")
+    return tuple(found.values())

@@ -1,0 +1,94 @@
+"""From the cells of a campaign to rows of its index: who is solved, under which identity, and who is not and why."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from contact.problem import Linearisation, without_contact
+from studies.campaigns.cell import Cell
+from studies.campaigns.file import Campaign
+from studies.scene import Request, UsageError
+from studies.scenes import SCENES
+from studies.solve import algorithm_of, resolve
+from studies.store.atomic import SCHEMA, plain
+from studies.store.source_hash import CATALOGUE, sources_hash
+
+SOLVERS = ("studies.solve", "studies.store.record")  # what solves a cell, besides its own scene
+
+
+@dataclass(frozen=True)
+class Row:
+    """A planned cell: ``request`` is the resolved one; without an id it is not solved, and ``reason`` says why."""
+
+    cell: Cell
+    id: str | None
+    request: Mapping[str, Any] | None
+    reason: str = ""
+
+    def as_json(self) -> dict[str, Any]:
+        """The row of the index."""
+        cell = self.cell
+        told = {"label": cell.label, "id": self.id, "scene": cell.scene, "command": cell.command}
+        asked = {"options": cell.options, "settings": cell.settings, "files": cell.artefacts}
+        return {**told, **asked, "request": self.request, "reason": self.reason}
+
+
+def plan(campaign: Campaign) -> list[Row]:
+    """A row for each cell, in order."""
+    return [_row(cell) for cell in campaign.cells]
+
+
+def identity(cell: Cell) -> str:
+    """Hash of all that decides the result; raises UsageError when the request is none."""
+    return _identity(resolve(cell.scene, cell.settings, **cell.options)[1])
+
+
+def _identity(request: Request) -> str:
+    """Resolved request, schema, and the sources of what solves it and of its scene; no date, no machine."""
+    sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__), without=CATALOGUE)
+    content = json.dumps(plain([SCHEMA, sources, asdict(request)]), sort_keys=True)
+    return hashlib.sha256(content.encode()).hexdigest()[:16]
+
+
+def _row(cell: Cell) -> Row:
+    try:
+        _, request = resolve(cell.scene, cell.settings, **cell.options)
+    except UsageError as error:
+        if cell.scene not in SCENES:
+            raise
+        return Row(cell, None, None, str(error))
+    reason = _refusal(request)
+    return Row(cell, None if reason else _identity(request), plain(asdict(request)), reason)
+
+
+def _refusal(request: Request) -> str:
+    """Why a resolved request makes no sense, as far as that shows without building it."""
+    if "epsilon" not in request.settings and request.contact != Request.contact:
+        return f"{request.scene} has no contact: {Request.contact} stands for every algorithm"
+    try:
+        refused = algorithm_of(request).supports(_NO_MECHANICS)
+    except ValueError as error:
+        refused = str(error)
+    return f"{request.contact} does not apply: {refused}" if refused else ""
+
+
+def _no_mechanics(u: np.ndarray, memory: object) -> Linearisation:
+    raise TypeError("a plan asks an algorithm what it can do, and solves nothing")
+
+
+_NO_MECHANICS = without_contact(_no_mechanics, 0)
+
+
+def solved_rows(rows: list[Row]) -> Iterator[tuple[str, Row]]:
+    """Rows that are solved, by id: one where several ask for the same, with its files if any of them wants them."""
+    found: dict[str, Row] = {}
+    for row in rows:
+        if row.id is not None and (row.id not in found or row.cell.artefacts):
+            found[row.id] = row
+    yield from found.items()

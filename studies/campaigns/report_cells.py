@@ -1,0 +1,165 @@
+"""The cells behind the pages of the report, as named lists that campaigns are put together from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from contact.catalogue import ALGORITHMS
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.strains.catalogue import MEASURES
+from studies.campaigns import ladder_cells as convergence_cells
+from studies.campaigns.cell import Cell
+from studies.campaigns.ladder_cells import ISOTROPIC
+
+_PAPER = {"element": "paper"}
+
+
+def enforcements(default: float) -> tuple[tuple[str, str], ...]:
+    """The exact condition, which all algorithms must agree on, and what an algorithm does if not told otherwise."""
+    return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", f"{default:g}"))
+
+
+def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
+    """All of the tyre, so that its symmetry is a finding, unless ``model`` says otherwise."""
+    return Cell(label, "tyre", {"model": "full", **options}, {**_PAPER, **(settings or {})})
+
+
+_TO_20 = {"delta_mm": "20"}
+_ANSWERS = {
+    "exact": {"epsilon": "inf"},
+    "epsilon": {"epsilon": "1e4"},
+}
+
+TYRE = (
+    _tyre("paper", {"delta_mm": ",".join(str(d) for d in (5, 10, 15, *range(20, 28)))}),
+    _tyre("linear", measure="linear"),
+    *(
+        _tyre(f"{measure} {contact} {newton} {kind}", {**_TO_20, **epsilon}, **options)
+        for measure in ("exact", "linear")
+        for contact in ("semismooth", "trial-and-error")
+        for newton in (("mixed", "plain") if measure == "exact" else ("mixed",))
+        for kind, epsilon in _ANSWERS.items()
+        for options in [
+            {"measure": measure, "contact": contact, "newton": newton, "steps": 4 if newton == "plain" else 1}
+        ]
+    ),
+    _tyre("consistent", {**_TO_20, "coupling": "consistent"}),
+    _tyre("fine", _TO_20, mesh="84x80"),
+    _tyre("follower", {**_TO_20, "load": "follower", "pressure_area": "face"}),
+    _tyre("follower fine", {**_TO_20, "load": "follower", "pressure_area": "face"}, mesh="84x80"),
+    _tyre("isotropic", ISOTROPIC),
+    _tyre("isotropic fine", ISOTROPIC, mesh="84x80"),
+)
+SOLID = (
+    *(Cell(f"solid {mesh}", "tyre-solid", {"mesh": mesh}) for mesh in ("14x18", "28x36", "56x72")),  # each is nested
+    Cell("solid penalty", "tyre-solid", {"mesh": "28x36"}, {"epsilon": "20"}),  # as in the reference by NGSolve
+    _tyre("isotropic coarse", ISOTROPIC, mesh="28x26"),
+)
+BENCHMARKS = (
+    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}, _PAPER) for n in (16, 32, 64)),
+    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}, _PAPER) for n in (16, 32, 64)),
+    *(
+        Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1", **_PAPER})
+        for newton in ("mixed", "plain")
+    ),
+    Cell(
+        "hemisphere twenty steps plain",
+        "hemisphere",
+        {"newton": "plain", "steps": 20},
+        {"load_fraction": "1", **_PAPER},
+    ),
+)
+_GROWING = {
+    "tyre": ("20x20", {"delta_mm": ",".join(str(d) for d in range(1, 21))}),
+    "hemisphere": ("16x16", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+    "cantilever": ("32x2", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+    "sze-pullout": ("12x18", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
+    "roof-a": ("8x8", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 15))}),
+    "shallow-cap": ("32x4", {"load_fraction": ",".join(f"{i / 40:g}" for i in range(2, 23))}),
+}
+MEASURED = (
+    *(
+        Cell(f"{scene} by {measure}", scene, {"measure": measure, "mesh": mesh}, settings)
+        for scene, (mesh, settings) in _GROWING.items()
+        for measure in MEASURES
+    ),
+    *(
+        Cell(f"hemisphere {n} {' '.join(options.values())}", "hemisphere", {"mesh": f"{n}x{n}"}, settings)
+        for interpolation in INTERPOLATIONS
+        for thickness in THICKNESS_STRAINS
+        for membrane in MEMBRANES
+        for options in [{"interpolation": interpolation, "thickness_strain": thickness, "membrane": membrane}]
+        for settings in [{"load_fraction": "1", **options}]
+        for n in (8, 16, 32)
+    ),
+)
+CONVERGENCE = (
+    *convergence_cells.cells({"element": "refined"}, "refined"),
+    *convergence_cells.cells({"element": "paper"}, "paper", finest=False),
+)
+_WAYS: dict[str, tuple[str, dict[str, str]]] = {  # each algorithm as it is, and settings that change how it gets there
+    **{contact: (contact, {}) for contact in ALGORITHMS},
+    "semismooth, settle 1": ("semismooth", {"settle": "1"}),
+    "qp, eps 1e-3": ("qp", {"eps": "1e-3"}),
+    "qp, clarabel": ("qp", {"backend": "clarabel"}),
+    "lcp, active-set": ("lcp", {"method": "active-set"}),
+    "lcp, nnls": ("lcp", {"method": "nnls"}),
+}
+AGREEMENT = tuple(
+    _tyre(
+        f"agreement {way} {load} {section} {kind}",
+        {"load": load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
+        contact=contact,
+        model="half",
+    )
+    for way, (contact, settings) in _WAYS.items()
+    for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
+    for load in ("dead", "follower")
+    for section in ("constant-s33", "nonsymmetric")
+)
+_EXACT = {"epsilon": "inf"}
+ROBUSTNESS = (
+    *(
+        _tyre(
+            f"one step {way} {mesh}",
+            {**_TO_20, **_EXACT, **_WAYS[way][1]},
+            mesh=mesh,
+            contact="semismooth",
+            model="half",
+        )
+        for way in ("semismooth", "semismooth, settle 1")
+        for mesh in ("28x26", "42x40", "84x80")
+    ),
+    _tyre("far", {"delta_mm": "20,25,30,35,40", **_EXACT}, contact="semismooth", model="half"),
+)
+MODELS = (  # what a part of the tyre saves, and that it changes nothing
+    *(_tyre(f"model {model} angle plies", _TO_20, model=model) for model in ("full", "half")),
+    *(
+        _tyre(f"model {model} isotropic", {**ISOTROPIC, **_TO_20}, model=model)
+        for model in ("full", "half", "mirror", "quarter")
+    ),
+)
+LISTS: dict[str, Sequence[Cell]] = {
+    "tyre": TYRE,
+    "benchmarks": BENCHMARKS,
+    "measures": MEASURED,
+    "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
+    "convergence": CONVERGENCE,
+    "agreement": (*AGREEMENT, *ROBUSTNESS),
+    "models": MODELS,
+    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT, *ROBUSTNESS, *MODELS),
+}
+TABLES_OF: dict[str, Sequence[str]] = {
+    "measures": ("rigid_body", "small_motions", "rotation_sweep"),
+    "convergence": ("ladders",),
+    "models": ("work_precision",),
+    "agreement": ("epsilon", "cycles", "false_success"),
+}
+TABLES_OF["report"] = (
+    *(name for names in TABLES_OF.values() for name in names),
+    *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
+    *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check"),
+)

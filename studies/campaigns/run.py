@@ -1,0 +1,123 @@
+"""Running a campaign: plan it, solve what is missing, lose nothing, and say how complete it is.
+
+A cell that is in the store is not solved again; one that was stopped, or died, is tried again by every run.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from studies.campaigns.file import Campaign
+from studies.campaigns.plan import Row, plan, solved_rows
+from studies.pool.engine import engine as engine_of
+from studies.pool.process import Limits, StoreFullError, Task
+from studies.scene import UsageError
+from studies.scenes import SCENES
+from studies.scenes.data import DATA
+from studies.solve import CLASSES, UNSUPPORTED
+from studies.store.atomic import SCHEMA, write_json, write_text
+from studies.store.layout import Archive, DamagedError
+
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass
+class Summary:
+    """How a run has ended: cells planned, solved now, their classes; tables that were not made."""
+
+    planned: int
+    solved: int = 0
+    classes: Counter[str] = field(default_factory=Counter)
+    tables: list[str] = field(default_factory=list)
+
+    @property
+    def line(self) -> str:
+        """One line."""
+        counts = ", ".join(f"{self.classes[name]} {name}" for name in CLASSES if self.classes[name])
+        told = f"{self.planned} cells: {counts or 'none'}; {self.solved} solved now"
+        return told + (f"; tables not made: {', '.join(self.tables)}" if self.tables else "")
+
+
+def run(
+    campaign: Campaign,
+    store: Path,
+    engine: str = "serial",
+    limits: Limits = Limits(),  # noqa: B008  frozen
+    progress: Progress = lambda done, planned, label: None,
+    say: Callable[[str], None] = lambda line: None,
+    *,
+    resume: bool = False,
+) -> Summary:
+    """Solve what is missing of a campaign. Raises UsageError, and StoreFullError with everything finished kept.
+
+    resume: refuse to begin a campaign that this store does not know.
+    """
+    archive, work = Archive(store), engine_of(engine)
+    if resume and not archive.index_path(campaign.name).exists():
+        raise UsageError(f"--resume: {store} has no campaign {campaign.name!r} yet; leave --resume out to begin it")
+    rows = plan(campaign)
+    with archive.claimed():
+        try:
+            _write_plan(archive, campaign, rows)
+            tasks = [*_tables(campaign), *_missing(archive, campaign, rows, say)]
+            done, summary = len(rows) - len(tasks), Summary(len(rows))
+            progress(done, len(rows), "")
+            for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
+                summary.solved += task.kind == "cell"
+                if task.kind == "table" and ended:
+                    summary.tables.append(f"{task.label} ({ended})")
+                progress(min(count + 1, len(rows)), len(rows), task.label)
+        except StoreFullError as error:
+            raise StoreFullError(
+                f"{store} takes no more: {error}; what is finished is kept, run again to go on"
+            ) from None
+    summary.classes = classes(archive, rows)
+    progress(len(rows), len(rows), "done")
+    return summary
+
+
+def classes(archive: Archive, rows: list[Row]) -> Counter[str]:
+    """How many cells have ended how."""
+    found: Counter[str] = Counter()
+    for row in rows:
+        if row.id is None:
+            found[UNSUPPORTED] += 1
+            continue
+        ended = archive.record(row.id) or archive.failure(row.id)
+        found[ended["class"] if ended else "missing"] += 1
+    return found
+
+
+def _write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
+    """The index, and what the pages need to know of the scenes; the same bytes for the same campaign."""
+    references = [
+        {"scene": scene, **asdict(reference)} for scene in sorted(SCENES) for reference in SCENES[scene].references
+    ]
+    for table in sorted(DATA.glob("*.csv")):
+        write_text(archive.root / "references" / table.name, table.read_text(encoding="utf-8"))
+    write_json(archive.root / "references.json", {"schema": SCHEMA, "references": references})
+    told = {"schema": SCHEMA, "campaign": campaign.name, "title": campaign.title, "pages": campaign.pages}
+    cells = [row.as_json() for row in rows]
+    write_json(archive.index_path(campaign.name), {**told, "tables": campaign.tables, "cells": cells})
+
+
+def _tables(campaign: Campaign) -> list[Task]:
+    return [Task("table", name, f"table {name}", files=True) for name in campaign.tables]
+
+
+def _missing(archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None]) -> list[Task]:
+    """The cells without a record; a damaged one is set aside."""
+    tasks = []
+    for cell_id, row in solved_rows(rows):
+        cell = row.cell
+        try:
+            if archive.has(cell_id, files=cell.artefacts):
+                continue
+        except DamagedError as error:
+            say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
+        asked = (cell.scene, cell.options, cell.settings, cell.artefacts)
+        tasks.append(Task("cell", cell_id, cell.label, *asked, campaign.modules, campaign.folder))
+    return tasks

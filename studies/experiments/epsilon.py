@@ -1,0 +1,165 @@
+"""What a finite regularisation costs and gives: p = epsilon <-g> from far too soft to far too hard, in two forms.
+
+Both solve the same equations. ``multiplier`` keeps the pressure as an unknown, G du + p/epsilon = -g, so that epsilon
+may grow without bound. ``displacement`` eliminates it, K + epsilon G^T W G, as the paper does and as every penalty
+method does: the matrix loses its condition, and the pressure, epsilon times a gap, the digits of the gap.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, onenormest
+
+from contact.algorithms.semismooth import Semismooth
+from contact.continuation.load_stepping import follow
+from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from studies.solve import resolve
+
+EPSILONS = tuple(10.0**k for k in range(-2, 15))  # MPa/mm
+MOST_ITERATIONS = 60
+STEADY = 8  # iterations on one contact set after which what is left is rounding
+FORMS = ("multiplier", "displacement")
+
+
+@dataclass(frozen=True)
+class Case:
+    """A contact problem of a scene at the end of its path."""
+
+    name: str
+    scene: str
+    mesh: str
+    measure: str
+    settings: dict[str, str]
+
+
+CASES = (
+    Case("tyre", "tyre", "20x20", "exact", {"delta_mm": "20", "element": "paper"}),
+    Case("strip", "strip-contact", "64x1", "linear", {"load_fraction": "5"}),
+)
+
+
+def epsilon_study(cases: Sequence[Case] = CASES, epsilons: Sequence[float] = EPSILONS) -> pd.DataFrame:
+    """One row for each case, form and epsilon; every solve starts from the state before contact.
+
+    penetration_mm: the largest.  force_error: relative to the exact multiplier's sum of nodal forces.  nodes_unlike:
+    contact nodes in only one of the two sets.  condition: 1-norm estimate of the matrix of the last iteration, with
+    epsilon inf the saddle-point one.  outcome: of the solve; its numbers are those of the last iterate, whatever it is.
+    """
+    rows = []
+    for case in cases:
+        problem, start = before_contact(case)
+        exact = _solved(problem, start, np.inf)
+        if not exact.outcome.converged:
+            raise RuntimeError(f"{case.name}: the exact multiplier did not converge: {exact.outcome.value}")
+        for epsilon in (*epsilons, np.inf):
+            for form in FORMS if np.isfinite(epsilon) else FORMS[:1]:
+                found = (
+                    _solved(problem, start, epsilon)
+                    if form == "multiplier"
+                    else by_displacements(problem, start, epsilon)
+                )
+                rows.append((case.name, form, epsilon, *_measured(problem, exact, found, form, epsilon)))
+    names = ["case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"]
+    return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition"])
+
+
+def _solved(problem: ContactProblem, start: ContactSolution, epsilon: float) -> ContactSolution:
+    """With a linearisation for every set, so that the last step is small, and so is what rounding makes of it."""
+    return Semismooth(epsilon, settle=1.0, max_iterations=MOST_ITERATIONS).solve(problem, start)
+
+
+def before_contact(case: Case) -> tuple[ContactProblem, ContactSolution]:
+    """The last problem of the scene's last stage and the state that stage begins with."""
+    scene, request = resolve(case.scene, case.settings, case.mesh, measure=case.measure, model="full")
+    *before, last = scene.build(request).stages()
+    state = None
+    for stage in before:
+        problem_at, start = stage.begin(state)
+        state = stage.lifted(list(follow(problem_at, 0.0, stage.targets, Semismooth(), start))[-1].solution)
+    problem_at, start = last.begin(state)
+    return problem_at(last.targets[-1]), start
+
+
+def by_displacements(problem: ContactProblem, start: ContactSolution, epsilon: float) -> ContactSolution:
+    """Newton on r(u) = G^T W epsilon <-g>, the set following the sign of the gap; no safeguard against rounding."""
+    u, memory, before, steady = start.u, None, start.active, 0
+    for iteration in range(MOST_ITERATIONS + 1):
+        lin, gap = problem.linearise(u, memory), problem.gap(u)
+        active = gap < 0
+        pressure = np.where(active, -epsilon * gap, 0.0)
+        contact = problem.contact_force(u, pressure)
+        scale = max(lin.scale, float(np.linalg.norm(contact)))
+        outcome, counts = Outcome.CONVERGED, {"newton_iterations": float(iteration)}
+        if np.linalg.norm(lin.residual - contact) <= RESIDUAL_TOLERANCE * scale:
+            return ContactSolution(u, pressure, active, outcome, counts)
+        steady, before = steady + 1 if np.array_equal(active, before) else 0, active
+        if steady > STEADY:
+            return ContactSolution(u, pressure, active, Outcome.ROUNDING, counts)
+        if iteration == MOST_ITERATIONS:
+            break
+        try:
+            A = penalised(problem, lin, u, active, epsilon)
+            du = checked_solve(factorise(A), A, contact - lin.residual)
+        except SingularMatrixError:
+            return ContactSolution(u, pressure, active, Outcome.SINGULAR, counts)
+        u, memory = u + du, lin.remember(du)
+    return ContactSolution(u, pressure, active, Outcome.ITERATION_LIMIT, counts)
+
+
+def penalised(
+    problem: ContactProblem, lin: Linearisation, u: np.ndarray, active: np.ndarray, epsilon: float
+) -> sparse.csc_matrix:
+    """K + epsilon G_A^T W G_A (n, n)."""
+    G = problem.gap_jacobian(u)[np.flatnonzero(active)]
+    return sparse.csc_matrix(lin.tangent + epsilon * (G.T @ sparse.diags_array(problem.weights[active]) @ G))
+
+
+def saddle(
+    problem: ContactProblem, lin: Linearisation, u: np.ndarray, active: np.ndarray, epsilon: float
+) -> sparse.csc_matrix:
+    """[[K, G_A^T s], [s G_A, -s^2/(epsilon W)]]: the unknowns beside du are nodal forces over s.
+
+    s = min(k, sqrt(epsilon W k)), k the mean diagonal of K, so that the last block is never larger than K.
+    """
+    G, k = problem.gap_jacobian(u)[np.flatnonzero(active)], float(np.mean(np.abs(lin.tangent.diagonal())))
+    stiffness = epsilon * problem.weights[active]
+    s = np.minimum(k, np.sqrt(stiffness * k))
+    softness, scaled = sparse.diags_array(-(s**2) / stiffness), sparse.diags_array(s) @ G
+    above, below = sparse.hstack([lin.tangent, scaled.T]), sparse.hstack([scaled, softness])
+    return sparse.csc_matrix(sparse.vstack([above, below]))
+
+
+def condition(A: sparse.csc_matrix) -> float:
+    """|A| |A^-1| in the 1-norm, infinite for a singular matrix; the second factor is an estimate from below.
+
+    Higham, ACM Trans. Math. Softw. 14 (1988) 381: with one column (t = 1) nothing in it is random.
+    """
+    n = A.shape[0]
+    try:
+        factor = sparse.linalg.splu(A)
+    except RuntimeError:
+        return float("inf")
+    back = partial(factor.solve, trans="T")
+    inverse = LinearOperator((n, n), matvec=factor.solve, rmatvec=back, dtype=np.dtype(float))
+    return float(sparse.linalg.norm(A, 1) * onenormest(inverse, t=1))
+
+
+def _measured(
+    problem: ContactProblem, exact: ContactSolution, found: ContactSolution, form: str, epsilon: float
+) -> tuple[object, ...]:
+    lin = problem.linearise(found.u, None)
+    matrix = (saddle if form == "multiplier" else penalised)(problem, lin, found.u, found.active, epsilon)
+    force, wanted = (float(problem.nodal_forces(state.pressure).sum()) for state in (found, exact))
+    outcome = found.outcome.name.lower().replace("_", "-")
+    penetration = float(np.max(-problem.gap(found.u), initial=0.0))
+    unlike = int(np.sum(found.active != exact.active))
+    iterations = int(found.counters["newton_iterations"])
+    return outcome, iterations, penetration, force, force / wanted - 1, unlike, condition(matrix)

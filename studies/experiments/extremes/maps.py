@@ -1,0 +1,286 @@
+"""Where solving stops: maps of outcomes over pairs of extremes, their boundaries located by bisection.
+
+A point of a map is one small solve, followed by the judge. Its outcome is one of the classes below; a wrong answer is
+what the algorithm calls converged and the judge does not certify. Paths are cut to CUT of a step and no further, which
+a ``footprint solve`` of the same point would be: a failure here is one within that patience.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from contact.catalogue import ALGORITHMS
+from contact.continuation.load_stepping import follow
+from contact.problem import ContactSolution, Outcome
+from studies.algorithm_settings import KEYS
+from studies.campaigns.cell import Cell
+from studies.experiments.extremes.bisection import Located, distance, locate
+from studies.scene import Request, SceneModel, UsageError
+from studies.solve import certificate, resolve
+
+CUT = 2.0**-4  # of a load step
+CONVERGED, UNTOUCHED, WRONG = "converged", "converged, nothing touches", "wrong"
+END, FAILED, REFUSED, CRASHED = "end of the path", "not converged", "refused", "crashed"
+CLASSES = (CONVERGED, UNTOUCHED, WRONG, END, FAILED, REFUSED, CRASHED)
+ENDS = ("limit point of the path", "bifurcation near")  # the tangent's word that there is nothing to follow
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A setting or option and its values along one side of a map; label: with its unit."""
+
+    key: str
+    label: str
+    values: tuple[str, ...]
+
+    @classmethod
+    def powers(cls, key: str, label: str, low: float, high: float, points: int) -> Axis:
+        """Evenly spaced in the logarithm, from 10^low to 10^high."""
+        return cls(key, label, tuple(f"{10.0**x:.6g}" for x in np.linspace(low, high, points)))
+
+    @classmethod
+    def even(cls, key: str, label: str, low: float, high: float, points: int) -> Axis:
+        """Evenly spaced."""
+        return cls(key, label, tuple(f"{round(x, 12) + 0.0:.6g}" for x in np.linspace(low, high, points)))
+
+    @property
+    def named(self) -> bool:
+        """True when the values are names and have no order."""
+        return self.key == "contact"
+
+
+@dataclass(frozen=True)
+class Found:
+    """What one point gave: its class, why if it is a failure, and what it cost."""
+
+    kind: str
+    reason: str = ""
+    iterations: int = 0
+    factorisations: int = 0
+
+
+@dataclass(frozen=True)
+class Chart:
+    """A map: y over x, one scene at fixed options and settings; stride: blocks to begin with."""
+
+    name: str
+    title: str
+    scene: str
+    x: Axis
+    y: Axis
+    options: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, str] = field(default_factory=dict)
+    stride: int = 8
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Points along y and x."""
+        return len(self.y.values), len(self.x.values)
+
+    def cell(self, i: int, j: int) -> Cell:
+        """The request of a point, row i and column j."""
+        return self.point(self.x.values[j], self.y.values[i])
+
+    def point(self, x: str, y: str) -> Cell:
+        """The request at any values of both axes."""
+        options, settings = dict(self.options), dict(self.settings)
+        for axis, value in ((self.y, y), (self.x, x)):
+            (options if axis.named else settings)[axis.key] = value
+        return Cell(f"{self.name} {x} {y}", self.scene, options, settings)
+
+    def command(self, i: int, j: int) -> str:
+        """The command that solves one point as the map did."""
+        return f"footprint extremes {self.name} --at {self.x.values[j]},{self.y.values[i]}"
+
+    def located(self, at: Callable[[Cell], Found]) -> tuple[Located, dict[tuple[int, int], Found]]:
+        """The map, and what the points that were asked for gave."""
+        found: dict[tuple[int, int], Found] = {}
+
+        def class_at(i: int, j: int) -> str:
+            found[i, j] = at(self.cell(i, j))
+            return found[i, j].kind
+
+        return locate(class_at, self.shape, self.stride, rows_apart=self.y.named), found
+
+
+# --- one point ------------------------------------------------------------------------------------------------------
+
+
+def attempt(cell: Cell) -> Found:
+    """Solve one point and judge it; whatever it raises is its class."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        try:
+            scene, request = resolve(cell.scene, cell.settings, **cell.options)
+            return _followed(scene.build(request), request)
+        except UsageError as error:
+            return Found(REFUSED, str(error))
+        except Exception as error:  # a crash is a finding of these maps, whatever it is
+            return Found(CRASHED, f"{type(error).__name__}: {error}")
+
+
+def _followed(model: SceneModel, request: Request) -> Found:
+    chosen = {key: request.settings[key] for key in ("epsilon", "solver", *KEYS) if key in request.settings}
+    algorithm = ALGORITHMS[request.contact](**chosen)
+    state: ContactSolution | None = None
+    spent = {"newton_iterations": 0.0, "factorisations": 0.0}
+    for stage in model.stages():
+        problem_at, start = stage.begin(state)
+        reason = algorithm.supports(problem_at(stage.targets[0]))
+        if reason is not None:
+            return Found(REFUSED, f"{request.contact} does not apply: {reason}")
+        failures: list[str] = []
+        for point in follow(problem_at, 0.0, stage.targets, algorithm, start, request.steps, smallest=CUT):
+            spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
+            if not point.outcome.converged:
+                return _failed(point.outcome, str(point.solution.history[-1].get("event", "")), spent)
+            failures += certificate(problem_at(point.requested), point.solution, algorithm.epsilon)["failures"]
+        if failures:
+            told = ", ".join(dict.fromkeys(failures))
+            return Found(WRONG, f"the judge finds {told} beyond its bounds", *map(int, spent.values()))
+        state = stage.lifted(point.solution)
+    assert state is not None
+    return Found(CONVERGED if state.active.any() else UNTOUCHED, "", *map(int, spent.values()))
+
+
+def _failed(outcome: Outcome, event: str, spent: Mapping[str, float]) -> Found:
+    """The class of a path that does not arrive."""
+    cost = [int(value) for value in spent.values()]
+    if outcome is Outcome.REFUSED:
+        return Found(REFUSED, event, *cost)
+    return Found(END if any(word in event for word in ENDS) else FAILED, event or outcome.value, *cost)
+
+
+# --- the maps -------------------------------------------------------------------------------------------------------
+
+_UNEVEN = tuple(f"{1 - 10.0**x:.6g}" for x in np.linspace(0, -4, 17))  # 0 to 0.9999
+SMALL = {"mesh": "4x4"}
+BY = Axis("contact", "algorithm", tuple(ALGORITHMS))
+H, TRAVEL, BALL = "h/R [-]", "travel of the plane [mm]", "radius of the ball [mm]"
+NU = Axis("nu", "Poisson ratio ν [-]", tuple(f"{0.5 - 10.0**x:.6g}" for x in np.linspace(-1, -4, 17)))
+TYRE = {"mesh": "8x12", "model": "half"}
+LYING = {"shape": "plate"}
+POWERS, EVEN = Axis.powers, Axis.even
+
+
+def _panel(name: str, title: str, x: Axis, y: Axis, settings: Mapping[str, str] | None = None, **more: str) -> Chart:
+    stride = 16 if len(x.values) > 40 else 8
+    return Chart(name, title, "panel", x, y, {**SMALL, **more}, settings or {}, stride)
+
+
+_TRAVELS = POWERS("delta_mm", TRAVEL, -2, 1.5, 17)
+CHARTS: tuple[Chart, ...] = (
+    _panel("thin-travel", "Thinness against travel, beyond the clamp", _TRAVELS, POWERS("h_over_R", H, -6, -1, 17)),
+    _panel(
+        *("inflation-travel", "Pressure, outside and inside, against travel"),
+        *(POWERS("delta_mm", TRAVEL, -2, 1, 17), EVEN("inflation", "p R/(E h) [-]", -1, 3, 17)),
+    ),
+    _panel(
+        *("fibres-angle", "Stiff fibres against their angle"),
+        *(EVEN("gamma_deg", "angle of the fibres γ [deg]", 0, 90, 17), POWERS("E_ratio", "E_L/E_T [-]", 0, 6, 17)),
+    ),
+    _panel("nu-thin", "Incompressible against thin", NU, POWERS("h_over_R", H, -6, -1, 17)),
+    _panel(
+        *("epsilon-thin", "Regularisation against thinness"),
+        *(POWERS("epsilon", "ε [MPa/mm]", -2, 16, 33), POWERS("h_over_R", H, -6, -1, 33)),
+        contact="regularised",
+    ),
+    _panel(
+        *("aspect-irregular", "Long elements against an uneven mesh"),
+        *(
+            POWERS("aspect", "length over width of an element [-]", 0, 4, 17),
+            Axis("irregular", "unevenness [-]", _UNEVEN),
+        ),
+    ),
+    _panel(
+        *("ball-travel", "A small ball against its travel"),
+        *(POWERS("ball_mm", BALL, -2, 2, 17), POWERS("delta_mm", "travel of the ball [mm]", -2, 0.5, 17)),
+        {"foundation": "ball"},
+    ),
+    Chart(
+        *("tyre-pressure", "The tyre: pressure against the cord angle", "tyre"),
+        *(EVEN("gamma_deg", "cord angle γ [deg]", 0, 90, 17), EVEN("p0_MPa", "pressure inside [MPa]", -0.05, 0.35, 17)),
+        *(TYRE, {"element": "paper", "delta_mm": "5"}),
+    ),
+    _panel("thin", "Thinness, by algorithm", POWERS("h_over_R", H, -6, -1, 33), BY),
+    _panel("epsilon", "Regularisation, by algorithm", POWERS("epsilon", "ε [MPa/mm]", -2, 16, 33), BY),
+    _panel(
+        "length-unit", "The unit of length, by algorithm", POWERS("length_unit", "units in a mm [-]", -6, 6, 33), BY
+    ),
+    _panel(
+        "stress-unit", "The unit of stress, by algorithm", POWERS("stress_unit", "units in a MPa [-]", -6, 6, 33), BY
+    ),
+    _panel("touch", "From exact touch, by algorithm", POWERS("delta_mm", TRAVEL, -18, 0, 65), BY, LYING),
+    _panel(
+        *("everywhere", "Contact everywhere, by algorithm"),
+        *(POWERS("inflation", "p R/(E h) [-]", -8, 0, 33), BY),
+        {**LYING, "delta_mm": "0"},
+    ),
+    _panel(
+        *("one-node", "One node under a ball, by algorithm"),
+        *(POWERS("ball_mm", BALL, -3, 3, 33), BY),
+        {"foundation": "ball", "delta_mm": "0.5"},
+    ),
+)
+CHECKED = ("ball-travel", "one-node", "length-unit")  # cheap enough to be compared with all of their points
+
+
+def chart_of(name: str) -> Chart:
+    """The map of a name; raises UsageError."""
+    found = [chart for chart in CHARTS if chart.name == name]
+    if not found:
+        raise UsageError(f"map {name!r} must be one of {', '.join(chart.name for chart in CHARTS)}")
+    return found[0]
+
+
+def check_table(names: Sequence[str] = CHECKED, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+    """Maps beside all of their points: how many were asked for, and how far the boundary is from the true one."""
+    rows = []
+    for chart in map(chart_of, names):
+        where, found = chart.located(at)
+        whole = np.full(chart.shape, "", dtype=object)
+        for i, j in np.ndindex(chart.shape):
+            whole[i, j] = (found.get((i, j)) or at(chart.cell(i, j))).kind
+        cells = distance(where.classes, whole, rows_apart=chart.y.named)
+        row = {"map": chart.name, "points": whole.size, "asked": int(where.asked.sum()), "share": where.share}
+        rows.append({**row, "distance": cells, "unlike": int(np.sum(where.classes != whole))})
+    return pd.DataFrame(rows)
+
+
+def extremes_table(charts: Sequence[Chart] | None = None, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+    """All points of all maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
+    rows = []
+    for chart in CHARTS if charts is None else charts:
+        where, found = chart.located(at)
+        for (i, j), kind in np.ndenumerate(where.classes):
+            row = {"map": chart.name, "i": i, "j": j, "y": chart.y.values[i], "x": chart.x.values[j], "class": kind}
+            own = found.get((i, j))
+            row |= {"asked": own is not None, "complete": where.complete}
+            if own is not None:
+                row |= {"reason": own.reason, "iterations": own.iterations, "factorisations": own.factorisations}
+                row["command"] = chart.command(i, j)
+            rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def axes_table(charts: Sequence[Chart] | None = None) -> pd.DataFrame:
+    """What the maps are of, one row a map."""
+    rows = []
+    for chart in CHARTS if charts is None else charts:
+        fixed = {"scene": chart.scene, **chart.options, **chart.settings}
+        rows.append(
+            {
+                "map": chart.name,
+                "title": chart.title,
+                "x_label": chart.x.label,
+                "y_label": chart.y.label,
+                "y_named": chart.y.named,
+                "fixed": ", ".join(f"{key} {value}" for key, value in fixed.items()),
+            }
+        )
+    return pd.DataFrame(rows)

@@ -1,0 +1,248 @@
+"""Symmetry and invariance: every measure by every algorithm where nothing must change, and what changes all the same.
+
+Each check compares two answers that ought to be one, or an answer with its own image. A deviation is the largest
+difference of pressures over the peak, or of displacements over the largest, whichever is more, and belongs to one of
+five classes: exactly zero; what rounding explains; what the tolerance of the solver allows; broken by design, when the
+measure or the structure declares that it must be; and broken by accident, which is a failure. What is declared to be
+broken and is not is an accident, too, and so is a state that the judge of contact does not certify.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.continuation.load_stepping import follow
+from contact.newton.step import RESIDUAL_TOLERANCE, ROUNDING_MARGIN
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, rounding_floor
+from contact.verify import judge
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import StrainMeasure
+from studies.experiments.conformance import NOTICED, Element, claims_objectivity
+from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
+from studies.experiments.rigid_body import rotation
+from studies.scenes.tyre.parts import settle_model
+from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.solve import resolve
+
+EXACT, ROUNDING, TOLERANCE = "exactly zero", "rounding", "solver tolerance"
+DESIGN, ACCIDENT, REFUSED = "broken by design", "broken by accident", "does not apply"
+THETA = 0.3  # rad, of rigid rotations
+OBLIQUE = Motion(rotation(np.array([1.0, 2.0, -0.5]) / math.sqrt(5.25), THETA), np.array([0.3, -2.0, 1.0]))
+ABOUT_Z = Motion(rotation(np.array([0.0, 0.0, 1.0]), THETA), np.array([0.0, 0.0, 0.4]))
+SPLIT = 3  # load steps instead of one
+TYRE_MESH, TYRE_TRAVEL, TYRE_ANGLES = "12x16", 8.0, (0.0, 52.0, 90.0)
+SEED = 2004
+GAP = 1e-9  # of the largest displacement, for the judge
+WAYS = {  # of the torus, beside the first
+    "axes exchanged": Way(swapped=True),
+    "lengths over 1e6, stresses times 1e6": Way(length=1e-6, stress=1e6),
+    "lengths times 1e6, stresses over 1e6": Way(length=1e6, stress=1e-6),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A state as it is compared: what it shows, whether it may be trusted, and what its own precision is.
+
+    wrong: why it is no answer, or nothing.  rounding, tolerance: relative deviations that machine precision, and the
+    residual tolerance of the solver, allow a nodal pressure.
+    """
+
+    seen: Seen
+    wrong: str
+    refused: bool
+    rounding: float
+    tolerance: float
+    nodes: int
+    iterations: int
+
+
+def symmetry_table(
+    measures: Mapping[str, StrainMeasure] = MEASURES,
+    algorithms: Mapping[str, Callable[[], ContactAlgorithm]] = ALGORITHMS,
+) -> pd.DataFrame:
+    """All checks of all pairs, one row each: deviation, its two yardsticks, its class, and why where one is due."""
+    rows = []
+    for name, measure in measures.items():
+        inflated = {gamma: _inflated(measure, gamma) for gamma in TYRE_ANGLES}
+        for algorithm_name, make in algorithms.items():
+            algorithm = make()
+            checks = [*_panels(measure, algorithm), *_tyres(inflated, algorithm)]
+            rows += [{"measure": name, "algorithm": algorithm_name, **check} for check in checks]
+    return pd.DataFrame(rows)
+
+
+# --- classes --------------------------------------------------------------------------------------------------------
+
+
+def classified(deviation: float, rounding: float, tolerance: float, by_design: str = "") -> str:
+    """The class of a deviation; ``by_design``: why it must be there, if it must."""
+    if by_design:
+        return DESIGN if deviation > max(NOTICED, tolerance) else ACCIDENT
+    if deviation == 0:
+        return EXACT
+    if deviation <= rounding:
+        return ROUNDING
+    return TOLERANCE if deviation <= tolerance else ACCIDENT  # NaN is an accident
+
+
+def _row(check: str, one: Answer, other: Answer, deviation: float, by_design: str = "") -> dict[str, object]:
+    """One check: ``one`` is the yardstick."""
+    wrong = one.wrong or other.wrong
+    verdict = classified(deviation, one.rounding, one.tolerance, by_design)
+    reason = by_design
+    if wrong:
+        verdict, reason = REFUSED if one.refused or other.refused else ACCIDENT, wrong
+    elif verdict == ACCIDENT:
+        reason = f"declared to be broken, and is not: {by_design}" if by_design else "nothing explains it"
+    return {
+        "check": check,
+        "deviation": deviation,
+        "rounding": one.rounding,
+        "tolerance": one.tolerance,
+        "class": verdict,
+        "reason": reason,
+        "contact_nodes": one.nodes,
+        "nodes_unlike": int(np.sum((one.seen.pressure > 0) != (other.seen.pressure > 0))),
+        "iterations": one.iterations,
+        "iterations_other": other.iterations,
+    }
+
+
+def difference(one: Seen, other: Seen) -> float:
+    """The larger of the two relative differences; NaN without contact."""
+    pressure = np.max(np.abs(one.pressure - other.pressure)) / (np.max(one.pressure) or math.nan)
+    return float(max(pressure, np.max(np.abs(one.moved - other.moved)) / np.max(np.abs(one.moved))))
+
+
+def _answer(
+    problem: ContactProblem,
+    state: ContactSolution,
+    outcome: Outcome,
+    algorithm: ContactAlgorithm,
+    seen: Callable[[ContactSolution], Seen],
+) -> Answer:
+    """A state before the judge, whose bounds are in units of the problem, and what to expect of its last digits."""
+    refused = algorithm.supports(problem) or (outcome.value if outcome is Outcome.REFUSED else "")
+    lin, size = problem.linearise(state.u, None), float(np.max(np.abs(state.u)))
+    peak = float(np.max(state.pressure, initial=0.0))
+    failures = judge(problem, state.u, state.pressure, epsilon=algorithm.epsilon).failures(
+        penetration=GAP * size, complementarity=GAP * size * peak
+    )
+    wrong = "" if not failures else f"the judge finds {', '.join(failures)}"
+    wrong = refused or (wrong if outcome.converged else outcome.value)
+    force = float(np.min(problem.weights)) * peak or math.nan
+    rounding = ROUNDING_MARGIN * (rounding_floor(lin, state.u) + float(np.finfo(float).eps) * lin.scale) / force
+    tolerance = RESIDUAL_TOLERANCE * lin.scale / force
+    spent = int(state.counters.get("newton_iterations", 0))
+    nodes = int(np.sum(state.pressure > 0))
+    return Answer(seen(state), wrong, bool(refused), rounding, tolerance, nodes, spent)
+
+
+# --- panels ---------------------------------------------------------------------------------------------------------
+
+
+def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[dict[str, object]]:
+    """A torus posed in other ways, and panels moved as a whole, together with all that holds and presses them."""
+    first = TORUS.posed(measure)
+    one = _solved(first, algorithm)
+    yield _against("solved a second time", one, _solved(first, algorithm))
+    for check, way in WAYS.items():
+        yield _against(check, one, _solved(TORUS.posed(measure, way), algorithm))
+    yield _against("nodes renumbered", one, _solved(renumbered(first, np.random.default_rng(SEED)), algorithm))
+    yield _against(f"{SPLIT} load steps for one", one, _solved(first, algorithm, SPLIT))
+    for check, panel, motion, why in (
+        ("plate moved and turned", PLATE, OBLIQUE, _turned_plate(measure)),
+        ("cylinder turned about its axis", CYLINDER, ABOUT_Z, _turned_cylinder(measure)),
+        ("torus moved and turned", ISOPARAMETRIC, OBLIQUE, _turned_plate(measure)),
+    ):
+        if not panel.element.suits(measure):
+            continue
+        ways = (FIRST, Way(motion=motion))
+        still, moved = (_solved(panel.posed(measure, way), algorithm) for way in ways)
+        yield _against(check, still, moved, why)
+
+
+ISOPARAMETRIC = replace(TORUS, element=Element("isoparametric"))
+
+
+def _solved(posed: Posed, algorithm: ContactAlgorithm, steps: int = 1) -> Answer:
+    own, problem = posed.algorithm(algorithm), posed.problem_at(1.0)
+    state, outcome = posed.solved(algorithm, steps)
+    return _answer(problem, state, outcome, own, posed.seen)
+
+
+def _against(check: str, one: Answer, other: Answer, by_design: str = "") -> dict[str, object]:
+    return _row(check, one, other, difference(one.seen, other.seen), by_design)
+
+
+def _turned_plate(measure: StrainMeasure) -> str:
+    """Why a turn must be noticed: the laws of the measure on a plate."""
+    if claims_objectivity(measure):
+        return ""
+    law = measure.rigid_body_law
+    out, drill = law.out_of_plane(THETA, 1.0), law.drilling(THETA, 1.0)
+    return f"declares E11 = {out:.3g} of a plate turned by {THETA:g} rad out of its plane, {drill:.3g} within it"
+
+
+def _turned_cylinder(measure: StrainMeasure) -> str:
+    """Why a turn about the axis must be noticed: the law on the outer face of the panel."""
+    zeta = 1 + CYLINDER.outer_curvature
+    strain = measure.rigid_body_law.axis(THETA, zeta)
+    return f"declares E22 = {strain:.3g} on the face of a cylinder turned by {THETA:g} rad" if strain else ""
+
+
+# --- tyres ----------------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Inflated:
+    """A whole tyre at one cord angle, inflated by a measure."""
+
+    gamma: float
+    model: TyreModel
+    state: ContactSolution
+    outcome: Outcome
+
+
+def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
+    settings = {"gamma_deg": f"{gamma:g}", "delta_mm": f"{TYRE_TRAVEL:g}", "element": "paper"}
+    _, request = resolve("tyre", settings, TYRE_MESH, model="full")
+    model = Tyre().build_on(request, *Tyre().lines(request))
+    shell = replace(model.shell, measure=measure)
+    model = replace(model, shell=shell, body=shell)
+    stage = next(iter(model.stages()))
+    problem_at, start = stage.begin(None)
+    point = list(follow(problem_at, 0.0, stage.targets, Semismooth(), start))[-1]
+    return Inflated(gamma, model, point.solution, point.outcome)
+
+
+def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iterator[dict[str, object]]:
+    """The pressure of a whole tyre against its images: a turn by 180 degrees about the normal, and two mirrors."""
+    for gamma, tyre in tyres.items():
+        _, stage = tyre.model.stages()
+        problem_at, start = stage.begin(tyre.state)
+        point = list(follow(problem_at, 0.0, stage.targets, algorithm, start))[-1]
+        shape = tyre.model.wall.shape
+
+        def seen(state: ContactSolution, tyre: Inflated = tyre) -> Seen:
+            return Seen(np.zeros((2, 0, 3)), tyre.model.wall.spread(state.pressure))
+
+        outcome = tyre.outcome if not tyre.outcome.converged else point.outcome
+        answer = _answer(problem_at(stage.targets[-1]), point.solution, outcome, algorithm, seen)
+        p = answer.seen.pressure.reshape(shape)
+        turned = (-np.arange(shape[1])) % shape[1]
+        images = {"psi": p[::-1], "phi": p[:, turned], "both": p[::-1][:, turned]}
+        off = {name: float(np.max(np.abs(p - image)) / (np.max(p) or math.nan)) for name, image in images.items()}
+        what = f"cords at {gamma:g} deg"
+        yield _row(f"tyre turned about its normal, {what}", answer, answer, off["both"])
+        mirrored = gamma in (0.0, 90.0)
+        why = "" if mirrored else settle_model("auto", {"gamma_deg": gamma})[1]
+        yield _row(f"tyre mirrored, {what}", answer, answer, max(off["psi"], off["phi"]), why)

@@ -1,0 +1,106 @@
+"""How far the pressure under a tyre is from its mirror image, over the cord angle: zero at 0 and 90 degrees only.
+
+Plies at +-gamma have no mirror plane, but a half turn about the normal, so both mirrors are off alike. Near 0 and 90
+degrees the inflated tyre is not stable: its tangent has negative eigenvalues before anything touches it, and which of
+several states a solver then finds is a matter of its steps. Such angles are told by their number of negative
+eigenvalues. The maximum is searched for in one dimension among the stable ones, around the largest value on the grid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import minimize_scalar
+
+from contact.algorithms.semismooth import Semismooth
+from contact.continuation.critical_points import negative_eigenvalues
+from contact.continuation.load_stepping import follow
+from formulations.strains.catalogue import MEASURES
+from studies.scenes.tyre.scene import Tyre
+from studies.solve import resolve
+
+NEAR = 1.0  # deg, how near the search comes to the angle of the maximum
+ANGLES = (0.0, 2.0, 5.0, *range(10, 50, 5), 52.0, *range(55, 90, 5), 88.0, 90.0)
+FEW = (0.0, 5.0, 15.0, 30.0, 45.0, 52.0, 60.0, 75.0, 85.0, 90.0)
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """The tyre of the paper by one measure on one mesh, over the angles [deg]."""
+
+    measure: str
+    mesh: str
+    angles: tuple[float, ...]
+    delta_mm: str = "10,20"
+
+    def at(self, gamma: float, kind: str) -> dict[str, object]:
+        """One angle: the largest difference of the pressure from its mirror image, all in MPa.
+
+        mirror_MPa counts no contact as zero pressure, mirror_both_MPa only pairs of nodes that both touch.
+        central_MPa: from the image under the half turn.
+        """
+        settings = {"gamma_deg": f"{gamma:.6g}", "delta_mm": self.delta_mm, "element": "paper"}
+        _, request = resolve("tyre", settings, self.mesh, measure=self.measure, model="half")
+        row: dict[str, object] = {"measure": self.measure, "mesh": self.mesh, "gamma_deg": gamma, "kind": kind}
+        words = [f"--measure {self.measure} --mesh {self.mesh} --model half"]
+        words += [f"--set {key}={value}" for key, value in settings.items()]
+        row["command"] = f"footprint solve tyre {' '.join(words)} --out DIR"
+        model, state = Tyre().build(request), None
+        for stage in model.stages():
+            problem_at, start = stage.begin(state)
+            point = list(follow(problem_at, 0.0, stage.targets, Semismooth(), start))[-1]
+            state = stage.lifted(point.solution)
+            if not point.outcome.converged:
+                return row | {"outcome": point.outcome.name.lower().replace("_", "-")}
+        assert state is not None
+        row |= {"outcome": "converged", "delta_mm": stage.targets[-1]}
+        row["negative"] = negative_eigenvalues(problem_at(stage.targets[-1]), state, np.inf)
+        own, touching = (model.wall.spread(v).reshape(model.wall.shape) for v in (state.pressure, state.active))
+        return row | {"peak_MPa": float(own.max()), "contact_nodes": int(touching.sum())} | _images(own, touching)
+
+
+def _images(p: np.ndarray, touching: np.ndarray) -> dict[str, float]:
+    """Of maps over psi, symmetric about its middle, and phi, periodic, the first line at -pi."""
+    turned = (-np.arange(p.shape[1])) % p.shape[1]
+    pairs = [(p[::-1], touching[::-1]), (p[:, turned], touching[:, turned])]
+    every = max(float(np.max(np.abs(p - image))) for image, _ in pairs)
+    both = max(float(np.max(np.abs(p - image), where=touching & own, initial=0.0)) for image, own in pairs)
+    central = float(np.max(np.abs(p - p[::-1][:, turned])))
+    return {"mirror_MPa": every, "mirror_both_MPa": both, "central_MPa": central}
+
+
+SWEEPS = (Sweep("exact", "42x40", ANGLES), *(Sweep(measure, "14x20", FEW, "12") for measure in MEASURES))
+
+
+def mirror_table(sweeps: Sequence[Sweep] = SWEEPS) -> pd.DataFrame:
+    """One row an angle: those of the grid, then those of the search for the largest ``mirror_both_MPa``."""
+    rows = []
+    for sweep in sweeps:
+        own = [sweep.at(gamma, "grid") for gamma in sweep.angles]
+        rows += own + _searched(sweep, own)
+    return pd.DataFrame(rows).sort_values(["mesh", "measure", "gamma_deg"], kind="stable", ignore_index=True)
+
+
+def _searched(sweep: Sweep, own: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
+    """Brent's search between the neighbours of the largest value of a stable state on the grid."""
+    value = np.array([_stable_value(row) for row in own])
+    if not value.any():
+        return []
+    top = int(np.argmax(value))
+    low, high = (sweep.angles[min(max(i, 0), len(own) - 1)] for i in (top - 1, top + 1))
+    found: list[dict[str, object]] = []
+
+    def asymmetry(gamma: float) -> float:
+        found.append(sweep.at(float(gamma), "search"))
+        return -_stable_value(found[-1])
+
+    minimize_scalar(asymmetry, bounds=(low, high), method="bounded", options={"xatol": NEAR})
+    return found
+
+
+def _stable_value(row: Mapping[str, object]) -> float:
+    """The asymmetry of a row, 0 where its state is none or is not stable."""
+    return float(str(row["mirror_both_MPa"])) if row.get("negative") == 0 else 0.0

@@ -1,0 +1,48 @@
+"""The tables of the whole store, and who makes each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+
+from studies.campaigns.ladder_cells import ladder_table
+from studies.experiments.epsilon import epsilon_study
+from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
+from studies.experiments.invariance.symmetry import symmetry_table
+from studies.experiments.invariance.tyre_mirror import mirror_table
+from studies.experiments.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
+from studies.experiments.obstacle_problems.active_set_cycles import cycles
+from studies.experiments.obstacle_problems.false_success import table as false_success
+from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
+from studies.experiments.work_precision import work_precision_study
+from studies.store.atomic import SCHEMA, write_table_once
+from studies.store.source_hash import sources_hash
+
+TABLES: dict[str, Callable[[], pd.DataFrame]] = {
+    "rigid_body": rigid_body_table,
+    "small_motions": small_motions,
+    "rotation_sweep": rotation_sweep,
+    "thickness_locking": thickness_locking,
+    "shear_locking": shear_locking,
+    "curved_beam": curved_beam,
+    "membrane_locking": membrane_locking,
+    "epsilon": epsilon_study,
+    "cycles": cycles,
+    "false_success": false_success,
+    "symmetry": symmetry_table,
+    "mirror": mirror_table,
+    "extremes": extremes_table,
+    "extremes_maps": axes_table,
+    "extremes_check": check_table,
+    "ladders": ladder_table,
+    "work_precision": work_precision_study,
+}
+
+
+def make_table(name: str, directory: Path) -> bool:
+    """Make a table unless the one there was made by the same sources; returns whether it was made now."""
+    make = TABLES[name]
+    identity = f"{SCHEMA} {sources_hash([make.__module__])}"
+    return write_table_once(directory / f"{name}.csv", identity, make)

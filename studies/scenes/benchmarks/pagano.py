@@ -1,0 +1,145 @@
+"""Pagano's cross-ply plate [0/90/0], b = 3a, simply supported, under a sinusoidal pressure: the elasticity solution.
+
+The reference is three-dimensional and holds for every span-to-thickness ratio S = a/h. The shell has one director and
+no shear correction: its shear strain is constant through plies whose shear moduli differ by 2.5, so it is stiffer than
+the plate, and the more so the thicker the plate. Stresses: sigma_x from strain and S33 of the section's law, the
+transverse shears from the equilibrium of each ply, since a constant shear strain carries no local shear stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
+from studies.scenes.data import read_reference
+from studies.scenes.element import discretise
+from studies.scenes.statics import StaticModel, loaded_shell, number
+
+# MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
+E_L, E_T, G_LT, G_TT, NU = 25.0, 1.0, 0.5, 0.2, 0.25
+ANGLES = (0.0, np.pi / 2, 0.0)
+H = 1.0  # mm
+DEFLECTION = 1e-6  # w/(h w_bar): the load that gives it is small enough for every measure to be linear
+
+COLUMNS = {"wbar": "w_bar", "sigma_x": "sigma_x_bar", "tau_xz": "tau_xz_bar", "tau_yz": "tau_yz_bar"}
+
+
+def _references() -> tuple[Reference, ...]:
+    table = read_reference("pagano1970_sandwich_and_crossply.csv")
+    source = "Pagano, J. Compos. Mater. 4 (1970) 20, table 2, in the helper notebook of the package panels"
+    return tuple(
+        Reference(quantity, float(row[column]), {"S": float(row["S"])}, "read", source, 5e-3)
+        for _, row in table.iterrows()
+        for column, quantity in COLUMNS.items()
+    )
+
+
+@dataclass(frozen=True)
+class Pagano:
+    """A quarter: a1 = x in [0, a/2], a2 = y in [0, b/2]; the pressure pushes on the outer face along +z."""
+
+    name: str = "pagano"
+    title: str = "Simply supported cross-ply plate under a sinusoidal pressure (Pagano 1970)"
+    default_mesh: tuple[int, int] = (16, 16)
+    settings: tuple[Setting, ...] = (
+        Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000),
+        *SHELL_SETTINGS,
+    )
+    references: tuple[Reference, ...] = _references()
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """q0 sin(pi x/a) sin(pi y/b) on the outer face."""
+        S = number(request, "S")
+        a, b = S * H, 3 * S * H
+        n1, n2 = request.mesh
+        grid = Grid.tensor(np.linspace(0, a / 2, n1 + 1), np.linspace(0, b / 2, n2 + 1))
+        plies = tuple(Ply(E_L, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
+        fixed = _supports(grid, a / 2, b / 2)
+        discretisation = discretise(request, Plate(), grid, centred_laminate(request, *plies), fixed)
+        q0 = 100 * E_T * DEFLECTION / S**4
+
+        def pressure(x: np.ndarray, y: np.ndarray) -> np.ndarray:
+            return q0 * (np.sin(np.pi * x / a) * np.sin(np.pi * y / b))[..., None] * [0.0, 0.0, 1.0]
+
+        forces = area_load(discretisation, pressure, shares=(0.0, 1.0))
+        shell = loaded_shell(discretisation, request, forces=forces)
+        return StaticModel(shell, (1.0,), lambda shell, u: _normalised(shell, u, S, q0))
+
+
+def _supports(grid: Grid, x_middle: float, y_middle: float) -> np.ndarray:
+    """Simple supports on x = 0 and y = 0 that hold the edge's own plane, symmetry on the middle lines; (N, 6) bool."""
+    fixed = np.zeros((grid.n_nodes, 6), bool)
+    fixed[grid.on_line(0, 0.0), 2:] = True
+    fixed[grid.on_line(1, 0.0), :2] = True
+    fixed[grid.on_line(1, 0.0), 4:] = True
+    fixed[grid.on_line(0, x_middle), :2] = True
+    fixed[grid.on_line(1, y_middle), 2:4] = True
+    return fixed
+
+
+def _normalised(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[str, float]:
+    """Pagano's numbers: w_bar = 100 E_T w/(q0 h S^4), sigma_x/(q0 S^2), tau_xz/(q0 S), tau_yz/(q0 S).
+
+    The derivatives at an edge are those between the mean of its last element and the zero on the edge itself.
+    """
+    grid, laminate = shell.discretisation.grid, shell.discretisation.laminate
+    centre = grid.node_at(*grid.nodes.max(axis=0))
+    w = shell.discretisation.expand(u)[centre, 4:].mean()
+    H_mean = shell.resultants(u)[:, :11].reshape(grid.node_shape[0] - 1, grid.node_shape[1] - 1, 11)
+    half1, half2 = grid.half[0]
+    at_centre, at_x0, at_y0 = (
+        _ply_stresses(laminate, shell.section, resultants)
+        for resultants in (H_mean[-1, -1], H_mean[0, -1], H_mean[-1, 0])
+    )
+    # sigma_x and sigma_y vanish on the supports, tau_xy on the symmetry lines
+    tau_xz = _shear_at_middle(laminate, at_x0[..., 0] / half1 - at_x0[..., 2] / half2)
+    tau_yz = _shear_at_middle(laminate, at_y0[..., 1] / half2 - at_y0[..., 2] / half1)
+    return {
+        "w_bar": float(100 * E_T * w / (q0 * H * S**4)),
+        "sigma_x_bar": float(at_centre[-1, 1, 0] / (q0 * S**2)),
+        "tau_xz_bar": tau_xz / (q0 * S),
+        "tau_yz_bar": tau_yz / (q0 * S),
+    }
+
+
+def _ply_stresses(laminate: Laminate, section: str, resultants: np.ndarray) -> np.ndarray:
+    """sigma_x, sigma_y, tau_xy (plies, 2, 3) at the bottom and the top of each ply from mean resultants (11,).
+
+    sigma = Q E + c S33 with the plane-stress stiffness Q, c = b_ij33/b_3333 and S33 = H33/h, the section's own law.
+    """
+    strains = np.linalg.solve(laminate.stiffness(section), resultants)
+    inner, outer = strains[:6:2], strains[1:6:2]
+    interfaces = np.append(0.0, np.cumsum([ply.thickness for ply in laminate.plies])) / laminate.thickness
+    stresses = np.empty((len(laminate.plies), 2, 3))
+    for k, ply in enumerate(laminate.plies):
+        stiffness = ply.stiffness()
+        c = stiffness[:3, 3] / stiffness[3, 3]
+        Q = stiffness[:3, :3] - np.outer(c, stiffness[3, :3])
+        for end, upper in enumerate(interfaces[k : k + 2]):
+            stresses[k, end] = Q @ ((1 - upper) * inner + upper * outer) + c * resultants[10] / laminate.thickness
+    return stresses
+
+
+def _shear_at_middle(laminate: Laminate, divergence: np.ndarray) -> float:
+    """Transverse shear stress at z = 0 in equilibrium with the divergence (plies, 2) of the in-plane stresses.
+
+    tau(0) = -int_{-h/2}^0 (d sigma) dz; linear in every ply and even or odd about z = 0, so half of the middle ply,
+    from its bottom to its mean, completes the integral.
+    """
+    middle = len(laminate.plies) // 2
+    below = sum(ply.thickness * ends.mean() for ply, ends in zip(laminate.plies[:middle], divergence, strict=False))
+    bottom, top = divergence[middle]
+    half = 0.5 * laminate.plies[middle].thickness * (0.75 * bottom + 0.25 * top)
+    return float(-(below + half))

@@ -1,0 +1,242 @@
+"""Thin shells under pressure against closed forms: cylinder, sphere, and the resultants of a torus.
+
+Cylinder and sphere: membranes of St. Venant-Kirchhoff material (plane stress) under a pressure that follows, stretch
+lam = deformed over reference radius. Virtual work gives::
+
+    sphere                     p R/(E h) = (lam - 1/lam)/(1 - nu)
+    cylinder of fixed length   p R/(E h) = (lam^2 - 1)/(2 (1 - nu^2))
+    cylinder with open ends    p R/(E h) = (lam^2 - 1)/(2 sqrt(1 - nu (lam^2 - 1)))
+
+Torus (linear): N_phi = p r (2 R + r sin phi)/(2 (R + r sin phi)), N_theta = p r/2 with phi from the crown. The
+displacement of that membrane theory is singular at the crown, so it is compared by its resultants.
+Sources: the first three derived here; the torus e.g. Timoshenko, Woinowsky-Krieger, Theory of Plates and Shells (1959),
+section 108.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import cylinder, sphere, torus
+from formulations.loads.pressure import PRESSURE_AREAS, Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import Discretisation, ShellModel
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell, number
+
+E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm
+SECTOR = np.pi / 6  # of cylinder and sphere; symmetry holds all four edges or leaves one free
+LARGEST = 1.2  # stretch at load fraction 1
+THIN = 0.1  # mm
+THICKNESS = Setting("h_mm", THIN, "thickness; the closed forms hold for h/R to zero", low=0, high=20, open_low=True)
+AREA = Setting("pressure_area", "mid", "area that carries the pressure", "choice", choices=PRESSURE_AREAS)
+FRACTIONS = (0.25, 0.5, 0.75, 1.0)
+
+
+def sphere_load(stretch: float) -> float:
+    """Pressure p R/(E h) of the sphere."""
+    return (stretch - 1 / stretch) / (1 - NU)
+
+
+def fixed_cylinder_load(stretch: float) -> float:
+    """Pressure p R/(E h) of the cylinder of fixed length."""
+    return (stretch**2 - 1) / (2 * (1 - NU**2))
+
+
+def open_cylinder_load(stretch: float) -> float:
+    """Pressure p R/(E h) of the cylinder with open ends."""
+    return (stretch**2 - 1) / (2 * float(np.sqrt(1 - NU * (stretch**2 - 1))))
+
+
+def sphere_stretch(load: float) -> float:
+    """Inverse of :func:`sphere_load`."""
+    half = (1 - NU) * load / 2
+    return half + float(np.sqrt(half**2 + 1))
+
+
+def fixed_cylinder_stretch(load: float) -> float:
+    """Inverse of :func:`fixed_cylinder_load`."""
+    return float(np.sqrt(1 + 2 * (1 - NU**2) * load))
+
+
+def open_cylinder_stretch(load: float) -> float:
+    """Inverse of :func:`open_cylinder_load`: x = lam^2 - 1 solves x^2 + 4 nu P^2 x - 4 P^2 = 0."""
+    linear = 2 * NU * load**2
+    return float(np.sqrt(1 - linear + np.sqrt(linear**2 + 4 * load**2)))
+
+
+def _references(
+    at: Mapping[str, float | str], stretch_at: Callable[[float], float], largest: float, contraction: float
+) -> tuple[Reference, ...]:
+    """Stretch and thickness ratio sqrt(1 - c (lam^2 - 1)) at the default fractions; -E33 = c E_hoop in plane stress."""
+    source, found = "St. Venant-Kirchhoff membrane, virtual work", []
+    for fraction in FRACTIONS:
+        stretch = stretch_at(fraction * largest)
+        ratio = float(np.sqrt(1 - contraction * (stretch**2 - 1)))
+        where = {**at, "load_fraction": fraction, "h_mm": THIN}
+        found += [Reference("stretch", stretch, where, "exact", source, 1e-3)]
+        found += [Reference("thickness_ratio", ratio, where, "exact", source, 2e-3)]
+    return tuple(found)
+
+
+def _inflated(discretisation: Discretisation, request: Request, largest: float) -> StaticModel:
+    """The sector under the pressure ``largest`` E h/R; everything is uniform, so any node tells the stretch."""
+    h = discretisation.laminate.thickness
+    pressure = Pressure(largest * E * h / RADIUS, follower=True, area=str(request.settings["pressure_area"]))
+
+    def uniform(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+        inner, outer = discretisation.expand(u)[:, 4:].mean(axis=0)
+        return {"stretch": float(1 + 0.5 * (inner + outer) / RADIUS), "thickness_ratio": float(1 + (outer - inner) / h)}
+
+    return StaticModel(loaded_shell(discretisation, request, pressure=pressure), fractions(request), uniform)
+
+
+@dataclass(frozen=True)
+class PressurisedCylinder:
+    """A sector of the circle, a1 along the axis: the length is fixed, or one end is free to move."""
+
+    name: str = "pressurised-cylinder"
+    title: str = "Cylinder under follower pressure (St. Venant-Kirchhoff membrane)"
+    default_mesh: tuple[int, int] = (2, 4)
+    settings: tuple[Setting, ...] = (
+        LOAD_FRACTIONS,
+        Setting("ends", "fixed", "of the cylinder", "choice", choices=("fixed", "open")),
+        THICKNESS,
+        AREA,
+        *ELEMENT,
+        SOLVER,
+    )
+
+    @property
+    def references(self) -> tuple[Reference, ...]:
+        """Stretches at the default fractions of the load."""
+        fixed = _references({"ends": "fixed"}, fixed_cylinder_stretch, fixed_cylinder_load(LARGEST), NU / (1 - NU))
+        return fixed + _references({"ends": "open"}, open_cylinder_stretch, open_cylinder_load(LARGEST), NU)
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """Length of half a radius."""
+        n1, n2 = request.mesh
+        grid = Grid.tensor(np.linspace(0, RADIUS / 2, n1 + 1), np.linspace(0, SECTOR, n2 + 1))
+        fixed = np.zeros((grid.n_nodes, 6), bool)
+        is_open = request.settings["ends"] == "open"
+        for end in (0.0,) if is_open else (0.0, RADIUS / 2):
+            fixed[grid.on_line(0, end), 0:2] = True
+        for side in (0.0, SECTOR):
+            fixed[grid.on_line(1, side), 2:4] = True
+        laminate = Laminate.single(Ply.isotropic(E, NU, number(request, "h_mm")))
+        largest = (open_cylinder_load if is_open else fixed_cylinder_load)(LARGEST)
+        return _inflated(discretise(request, cylinder(RADIUS), grid, laminate, fixed), request, largest)
+
+
+@dataclass(frozen=True)
+class PressurisedSphere:
+    """A piece from the equator up, 30 by 30 degrees; the motion is radial, so every edge slides in its cone."""
+
+    name: str = "pressurised-sphere"
+    title: str = "Sphere under follower pressure (St. Venant-Kirchhoff membrane)"
+    default_mesh: tuple[int, int] = (4, 4)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, THICKNESS, AREA, *ELEMENT, SOLVER)
+
+    @property
+    def references(self) -> tuple[Reference, ...]:
+        """Stretches at the default fractions of the load."""
+        return _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """No rigid motion is left."""
+        n1, n2 = request.mesh
+        grid = Grid.tensor(np.linspace(0, SECTOR, n1 + 1), np.linspace(0, SECTOR, n2 + 1))
+        fixed = np.zeros((grid.n_nodes, 6), bool)
+        for side in (0.0, SECTOR):
+            fixed[grid.on_line(0, side), 0:2] = True
+            fixed[grid.on_line(1, side), 2:4] = True
+        laminate = Laminate.single(Ply.isotropic(E, NU, number(request, "h_mm")))
+        return _inflated(discretise(request, sphere(RADIUS), grid, laminate, fixed), request, sphere_load(LARGEST))
+
+
+TUBE, AXIS = 100.0, 300.0  # mm: radius r of the tube, distance R of its centre from the axis
+TORUS_PRESSURE, TORUS_E = 0.01, 1e6  # MPa: p r = 1 N/mm strains a wall of 1 mm by 1e-6, so every measure is linear
+
+
+def torus_resultants(phi: float) -> tuple[float, float]:
+    """N_phi, N_theta [N/mm] of the linear membrane theory at phi [rad] from the crown, outwards positive."""
+    out = AXIS + TUBE * float(np.sin(phi))
+    return TORUS_PRESSURE * TUBE * (AXIS + out) / (2 * out), TORUS_PRESSURE * TUBE / 2
+
+
+@dataclass(frozen=True)
+class PressurisedTorus:
+    """Half a meridian, outer to inner equator, over a sector of 10 degrees; four symmetry planes."""
+
+    name: str = "pressurised-torus"
+    title: str = "Torus under pressure (linear membrane resultants)"
+    default_mesh: tuple[int, int] = (64, 1)
+    settings: tuple[Setting, ...] = (
+        Setting("load_fraction", (1.0,), "fractions of the pressure to report", "floats", 0.0, 10.0, open_low=True),
+        THICKNESS,
+        AREA,
+        *ELEMENT,
+        SOLVER,
+    )
+
+    @property
+    def references(self) -> tuple[Reference, ...]:
+        """Both resultants at three points; bending of the wall shows most at the crown, as (h/r)^(1/3)."""
+        points = {"outer": (np.pi / 2, 1e-3), "crown": (0.0, 2e-2), "inner": (-np.pi / 2, 1e-3)}
+        source, at = "linear membrane theory, local and global equilibrium", {"load_fraction": 1.0, "h_mm": THIN}
+        return tuple(
+            Reference(f"N_{name}_{place}_N_per_mm", value, at, "exact", source, uncertainty)
+            for place, (phi, uncertainty) in points.items()
+            for name, value in zip(("phi", "theta"), torus_resultants(phi), strict=True)
+        )
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""
+        n1, n2 = request.mesh
+        if n1 % 2 or n1 < 4:
+            raise UsageError(f"mesh {n1}x{n2}: the first number must be even and at least 4")
+        grid = Grid.tensor(np.linspace(0, np.pi, n1 + 1), np.linspace(0, np.deg2rad(10), n2 + 1))
+        fixed = np.zeros((grid.n_nodes, 6), bool)
+        for end in (0.0, np.pi):
+            fixed[grid.on_line(0, end), 0:2] = True
+        for side in (0.0, np.deg2rad(10)):
+            fixed[grid.on_line(1, side), 2:4] = True
+        laminate = Laminate.single(Ply.isotropic(TORUS_E, NU, number(request, "h_mm")))
+        discretisation = discretise(request, torus(AXIS, TUBE), grid, laminate, fixed)
+        pressure = Pressure(TORUS_PRESSURE, follower=True, area=str(request.settings["pressure_area"]))
+
+        def resultants(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+            faces = shell.resultants(u)[:, :4].reshape(n1, n2, 2, 2).mean(axis=1)  # (n1, direction, face)
+            return _at_three_points(faces.sum(axis=-1))
+
+        shell = loaded_shell(discretisation, request, pressure=pressure)
+        return StaticModel(shell, fractions(request), resultants)
+
+
+def _at_three_points(N: np.ndarray) -> dict[str, float]:
+    """Resultants (n1, 2) of equal elements, interpolated to the fourth order; even about both equators."""
+    half = len(N) // 2
+    around_crown = 9 * (N[half - 1] + N[half]) - N[half - 2] - N[half + 1]
+    values = {"outer": (9 * N[0] - N[1]) / 8, "crown": around_crown / 16, "inner": (9 * N[-1] - N[-2]) / 8}
+    return {
+        f"N_{name}_{place}_N_per_mm": float(value)
+        for place, pair in values.items()
+        for name, value in zip(("phi", "theta"), pair, strict=True)
+    }

@@ -1,0 +1,121 @@
+"""Hinged cylindrical roofs under a central point load: Sze, Liu, Lo (2004), section 3.8, six of them.
+
+The load passes two or four limit points, the displacement may turn back: the curve is traced by arc length.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import cylinder
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scenes.data import read_reference
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell
+
+RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
+P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
+E, NU = 3102.75, 0.3  # MPa
+E_L, E_T, G, NU_LT = 3300.0, 1100.0, 660.0, 0.25  # MPa; G_TT and nu_TT are not in the paper: G_LT and nu_LT
+
+SZE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.8 (S4R), interpolated in its table"
+SOLID = (
+    "3D St. Venant-Kirchhoff solid, triquadratic hexahedra; limit load extrapolated from 6x6, 8x8 and 12x12 "
+    "(isotropic) or 4x4x3, 6x6x3 and 8x8x3 (plies) by their own order, displacement of the finest; at the hinge the "
+    "normals stay straight and turn about their middle"
+)
+
+
+def published_limit(table: np.ndarray) -> tuple[float, float]:
+    """First limit point (load fraction, displacement) of a curve given by points (n, 2) of both.
+
+    The vertex of the parabola through the first local maximum and the points beside it.
+    """
+    load, w = table.T
+    top = int(np.flatnonzero(np.diff(load) < 0)[0])
+    a, b, c = np.polyfit(w[top - 1 : top + 2], load[top - 1 : top + 2], 2)
+    vertex = -b / (2 * a)
+    return float(np.polyval((a, b, c), vertex)), float(vertex)
+
+
+@dataclass(frozen=True)
+class Roof:
+    """A quarter with two symmetry planes; the straight edges are hinged at the middle surface, the curved ones free.
+
+    angles: fibre directions of three equal plies from the inside out, degrees from the generator; none: isotropic.
+    data: the published curve.  uncertainty: relative, of its limit load (where the table is sparse, of that, too).
+    solid: load fraction and displacement of the first limit point of a 3D solid.
+    """
+
+    name: str
+    title: str
+    thickness: float
+    angles: tuple[float, ...]
+    data: str
+    solid: tuple[float, float]
+    uncertainty: float = 0.015
+    default_mesh: tuple[int, int] = (16, 16)
+    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
+
+    @property
+    def references(self) -> tuple[Reference, ...]:
+        """The first limit point, of the published curve and of a solid."""
+        table = read_reference(self.data).to_numpy()
+        return tuple(
+            Reference(quantity, value, {}, kind, source, weight * uncertainty)
+            for kind, source, uncertainty, values in (
+                ("read", SZE, self.uncertainty, published_limit(table)),
+                ("computed", SOLID, 3e-3, self.solid),
+            )
+            for quantity, value, weight in zip(("limit_load_fraction", "limit_w_C_mm"), values, (1, 2), strict=True)
+        )
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def laminate(self) -> Laminate:
+        """One isotropic layer or the three plies, about the middle surface."""
+        if not self.angles:
+            return Laminate.single(Ply.isotropic(E, NU, self.thickness))
+        plies = (Ply(E_L, E_T, G, G, NU_LT, NU_LT, np.deg2rad(a), self.thickness / 3) for a in self.angles)
+        return Laminate(tuple(plies), -0.5 * self.thickness)
+
+    def build(self, request: Request) -> SceneModel:
+        """a1 along the generator from the middle, a2 from the crown to the hinge."""
+        n1, n2 = request.mesh
+        grid = Grid.tensor(np.linspace(0, HALF_LENGTH, n1 + 1), np.linspace(0, HALF_ANGLE, n2 + 1))
+        fixed = np.zeros((grid.n_nodes, 6), bool)
+        fixed[grid.on_line(0, 0.0), 0:2] = True
+        fixed[grid.on_line(1, 0.0), 2:4] = True
+        hinged = np.zeros((grid.n_nodes, 3), bool)
+        hinged[grid.on_line(1, HALF_ANGLE)] = True
+        hinged[grid.on_line(0, 0.0), 0] = False  # held by symmetry already
+        discretisation = discretise(request, cylinder(RADIUS), grid, self.laminate(), fixed, hinged)
+        centre = grid.node_at(0.0, 0.0)
+        forces = np.zeros((grid.n_nodes, 6))
+        forces[centre, 4:] = -0.5 * P_MAX / 4
+
+        def at_centre(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+            return {"w_C_mm": float(-discretisation.expand(u)[centre, 4:].mean())}
+
+        return CurveModel.build(loaded_shell(discretisation, request, forces=forces), request, at_centre)
+
+
+ROOFS = tuple(
+    Roof(f"roof-{letter}", f"Hinged roof, {h:g} mm, {layers} (Sze 3.8{letter})", h, angles, data, solid, uncertainty)
+    for letter, h, layers, angles, data, solid, uncertainty in (
+        ("a", 12.7, "isotropic", (), "sze2004_3.8a_hinged_roof_h12.7_isotropic.csv", (0.7387, 10.85), 0.015),
+        ("b", 12.7, "0/90/0", (0, 90, 0), "sze2004_3.8b_hinged_roof_h12.7_0-90-0.csv", (0.3592, 9.80), 0.015),
+        ("c", 12.7, "90/0/90", (90, 0, 90), "sze2004_3.8c_hinged_roof_h12.7_90-0-90.csv", (0.5919, 13.94), 0.015),
+        ("d", 6.35, "isotropic", (), "sze2004_3.8d_hinged_roof_h6.35_isotropic.csv", (0.1943, 13.21), 0.01),
+        ("e", 6.35, "0/90/0", (0, 90, 0), "sze2004_3.8e_hinged_roof_h6.35_0-90-0.csv", (0.0807, 10.88), 0.03),
+        ("f", 6.35, "90/0/90", (90, 0, 90), "sze2004_3.8f_hinged_roof_h6.35_90-0-90.csv", (0.1579, 15.82), 0.01),
+    )
+)

@@ -1,0 +1,104 @@
+"""Clamped shallow spherical cap under uniform pressure: snap-through at a published load.
+
+The coordinates are singular at the apex, so a small hole is left there. Its edge is held as by a rigid plug, which also
+carries the pressure on the hole: nothing moves along the meridian. What the hole costs is measured in the tests: at
+lam = 4 a tenth of the radius raises the snap pressure by 2.7 %, half of it by 0.8 %, 0.01 of it by less than 0.1 %.
+
+The cap is as shallow as a/R = 0.05, so that the shallow equations judge it
+(:mod:`studies.scenes.closed_forms.marguerre_cap`). They give 0.5637 of the classical pressure at lam = 4, Teng and
+Rotter's finite rotations 0.563; Budiansky's 0.578 of 1959 is 2.5 % more. Beyond lam = 5.5 a real cap buckles without
+symmetry, which a quarter with few elements around cannot show.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import sphere
+from formulations.loads.lines import edge_force
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scenes.benchmarks.area_loads import area_load
+from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell, number
+
+E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
+RISE = BASE**2 / (2 * RADIUS)  # mm, of the shallow cap
+SHALLOWNESS = Setting(
+    "shallowness", 4.0, "lam = 2 (3 (1 - nu^2))^(1/4) sqrt(rise/h); it sets the thickness", low=2.0, high=6.0
+)
+HOLE = Setting("hole", 0.01, "radius of the hole at the apex over that of the base", low=1e-3, high=0.5)
+
+TENG = "Teng, Rotter, Comput. Struct. 31 (1989) 211, table 1, in AchilleasF/AQUINAS-FE, Example GNA05"
+BUDIANSKY = "Budiansky (1959), in the same table"
+COMPUTED = "shallow-shell equations by collocation, studies/scenes/closed_forms/marguerre_cap.py"
+READ = {4.0: (0.563, 0.578), 5.0: (0.615, 0.629), 5.5: (0.746, 0.789)}  # p/p_classical of both
+SHALLOW = {4.0: (0.563725, 1.062193), 5.0: (0.615989, 0.575940), 5.5: (0.744912, 0.426638)}  # p/p_classical, w [mm]
+
+
+def thickness(lam: float) -> float:
+    """The h [mm] of the given shallowness."""
+    return RISE * (shallowness(1.0, 1.0, NU) / lam) ** 2
+
+
+def shallow_cap(lam: float) -> ShallowCap:
+    """The same cap by the shallow equations."""
+    return ShallowCap(E, NU, RADIUS, BASE, thickness(lam))
+
+
+def _references() -> tuple[Reference, ...]:
+    references = []
+    for lam, (teng, budiansky) in READ.items():
+        at, (snap, deflection) = {"shallowness": lam}, SHALLOW[lam]
+        references += [
+            Reference("limit_load_fraction", teng, at, "read", TENG, 0.003),
+            Reference("limit_load_fraction", budiansky, at, "read", BUDIANSKY, 0.06),
+            Reference("limit_load_fraction", snap, at, "computed", COMPUTED, 0.003),
+            Reference("limit_w_apex_mm", deflection, at, "computed", COMPUTED, 0.01),
+        ]
+    return tuple(references)
+
+
+@dataclass(frozen=True)
+class ShallowSphericalCap:
+    """A quarter with two symmetry planes; a1 is the latitude, from the clamped base to the hole."""
+
+    name: str = "shallow-cap"
+    title: str = "Clamped shallow spherical cap under pressure"
+    default_mesh: tuple[int, int] = (32, 4)
+    settings: tuple[Setting, ...] = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""
+        n1, n2 = request.mesh
+        h, hole = thickness(number(request, "shallowness")), BASE * number(request, "hole")
+        base, rim = (float(np.arccos(r / RADIUS)) for r in (BASE, hole))
+        grid = Grid.tensor(np.linspace(base, rim, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1))
+        supports = Supports.none(grid).clamped(grid.on_line(0, base)).symmetric(grid.on_line(0, rim), 0)
+        for plane in (0.0, np.pi / 2):
+            supports = supports.symmetric(grid.on_line(1, plane), 1)
+        laminate = Laminate.single(Ply.isotropic(E, NU, h))
+        surface = sphere(RADIUS)
+        discretisation = discretise(request, surface, grid, laminate, *supports.masks)
+        p = classical_pressure(E, NU, RADIUS, h)
+        forces = area_load(discretisation, lambda a1, a2: -p * surface.frame(a1, a2)[..., 2, :])
+        plug = np.array([0.0, 0.0, -p * hole / 2])  # p pi c^2 over the circumference 2 pi c
+        forces += edge_force(discretisation, 0, rim, lambda a1, a2: plug)
+        apex = grid.on_line(0, rim)
+
+        def at_apex(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+            return {"w_apex_mm": float(-discretisation.expand(u)[apex, 4:].mean())}
+
+        return CurveModel.build(loaded_shell(discretisation, request, forces=forces), request, at_apex)

@@ -1,0 +1,89 @@
+"""Heavy strip on a rigid plane, lifted at one end: free length and lifting force of a Timoshenko beam.
+
+The strip hangs under a ceiling, so to say: its weight presses the outer face on the plane, the lift pulls it off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.obstacles.foundation import RigidPlane
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate
+from formulations.shell import ShellModel
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scenes.benchmarks.area_loads import area_load
+from studies.scenes.closed_forms.beams_on_planes import lifted_strip
+from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.contact.strip import UP, B, D, H, contact_edge, strip_wall
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import fractions, loaded_shell, number
+
+UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
+WEIGHT = D * LIFT / UNIT**4  # MPa
+LENGTH = 4 * UNIT  # beyond 3 UNIT nothing happens
+
+LAMBDA = Setting("lam_over_unit", 0.2, "sqrt(D/S) over (D delta/q)^(1/4)", low=0.01, high=1)
+LIFTS = Setting("load_fraction", (1.0,), "lifts to report", "floats", 0.0, 4.0, open_low=True)
+SOURCE = "closed form of beam theory, checked by beam elements"
+
+
+def _references() -> tuple[Reference, ...]:
+    found = []
+    for lam in (0.2, 0.5):
+        at: dict[str, float | str] = {"lam_over_unit": lam, "load_fraction": 1.0, "measure": "linear"}
+        for name, value in zip(("free_length", "lift_force"), lifted_strip(lam), strict=True):
+            found.append(Reference(name, value, at, "exact", SOURCE, 1e-6))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class HeavyStrip:
+    """a1 from the lifted end, which may turn, to the other one, which lies."""
+
+    name: str = "heavy-strip"
+    title: str = "Heavy strip on a plane, lifted at one end"
+    default_mesh: tuple[int, int] = (64, 1)
+    settings: tuple[Setting, ...] = (LIFTS, LAMBDA, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
+        n1, n2 = request.mesh
+        grid = Grid.tensor(np.linspace(0, LENGTH, n1 + 1), np.linspace(0, B, n2 + 1))
+        end = grid.on_line(0, 0.0)
+        supports = Supports.none(grid).hold(end, (2,)).symmetric(grid.on_line(0, LENGTH), 0)
+        for side in (0.0, B):
+            supports = supports.symmetric(grid.on_line(1, side), 1)
+        laminate = strip_wall(UNIT * number(request, "lam_over_unit"))
+        discretisation = discretise(request, Plate(), grid, laminate, *supports.masks)
+        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(WEIGHT * UP, (*a1.shape, 3)))
+        shell = loaded_shell(discretisation, request, forces=forces)
+        nodes = np.setdiff1d(np.arange(grid.n_nodes), end)
+        one = nodes[grid.nodes[nodes, 1] == 0.0]
+        at, total = np.searchsorted(nodes, one), WEIGHT * LENGTH * B
+
+        def lifted(t: float) -> ShellModel:
+            prescribed = np.zeros((grid.n_nodes, 6))
+            prescribed[end, 4:] = -t * LIFT
+            return replace(shell, prescribed=prescribed)
+
+        def measured(t: float, touch: Touch) -> dict[str, float]:
+            begins, _ = contact_edge(grid.nodes[one, 0] / UNIT, touch.pressure[at] / WEIGHT)
+            lift = (total - float(touch.force.sum())) / (WEIGHT * UNIT * B)  # what the plane does not carry
+            return {"free_length": begins, "lift_force": lift}
+
+        plane = RigidPlane(UP, H / 2)
+        return ContactModel(
+            *(shell, "load_fraction", fractions(request), lifted, lambda t: plane),
+            *(nodes, outer_face(discretisation, nodes), measured),
+            lying=True,
+        )

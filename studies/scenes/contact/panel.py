@@ -1,0 +1,136 @@
+"""A clamped panel pressed by a plane or a ball: a scene made to be driven to extremes, small and quick.
+
+A square piece of a cylinder, a sphere or a plate, as long along a1 as ``aspect`` says, inflated while it is pressed.
+It has no reference: what is asked of it is where it can be solved at all, and whether the judge agrees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.obstacles.drum_sphere import Sphere
+from contact.obstacles.foundation import Foundation, RigidPlane
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
+from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import loaded_shell, number
+
+E, RADIUS, HALF = 100.0, 100.0, 25.0  # MPa across the fibres, mm, mm: half the width of the panel
+SHAPES = ("cylinder", "sphere", "plate")
+
+SETTINGS = (
+    Setting("shape", "cylinder", "of the panel", "choice", choices=SHAPES),
+    Setting("h_over_R", 0.02, "thickness over 100 mm, the radius", low=1e-8, high=0.5),
+    Setting("aspect", 1.0, "length of an element over its width", low=1e-6, high=1e6),
+    Setting("irregular", 0.0, "0: even grid lines; near 1: pairs of lines all but meet", low=0, high=1, open_high=True),
+    Setting("E_ratio", 1.0, "modulus along the fibres over that across them, 100 MPa; 1: isotropic", low=1, high=1e9),
+    Setting("gamma_deg", 30.0, "angle of the fibres from a1", low=-90, high=90),
+    Setting("nu", 0.3, "Poisson ratio", low=-1, high=0.5, open_low=True, open_high=True),
+    Setting("inflation", 0.0, "pressure inside times R/(E h)", low=-100, high=100),
+    Setting("load", "dead", "whether the pressure follows the wall", "choice", choices=("dead", "follower")),
+    Setting("delta_mm", 1.0, "travel of the foundation from first touch", low=-100, high=1000),
+    Setting("foundation", "plane", "what presses", "choice", choices=("plane", "ball")),
+    Setting("ball_mm", 20.0, "radius of the ball", low=0, high=1e6, open_low=True),
+    Setting("length_unit", 1.0, "how many units of length a mm is taken as", low=1e-12, high=1e12),
+    Setting("stress_unit", 1.0, "how many units of stress a MPa is taken as", low=1e-12, high=1e12),
+    replace(EPSILON, help="regularisation, in the units of the problem; inf enforces exactly"),
+    *ELEMENT,
+    SOLVER,
+)
+
+
+def lines(n: int, half: float, irregular: float) -> np.ndarray:
+    """Grid lines (n + 1,) over +-half, every second one moved towards its neighbour; the middle one stays."""
+    t = np.linspace(-half, half, n + 1)
+    inner = np.arange(1, n)
+    moved = inner[(inner - n // 2) % 2 == 1]
+    t[moved] += irregular * 2 * half / n
+    return t
+
+
+@dataclass(frozen=True)
+class Panel:
+    """a1 along the generators of a cylinder, a2 around; the foundation comes along -e_x, of a plate along -e_z."""
+
+    name: str = "panel"
+    title: str = "Clamped panel pressed by a plane or a ball, for extremes"
+    default_mesh: tuple[int, int] = (6, 6)
+    settings: tuple[Setting, ...] = SETTINGS
+    references: tuple[Reference, ...] = ()
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """Pressure and travel grow together; results in mm, N, MPa whatever the units of the problem."""
+        n1, n2 = request.mesh
+        if min(n1, n2) < 2:
+            raise UsageError(f"mesh {n1}x{n2} must have at least 2 elements along each side: its edges are clamped")
+        unit, stress = number(request, "length_unit"), number(request, "stress_unit")
+        surface, halves = _shape(request, unit)
+        across = lines(n2, halves[1], number(request, "irregular"))
+        grid = Grid.tensor(lines(n1, halves[0], number(request, "irregular")), across)
+        edge = np.unique([node for axis in (0, 1) for s in (-1, 1) for node in grid.on_line(axis, s * halves[axis])])
+        supports = Supports.none(grid).clamped(edge)
+        h = RADIUS * number(request, "h_over_R") * unit
+        discretisation = discretise(request, surface, grid, _wall(request, h, stress), *supports.masks)
+        p = number(request, "inflation") * E * stress * h / (RADIUS * unit)
+        shell = loaded_shell(discretisation, request, pressure=Pressure(p, request.settings["load"] == "follower"))
+        nodes = np.setdiff1d(np.arange(grid.n_nodes), edge)
+        candidates = outer_face(discretisation, nodes)
+        normal = np.array([0.0, 0.0, 1.0]) if request.settings["shape"] == "plate" else np.array([1.0, 0.0, 0.0])
+        front, delta = float(np.max(candidates.reference @ normal)), number(request, "delta_mm") * unit
+        ball = number(request, "ball_mm") * unit if request.settings["foundation"] == "ball" else None
+
+        def foundation(t: float) -> Foundation:
+            at = front - t * delta
+            return RigidPlane(normal, at) if ball is None else Sphere((at + ball) * normal, ball)
+
+        def loaded(t: float) -> ShellModel:
+            return shell.scaled(t)
+
+        def measured(t: float, touch: Touch) -> dict[str, float]:
+            force, peak = float(touch.force.sum()), float(np.max(touch.pressure))
+            return {"force_N": force / (stress * unit**2), "peak_MPa": peak / stress}
+
+        return ContactModel(
+            *(shell, "load_fraction", (1.0,), loaded, foundation),
+            *(nodes, candidates, measured),
+        )
+
+
+def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]:
+    """The surface, and half of its extent along a1 and a2."""
+    n1, n2 = request.mesh
+    along = HALF * n1 / n2 * number(request, "aspect")
+    shape = request.settings["shape"]
+    if shape == "plate":
+        return Plate(), (along * unit, HALF * unit)
+    if shape == "cylinder":
+        return cylinder(RADIUS * unit), (along * unit, HALF / RADIUS)
+    if along > 1.5 * RADIUS:
+        raise UsageError(f"aspect = {number(request, 'aspect'):g} takes a sphere beyond its poles")
+    return sphere(RADIUS * unit), (along / RADIUS, HALF / RADIUS)
+
+
+def _wall(request: Request, h: float, stress: float) -> Laminate:
+    """One ply about its middle; raises UsageError where it is not elastic."""
+    ratio, nu = number(request, "E_ratio"), number(request, "nu")
+    if ratio == 1:
+        return Laminate((Ply.isotropic(E * stress, nu, h),), -h / 2)
+    G = E * stress / (2 * (1 + nu))
+    try:
+        ply = Ply(ratio * E * stress, E * stress, G, G, nu, nu, np.deg2rad(number(request, "gamma_deg")), h)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    return Laminate((ply,), -h / 2)

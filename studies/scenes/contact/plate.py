@@ -1,0 +1,94 @@
+"""Clamped circular plate pressed on a plane: the contact disc of a Kirchhoff plate, with a line force on its rim.
+
+Polar coordinates are singular at the centre: a small hole is left, its edge held as by a rigid plug that carries the
+pressure on it. The contact disc covers it. What the hole costs is measured in the tests. The wall, 0.01 a thick, is
+squeezed by the line force over some 0.6 h around the rim; its contact radius is smaller by up to 0.002 a (measured).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.obstacles.foundation import RigidPlane
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import annulus
+from formulations.loads.lines import edge_force
+from formulations.section.laminate import Ply
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
+from studies.scenes.closed_forms.beams_on_planes import plate_contact
+from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import fractions, loaded_shell, number
+
+E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
+D = E * H**3 / (12 * (1 - NU**2))  # N mm
+TOUCHING = 64 * D * GAP / A**4  # MPa
+KIRCHHOFF = 1000.0  # shear correction
+DOWN = np.array([0.0, 0.0, -1.0])  # the outer normal of the annulus
+FRACTIONS = (2.0, 5.0, 20.0)
+
+HOLE = Setting("hole", 0.01, "radius of the hole at the centre over that of the plate", low=1e-3, high=0.2)
+PRESSURES = Setting("load_fraction", FRACTIONS, "pressures to report, over 64 D g/a^4", "floats", 0.0, 100.0)
+SOURCE = "Kirchhoff's plate, checked by axisymmetric elements"
+
+
+def _references() -> tuple[Reference, ...]:
+    found = []
+    for fraction in FRACTIONS:
+        at: dict[str, float | str] = {"load_fraction": fraction, "measure": "linear"}
+        radius, force = plate_contact(64 * fraction)
+        found += [Reference("contact_force", force, at, "exact", SOURCE, 1e-6)]
+        found += [Reference("contact_radius", radius, at, "exact", SOURCE, 1e-6)]
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class PlateContact:
+    """A quarter; a1 from the hole to the clamp. Nothing varies around."""
+
+    name: str = "plate-contact"
+    title: str = "Clamped circular plate pressed on a plane"
+    default_mesh: tuple[int, int] = (64, 1)
+    settings: tuple[Setting, ...] = (PRESSURES, HOLE, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """Half of the pressure on each face; results over a and D g/a^2.
+
+        The plane returns the pressure under the disc and a line force on its rim. The plate around feels the sums of
+        f and of f r^2 only, so the radius is taken from the same sums of what the nodes carry beyond the pressure.
+        """
+        n1, n2 = request.mesh
+        rim = A * number(request, "hole")
+        grid = Grid.tensor(np.linspace(rim, A, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1))
+        supports = Supports.none(grid).clamped(grid.on_line(0, A)).symmetric(grid.on_line(0, rim), 0)
+        for plane in (0.0, np.pi / 2):
+            supports = supports.symmetric(grid.on_line(1, plane), 1)
+        laminate = ShearCorrected((Ply.isotropic(E, NU, H),), -H / 2, KIRCHHOFF)
+        discretisation = discretise(request, annulus(), grid, laminate, *supports.masks)
+        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(TOUCHING * DOWN, (*a1.shape, 3)))
+        plug = TOUCHING * rim / 2 * DOWN  # p pi c^2 over the circumference 2 pi c
+        forces += edge_force(discretisation, 0, rim, lambda a1, a2: plug)
+        shell = loaded_shell(discretisation, request, forces=forces)
+        nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(0, A))
+        r, candidates = grid.nodes[nodes, 0], outer_face(discretisation, nodes)
+
+        def measured(fraction: float, touch: Touch) -> dict[str, float]:
+            force = 4 * float(touch.force.sum()) * A**2 / (D * GAP)
+            excess = np.where(touch.force > 0, touch.force - fraction * TOUCHING * candidates.weights, 0.0)
+            return {"contact_force": force, "contact_radius": float(np.sqrt(excess @ r**2 / excess.sum()) / A)}
+
+        foundation = RigidPlane(DOWN, H / 2 + GAP)
+        return ContactModel(
+            *(shell, "load_fraction", fractions(request), shell.scaled, lambda t: foundation),
+            *(nodes, candidates, measured),
+        )

@@ -1,0 +1,117 @@
+"""Clamped-clamped strip pressed on a flat obstacle: Timoshenko's contact zone, Euler and Bernoulli's edge force.
+
+Half of the strip. Its shear stiffness is not that of the thin wall but what ``lam_over_a`` asks for, lam = sqrt(D/S) =
+h/sqrt(6 kappa) with the shear correction kappa. So the strip can be so thin that its squeeze under the contact
+pressure, of the order (h/a)^4 of the gap, does not show. Where lam is smaller than that, the squeeze and not the shear
+spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(1/4) = 0.64 h, and no load is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from contact.obstacles.foundation import RigidPlane
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate
+from formulations.section.laminate import Ply
+from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
+from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.data import read_reference
+from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.statics import fractions, loaded_shell, number
+
+E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
+D = E * H**3 / 12  # N mm
+Q0 = 24 * D * GAP / A**4  # MPa, the pressure at which Euler and Bernoulli's strip touches
+UP = np.array([0.0, 0.0, 1.0])
+
+NO_SHEAR = 0.001  # lam/a of Euler and Bernoulli's strip
+LAMBDA = Setting("lam_over_a", 0.1, f"sqrt(D/S) over the half span; {NO_SHEAR:g}: no shear", low=NO_SHEAR, high=1)
+PRESSURES = Setting("load_fraction", (2.0, 5.0, 10.0), "pressures to report, over 24 D g/a^4", "floats", 0.0, 100.0)
+FILE = "contact_clamped_strip_flat_obstacle.csv"
+SOURCE = "closed form of beam theory, checked by beam elements of exact stiffness"
+
+
+def shear_correction(lam: float) -> float:
+    """The kappa with lam = sqrt(D/S) [mm] for S = kappa E h/2."""
+    return H**2 / (6 * lam**2)
+
+
+def strip_wall(lam: float) -> ShearCorrected:
+    """The wall about its middle, with the shear stiffness of ``lam`` [mm]."""
+    return ShearCorrected((Ply.isotropic(E, 0.0, H),), -H / 2, shear_correction(lam))
+
+
+def contact_edge(x: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
+    """Where contact begins and the pressure there, from equally spaced nodes x (n,) that touch towards the end.
+
+    A lumped node collects the pressure of half an element on either side; the first one of as much of its width as
+    touches, so its share of the pressure that its neighbours extrapolate to places the edge within the element. Only
+    where the elements resolve the boundary layer is that better than the nodes tell. NaN with less than three nodes.
+    """
+    first = int(np.argmax(pressure > 0))
+    if not np.all(pressure[first : first + 3] > 0) or first + 3 > len(x):
+        return float("nan"), float("nan")
+    spacing, (p0, p1, p2) = x[1] - x[0], pressure[first : first + 3]
+    share = float(np.clip(p0 / max(2 * p1 - p2, p0), 0.0, 1.0))
+    begins = float(x[first] + (0.5 - share) * spacing)
+    return begins, float(p1 + (p1 - p2) * (x[first + 1] - begins) / spacing)
+
+
+def _references() -> tuple[Reference, ...]:
+    """Every row of the table with a contact zone; of lam = 0 the force, for lam/a = 0.001, which differs by 1e-5."""
+    found = []
+    for lam, q, length, _, edge, force in read_reference(FILE).itertuples(index=False):
+        at = {"lam_over_a": lam or NO_SHEAR, "load_fraction": q, "measure": "linear"}
+        if lam > 0:
+            values = {"half_force": force, "free_length": length, "edge_pressure": edge}
+            found += [Reference(name, float(value), at, "exact", SOURCE, 1e-6) for name, value in values.items()]
+        elif q > 3:
+            found += [Reference("half_force", float(force), at, "exact", SOURCE, 1e-4)]
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class ClampedStrip:
+    """a1 from the clamp to the middle; the plane is above."""
+
+    name: str = "strip-contact"
+    title: str = "Clamped strip pressed on a flat obstacle"
+    default_mesh: tuple[int, int] = (64, 1)
+    settings: tuple[Setting, ...] = (PRESSURES, LAMBDA, EPSILON, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Nothing depends on anything."""
+        return dict(settings)
+
+    def build(self, request: Request) -> SceneModel:
+        """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
+        n1, n2 = request.mesh
+        grid = Grid.tensor(np.linspace(0, A, n1 + 1), np.linspace(0, B, n2 + 1))
+        supports = Supports.none(grid).clamped(grid.on_line(0, 0.0)).symmetric(grid.on_line(0, A), 0)
+        for side in (0.0, B):
+            supports = supports.symmetric(grid.on_line(1, side), 1)
+        laminate = strip_wall(A * number(request, "lam_over_a"))
+        discretisation = discretise(request, Plate(), grid, laminate, *supports.masks)
+        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(Q0 * UP, (*a1.shape, 3)))
+        shell = loaded_shell(discretisation, request, forces=forces)
+        nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(0, 0.0))
+        plane = RigidPlane(UP, H / 2 + GAP)
+        one = nodes[grid.nodes[nodes, 1] == 0.0]
+        at = np.searchsorted(nodes, one)
+
+        def measured(q: float, touch: Touch) -> dict[str, float]:
+            begins, pressure = contact_edge(grid.nodes[one, 0] / A, touch.pressure[at] * A**4 / (D * GAP))
+            half_force = float(touch.force.sum()) * A**3 / (B * D * GAP)
+            return {"half_force": half_force, "free_length": begins, "edge_pressure": pressure}
+
+        return ContactModel(
+            *(shell, "load_fraction", fractions(request), shell.scaled, lambda q: plane),
+            *(nodes, outer_face(discretisation, nodes), measured),
+        )

@@ -1,0 +1,64 @@
+"""What a tyre is pressed on: the plane, a drum from outside or inside, a sphere, a cleat across its way.
+
+All face the crown along -e_x, their foremost point where the plane would touch first; the axis of a drum is parallel to
+that of the tyre, and so is a cleat. Keys that do not belong to the foundation asked for are refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contact.obstacles.cleat import Profile, cleat
+from contact.obstacles.drum_sphere import Drum, Sphere
+from contact.obstacles.foundation import Foundation, RigidPlane
+from studies.scene import Setting, UsageError, Value
+
+NORMAL = np.array([1.0, 0.0, 0.0])
+AXIS = np.array([0.0, 0.0, 1.0])
+TRAVEL = np.array([0.0, 1.0, 0.0])
+PARAMETERS: dict[str, dict[str, Value]] = {
+    "plane": {},
+    "drum": {"foundation_radius_mm": 854.0},
+    "hollow-drum": {"foundation_radius_mm": 854.0},
+    "sphere": {"foundation_radius_mm": 100.0},
+    "cleat": {"cleat_height_mm": 10.0, "cleat_top_mm": 20.0, "cleat_flank_deg": 60.0, "cleat_rounding_mm": 4.0},
+}
+SETTINGS = (
+    Setting("foundation", "plane", "what the tyre is pressed on", "choice", choices=tuple(PARAMETERS)),
+    Setting("foundation_radius_mm", None, "of a drum, 854, or a sphere, 100", low=0, high=1e6, open_low=True),
+    Setting("cleat_height_mm", None, "of a cleat, 10", low=0, high=1e3, open_low=True),
+    Setting("cleat_top_mm", None, "width of a cleat on top, 20", low=0, high=1e4, open_low=True),
+    Setting("cleat_flank_deg", None, "angle of its flanks from the plane, 60", low=1, high=90),
+    Setting("cleat_rounding_mm", None, "radius of all its corners, 4", low=0, high=1e3, open_low=True),
+)
+
+
+def complete(settings: Mapping[str, Value]) -> dict[str, Value]:
+    """Add the measures of the foundation that were left open; raises UsageError on those of another."""
+    own = PARAMETERS[str(settings["foundation"])]
+    foreign = [key for measures in PARAMETERS.values() for key in measures if key in settings and key not in own]
+    if foreign:
+        raise UsageError(f"a foundation {settings['foundation']!r} has no {foreign[0]}")
+    return {**own, **settings}
+
+
+def foundation(settings: Mapping[str, Value]) -> Foundation:
+    """The foundation with its foremost point at the origin; raises UsageError on measures that do not fit together."""
+    name, size = str(settings["foundation"]), {key: float(v) for key, v in settings.items() if isinstance(v, float)}
+    if name == "plane":
+        return RigidPlane(NORMAL, 0.0)
+    if name == "cleat":
+        try:
+            pieces = cleat(
+                *(size[f"cleat_{key}"] for key in ("height_mm", "top_mm", "flank_deg", "rounding_mm")),
+            )
+        except ValueError as error:
+            raise UsageError(f"no such cleat: {error}") from None
+        return Profile(NORMAL, size["cleat_height_mm"], TRAVEL, 0.0, pieces)
+    radius = size["foundation_radius_mm"]
+    if name == "sphere":
+        return Sphere(radius * NORMAL, radius)
+    hollow = name == "hollow-drum"
+    return Drum((-radius if hollow else radius) * NORMAL, AXIS, radius, hollow)

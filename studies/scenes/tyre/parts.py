@@ -1,0 +1,149 @@
+"""Which part of a tyre is solved, and what the whole is made of: symmetries as signed maps on one grid.
+
+The contact normal e_x at (psi, phi) = (0, 0) is an axis of symmetry of every tyre here: a turn by 180 degrees about it
+takes (psi, phi) to (-psi, -phi), and plies of any constant angle to themselves. Two mirror planes, psi = 0 and phi = 0,
+are there only without angle plies. Inflation is the same all around, and one column of elements shows it.
+A part cannot leave its symmetry: it follows the symmetric path past a bifurcation that breaks it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from formulations.conditions.dof_map import Images
+from formulations.geometry.grid import Grid
+from studies.scene import UsageError, Value
+
+MODELS = ("auto", "full", "half", "mirror", "quarter", "sector", "axisymmetric")
+TURNED = np.array([1.0, -1.0, -1.0])  # a turn by 180 degrees about e_x: Cartesian components
+TURN_OF_FRAME = np.array([-1.0, -1.0, 1.0])  # and those along a1, a2, normal
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """The grid of what is solved.
+
+    A sector ends at |phi| = cut with the seam that a half has at pi: the tyre has its contact again every 2 cut, which
+    is smooth, in equilibrium with itself, and leaves inflation as it is. Its wall shows what lies inside the cut.
+
+    planes: (nodes, axis) of each mirror plane, normal to a_{axis+1}.  images: nodes on a seam that mirror others.
+    copies: how many such parts show the whole patch.  angles (N, 2), shape: the grid of the whole tyre, psi slowest;
+    node (N,), sign (N, 3): the part's node that each of its nodes is or mirrors, and the signs of x, y, z.
+    """
+
+    grid: Grid
+    planes: tuple[tuple[np.ndarray, int], ...]
+    images: Images | None
+    copies: int
+    angles: np.ndarray
+    shape: tuple[int, int]
+    node: np.ndarray
+    sign: np.ndarray
+
+    @property
+    def cut(self) -> float:
+        """The seam opposite the contact [rad]: pi unless the part is a sector."""
+        return float(np.max(np.abs(self.angles[:, 1])))
+
+    @property
+    def whole(self) -> bool:
+        """Whether it shows the tyre all around."""
+        return self.cut > np.pi - 1e-9
+
+    def merging(self) -> np.ndarray:
+        """(n,) the node of the part that each of its nodes shares displacements with, itself or the one it mirrors."""
+        own = np.arange(self.grid.n_nodes)
+        if self.images is not None:
+            own[self.images.nodes] = self.images.of
+        return own
+
+
+def mirrored(settings: Mapping[str, Value]) -> bool:
+    """Whether the plies have the two mirror planes: isotropic, or cords along or across the meridian."""
+    return "E_MPa" in settings or settings["gamma_deg"] in (-90.0, 0.0, 90.0)
+
+
+def base_of(settings: Mapping[str, Value]) -> str:
+    """The smallest part that shows the whole tyre exactly."""
+    return "quarter" if mirrored(settings) else "half"
+
+
+def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
+    """The model that will be solved, the smallest for "auto", and why; raises UsageError for one that is not valid."""
+    if model in ("auto", "axisymmetric") and settings.get("delta_mm") == (0.0,):
+        return "axisymmetric", "delta_mm = 0 asks for inflation, which is the same all around"
+    if model == "axisymmetric":
+        raise UsageError("model 'axisymmetric' needs delta_mm = 0: contact is not the same all around")
+    if mirrored(settings):
+        plies = "isotropic plies" if "E_MPa" in settings else f"cords at {settings['gamma_deg']:g} deg"
+        why = f"{plies} leave two mirror planes"
+    else:
+        plies = f"plies at +-{settings['gamma_deg']:g} deg"
+        why = f"{plies} leave a turn by 180 deg about the contact normal, but no mirror plane"
+        if model in ("mirror", "quarter"):
+            raise UsageError(f"model {model!r} needs isotropic plies or cords at 0 or 90 deg: {why}")
+    if model == "auto":
+        return base_of(settings), why
+    return model, "as asked"
+
+
+def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
+    """The part of the tyre with the grid lines psi (n1 + 1,) and phi (n2 + 1,), both symmetric about 0, n1, n2 even.
+
+    Where phi ends before pi, the part is a sector.
+    """
+    n1, n2 = len(psi) - 1, len(phi) - 1
+    lines = np.meshgrid(psi, phi[:n2], indexing="ij")
+    angles, shape = np.stack([line.ravel() for line in lines], axis=-1), (n1 + 1, n2)
+    row, column = (index.ravel() for index in np.indices(shape))
+    behind, below = angles[:, 1] < -1e-12, angles[:, 0] < -1e-12  # phi < 0, psi < 0
+    sign = np.ones((len(angles), 3))
+    planes: list[tuple[np.ndarray, int]] = []
+    images = None
+    if model in ("mirror", "quarter"):
+        psi, row = psi[n1 // 2 :], np.abs(row - n1 // 2)
+        sign[below, 2] = -1.0
+    if model in ("half", "quarter"):
+        phi, column = phi[n2 // 2 :], np.abs(column - n2 // 2)
+    if model == "quarter":
+        sign[behind, 1] = -1.0
+    if model == "half":
+        row = np.where(behind, n1 - row, row)
+        sign[behind] = TURNED
+    grid = Grid.tensor(psi, phi, periodic=model in ("full", "mirror"))
+    if model in ("mirror", "quarter"):
+        planes.append((grid.on_line(0, 0.0), 0))
+    if model == "quarter":
+        planes += [(grid.on_line(1, end), 1) for end in (0.0, phi[-1])]
+    if model == "half":
+        images = _turned(grid, (0.0, float(phi[-1])))
+    copies = {"full": 1, "half": 2, "mirror": 2, "quarter": 4}[model]
+    return Part(grid, tuple(planes), images, copies, angles, shape, row * grid.node_shape[1] + column, sign)
+
+
+def _turned(grid: Grid, seams: tuple[float, float]) -> Images:
+    """On the seams phi = 0 and pi, or the cut, the nodes with psi <= 0 mirror those with -psi."""
+    nodes = np.concatenate([grid.on_line(1, end) for end in seams])
+    nodes = nodes[grid.nodes[nodes, 0] <= 1e-12]
+    rows, columns = divmod(nodes, grid.node_shape[1])
+    of = (grid.node_shape[0] - 1 - rows) * grid.node_shape[1] + columns
+    return Images(nodes, of, np.broadcast_to(TURN_OF_FRAME, (len(nodes), 3)))
+
+
+def column_of(part: Part) -> tuple[Grid, Images]:
+    """One column of elements with the psi lines of the part, its two sides the same: a state that is equal all around.
+
+    It is as wide as the elements at the crown.
+    """
+    psi, phi = part.grid.nodes[:: part.grid.node_shape[1], 0], np.unique(np.abs(part.angles[:, 1]))
+    grid = Grid.tensor(psi, phi[:2])
+    return grid, sides_alike(grid)
+
+
+def sides_alike(column: Grid) -> Images:
+    """The second side of a column of elements has the displacements of the first, in the turning frame."""
+    nodes = np.arange(1, column.n_nodes, 2)
+    return Images(nodes, nodes - 1, np.ones((len(nodes), 3)))

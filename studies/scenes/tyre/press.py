@@ -1,0 +1,221 @@
+"""The stages every tyre goes through, shell or solid: inflation, then the travel of a foundation; and what is read off.
+
+The foundation comes along -e_x, touches the inflated tyre at (psi, phi) = (0, 0), and moves inwards by delta counted
+from that first touch. What the wall is made of does not enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Protocol, Self
+
+import numpy as np
+import pandas as pd
+
+from contact.obstacles.foundation import Candidates, Foundation, against
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
+from studies.scene import Observation, Stage, UsageError
+from studies.scenes.tyre.foundation import NORMAL
+
+OVERLAP = 1e-6  # mm
+
+
+class Body(Protocol):
+    """A loaded body, shell or solid."""
+
+    @property
+    def ordered(self) -> bool:
+        """Whether its unknowns are numbered for elimination."""
+        ...
+
+    def scaled(self, factor: float) -> Self:
+        """The same under ``factor`` times its loads."""
+        ...
+
+    def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
+        """Residual, tangent and memory at u."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Wall:
+    """Both faces of the WHOLE tyre on one tensor grid, however small the part of it that is solved.
+
+    angles (N, 2): psi, phi [rad], psi slowest; shape: N = shape[0] shape[1], psi symmetric about its middle, phi
+    periodic.  candidate (N,): the contact candidate that the node is or mirrors, -1 for none.  parts: how many equal
+    parts the tyre is made of, 1 when all of it is solved.  faces(u): deformed inner and outer face (N, 3) [mm].
+    """
+
+    angles: np.ndarray
+    shape: tuple[int, int]
+    candidate: np.ndarray
+    parts: int
+    faces: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+    @property
+    def crown(self) -> int:
+        """The node (0, 0)."""
+        return int(np.argmin(np.max(np.abs(self.angles), axis=1)))
+
+    def spread(self, values: np.ndarray) -> np.ndarray:
+        """Values of the candidates (m,) at all nodes (N,); zero where there is none."""
+        return np.append(values, np.zeros(1, values.dtype))[self.candidate]
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """One column of elements all around: body (n unknowns); lift(u) -> unknowns of the tyre in the same state."""
+
+    body: Body
+    n: int
+    lift: Callable[[np.ndarray], np.ndarray]
+
+
+@dataclass(frozen=True, eq=False)
+class PressedTyre:
+    """The stages of a tyre: inflation without contact, then the travel of the foundation, at the origin here.
+
+    column: where inflation is solved first, before it is lifted to the tyre; None when the tyre is inflated itself.
+    """
+
+    body: Body
+    wall: Wall
+    candidates: Candidates
+    deltas: Sequence[float]
+    foundation: Foundation
+    column: Column | None = field(default=None, kw_only=True)
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of unknowns."""
+        return int(self.candidates.operator.shape[1])
+
+    def stages(self) -> Iterator[Stage]:
+        """Inflation by a pressure factor, of a column first, then the foundation by delta [mm]."""
+        if self.column is not None:
+            yield Stage("column", self._begin_column, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
+        yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
+        yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
+
+    def _begin_inflation(
+        self, previous: ContactSolution | None
+    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        n = self.n_unknowns
+        start = ContactSolution.at_rest(n, 0) if previous is None else previous  # rest, or what a column has found
+        return lambda t: without_contact(self.body.scaled(t).linearise, n, ordered=self.body.ordered), start
+
+    def _begin_column(
+        self, previous: ContactSolution | None
+    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        assert self.column is not None
+        body, n = self.column.body, self.column.n
+        start = ContactSolution.at_rest(n, 0)
+        return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
+
+    def _begin_press(
+        self, previous: ContactSolution | None
+    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+        assert previous is not None
+        m = len(self.candidates.reference)
+        inflated = self.candidates.positions(previous.u)
+        first_touch = float(np.max(inflated @ NORMAL))
+        overlap = -float(np.min(self.foundation.moved(first_touch * NORMAL).gap(inflated)))
+        if overlap > OVERLAP:
+            raise UsageError(f"the foundation is too narrow: it overlaps the inflated tyre by {overlap:.3g} mm")
+        start = ContactSolution(previous.u, np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
+
+        def at(delta: float) -> ContactProblem:
+            there = self.foundation.moved((first_touch - delta) * NORMAL)
+            problem = against(self.body.linearise, self.candidates, there)
+            return self.with_balances(replace(problem, ordered=self.body.ordered))
+
+        return at, start
+
+    def with_balances(self, problem: ContactProblem) -> ContactProblem:
+        """The problem with what the body lets the judge see beyond the contact conditions."""
+        return problem
+
+    def _observe_inflation(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
+        rest = np.zeros_like(state.u)
+        inner, outer = (x[self.wall.crown, 0] for x in self.wall.faces(state.u))
+        inner_0, outer_0 = (x[self.wall.crown, 0] for x in self.wall.faces(rest))
+        growth = {"inflated_equator_inner_mm": inner - inner_0, "inflated_equator_outer_mm": outer - outer_0}
+        profiles = [self._profile("unloaded", 0.0, rest), self._profile("inflated", 0.0, state.u)]
+        return Observation(None, {k: float(v) for k, v in growth.items()}, {"profile": pd.concat(profiles)})
+
+    def _observe_press(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
+        wall = self.wall
+        pressure = wall.spread(state.pressure).reshape(wall.shape)
+        active = wall.spread(state.active).reshape(wall.shape)
+        x = wall.faces(state.u)[1]
+        row, column = divmod(wall.crown, wall.shape[1])
+        assert problem.directions is not None
+        inwards = -(problem.directions(state.u) @ NORMAL)
+        headline = {
+            "force_N": wall.parts * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
+            "centre_pressure_MPa": float(pressure[row, column]),
+            "contact_nodes": int(active.sum()),
+            "half_length_mm": half_extent(x[:, 1].reshape(wall.shape)[row], active[row]),
+            "half_width_mm": half_extent(x[:, 2].reshape(wall.shape)[:, column], active[:, column]),
+            "patch_to_clamp_mm": to_edges(x.reshape(*wall.shape, 3), active),
+        }
+        step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
+        gap = problem.gap(state.u)
+        seen = np.flatnonzero(wall.candidate >= 0)
+        own = wall.candidate[seen]
+        a1, a2 = np.rad2deg(wall.angles[seen]).T
+        nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
+        nodes |= {"pressure_MPa": state.pressure[own], "gap_mm": gap[own], "active": state.active[own].astype(int)}
+        nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
+        tables = {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
+        return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
+
+    def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
+        """Both faces of the meridian phi = 0."""
+        line = np.arange(self.wall.crown % self.wall.shape[1], len(self.wall.angles), self.wall.shape[1])
+        columns = {"state": state, "delta_mm": delta, "psi_deg": np.rad2deg(self.wall.angles[line, 0])}
+        for face, x in zip(("inner", "outer"), self.wall.faces(u), strict=True):
+            columns |= {f"{face}_radial_mm": x[line, 0], f"{face}_axial_mm": x[line, 2]}
+        return pd.DataFrame(columns)
+
+
+def half_extent(coordinate: np.ndarray, active: np.ndarray) -> float:
+    """Half extent of the patch along a grid line through its centre, by deformed coordinates [mm].
+
+    The rim is taken half-way between the last node in contact and the first one out of it, on both sides.
+    """
+    touching = np.flatnonzero(active)
+    if len(touching) == 0:
+        return 0.0
+    first, last = touching[0], touching[-1]
+    low = 0.5 * (coordinate[first] + coordinate[max(first - 1, 0)])
+    high = 0.5 * (coordinate[last] + coordinate[min(last + 1, len(coordinate) - 1)])
+    return float(0.5 * abs(high - low))
+
+
+def to_edges(x: np.ndarray, active: np.ndarray) -> float:
+    """Least length along a meridian from a node in contact to an edge [mm], by deformed coordinates x (psi, phi, 3).
+
+    Near zero the clamp carries the foundation; with no node in contact it is the longest meridian.
+    """
+    length = np.linalg.norm(np.diff(x, axis=0), axis=-1).cumsum(axis=0)
+    low = np.concatenate([np.zeros_like(length[:1]), length])
+    return float(np.min(np.minimum(low, low[-1] - low)[active], initial=np.max(low[-1])))
+
+
+def asymmetries(pressure: np.ndarray) -> dict[str, float]:
+    """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak.
+
+    central: max |p(psi, phi) - p(-psi, -phi)|; mirror: the larger of the two maxima over one sign changed.
+    """
+    peak = float(pressure.max())
+    if peak <= 0:
+        return {"central_asymmetry": 0.0, "mirror_asymmetry": 0.0}
+    turned = (-np.arange(pressure.shape[1])) % pressure.shape[1]  # phi -> -phi on the periodic line
+    psi, phi = pressure[::-1], pressure[:, turned]
+    mirror = max(np.max(np.abs(pressure - psi)), np.max(np.abs(pressure - phi)))
+    return {
+        "central_asymmetry": float(np.max(np.abs(pressure - phi[::-1])) / peak),
+        "mirror_asymmetry": float(mirror / peak),
+    }

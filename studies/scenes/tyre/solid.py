@@ -1,0 +1,148 @@
+"""The tyre of :mod:`studies.scenes.tyre.scene` as a 3D solid of quadratic hexahedra: the judge of all its shells.
+
+Same settings, stages, plane and readings; no strain measure, no section, no mid surface. Where two mirror planes halve
+the tyre (isotropic plies, cords at 0 or 90 degrees) a quarter is solved and the whole is reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from contact.obstacles.foundation import Candidates
+from contact.problem import ContactSolution
+from formulations.geometry.surfaces import torus
+from formulations.solid import SolidMesh, SolidModel
+from studies.fields import write_solid_fields
+from studies.scene import Reference, Request, Setting, UsageError, Value
+from studies.scenes.element import ELEMENT
+from studies.scenes.tyre.foundation import foundation
+from studies.scenes.tyre.grid_lines import tyre_lines
+from studies.scenes.tyre.parts import mirrored
+from studies.scenes.tyre.press import PressedTyre, Wall
+from studies.scenes.tyre.scene import Tyre
+from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflation, number, travels
+
+DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
+ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
+NOT_OF_A_SOLID = {"section", "grading", "sector_deg", *(setting.key for setting in ELEMENT)}
+
+
+def _settings() -> tuple[Setting, ...]:
+    kept = [setting for setting in Tyre.settings if setting.key not in NOT_OF_A_SOLID]
+    own = [replace(setting, default=DEFAULTS.get(setting.key, setting.default)) for setting in kept]
+    face = {"pressure_area": replace(next(s for s in own if s.key == "pressure_area"), choices=("face",))}
+    through = Setting("per_ply", 1, "elements through each ply", "int", 1, 16)
+    return (*(face.get(setting.key, setting) for setting in own), through)
+
+
+@dataclass(frozen=True)
+class SolidTyre:
+    """Inflation, then contact with a plane, of a solid."""
+
+    name: str = "tyre-solid"
+    title: str = "The tyre as a 3D solid of quadratic hexahedra; by default isotropic"
+    default_mesh: tuple[int, int] = (28, 36)
+    settings: tuple[Setting, ...] = _settings()
+    references: tuple[Reference, ...] = tuple(r for r in Tyre.references if r.kind == "computed")
+    models: tuple[str, ...] = ("auto", "full", "quarter")
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Isotropic unless plies are given; raises UsageError on a mixture."""
+        given = settings.keys() & {*ORTHOTROPIC, *ISOTROPIC}
+        return Tyre().complete(settings if given else {**settings, **ISOTROPIC})
+
+    def settle(self, request: Request) -> Request:
+        """A quarter where symmetry allows it; plain Newton, for a solid has no resultants to predict."""
+        if request.measure != "exact":
+            raise UsageError(
+                f"measure {request.measure!r} does not apply to {self.name}: a solid has none, leave it out"
+            )
+        settings = request.settings
+        symmetric = mirrored(settings)
+        if request.model == "quarter" and not symmetric:
+            raise UsageError(
+                f"model 'quarter' needs isotropic plies or cords at 0 or 90 deg, not {settings['gamma_deg']:g}"
+            )
+        model = request.model if request.model != "auto" else "quarter" if symmetric else "full"
+        return replace(request, model=model, newton="plain")
+
+    def build(self, request: Request) -> SolidTyreModel:
+        """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
+        settings = request.settings
+        laminate, R1, R0, clamp = checked_wall(settings)
+        psi, phi = lines = tyre_lines(request.mesh, clamp)
+        quarter = request.model == "quarter"
+        if quarter:
+            psi, phi = (line[len(line) // 2 :] for line in lines)
+        per_ply = int(number(settings, "per_ply"))
+        mesh = SolidMesh.build(torus(R0 - R1, R1), psi, phi, laminate, per_ply=per_ply, periodic=not quarter)
+        clamped = np.concatenate([mesh.on(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
+        fixed = np.zeros((len(mesh.x), 3), bool)
+        fixed[clamped] = True
+        if quarter:
+            fixed[mesh.on(0, 0.0), 2] = True
+            fixed[np.concatenate([mesh.on(1, 0.0), mesh.on(1, np.pi)]), 1] = True
+        solid = SolidModel(mesh, laminate, fixed, inflation(settings))
+        nodes = np.setdiff1d(np.unique(mesh.outer), clamped)
+        coupling = mesh.face_mass(mesh.outer)[nodes][:, nodes] if settings["coupling"] == "consistent" else None
+        weights = mesh.face_areas(mesh.outer)[nodes]
+        candidates = Candidates(mesh.x[nodes], solid.displacement_operator(nodes), weights, coupling)
+        wall, ground = whole_wall(solid, nodes, quarter), foundation(settings)
+        return SolidTyreModel(solid, wall, candidates, travels(settings), ground, nodes)
+
+
+@dataclass(frozen=True, eq=False)
+class SolidTyreModel(PressedTyre):
+    """The stages of the tyre as a solid."""
+
+    body: SolidModel
+    nodes: np.ndarray  # mesh node of each candidate
+
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """The hexahedra of the part that is solved."""
+        pressure = np.zeros(len(self.body.mesh.x))
+        if len(state.pressure):
+            pressure[self.nodes] = state.pressure
+        write_solid_fields(path, self.body, state.u, pressure)
+
+
+def whole_wall(solid: SolidModel, nodes: np.ndarray, quarter: bool) -> Wall:
+    """The faces of the whole tyre, mirrored at psi = 0 and phi = 0 from a quarter; ``nodes`` are the candidates."""
+    mesh = solid.mesh
+    levels = mesh.parameter[:, 2]
+    inner, outer = (_in_order(mesh, np.flatnonzero(np.isclose(levels, z))) for z in (levels.min(), levels.max()))
+    psi, phi = (np.unique(np.round(mesh.parameter[:, axis], 9)) for axis in (0, 1))
+    shape = len(psi), len(phi)
+    if quarter:
+        # psi from -clamp to clamp, phi from -pi to the last line before pi, as on the grid of the shell
+        rows = np.abs(np.arange(1 - len(psi), len(psi)))
+        columns = np.abs(np.arange(1 - len(phi), len(phi) - 1))
+        shape = len(rows), len(columns)
+        image = (rows[:, None] * len(phi) + columns).ravel()
+    else:
+        image = np.arange(len(outer))
+    inner, outer = inner[image], outer[image]
+    signs = np.ones((*shape, 3))
+    if quarter:
+        signs[: len(psi) - 1, :, 2] = -1.0
+        signs[:, : len(phi) - 1, 1] = -1.0
+    sign = signs.reshape(-1, 3)
+    candidate = np.full(len(mesh.x), -1)
+    candidate[nodes] = np.arange(len(nodes))
+
+    def faces(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        x = mesh.x + solid.expand(u)
+        return sign * x[inner], sign * x[outer]
+
+    angles = mesh.parameter[outer, :2] * sign[:, [2, 1]]
+    return Wall(angles, shape, candidate[outer], 4 if quarter else 1, faces)
+
+
+def _in_order(mesh: SolidMesh, face: np.ndarray) -> np.ndarray:
+    """Nodes of a face with psi slowest."""
+    psi, phi = np.round(mesh.parameter[face, :2], 9).T
+    return face[np.lexsort((phi, psi))]

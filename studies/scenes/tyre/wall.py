@@ -1,0 +1,86 @@
+"""What the wall of a tyre is made of: plies, geometry, inflation, and the shell they make on a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from formulations.conditions.boundary import Supports
+from formulations.conditions.dof_map import Images
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import torus
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from studies.scene import Request, UsageError, Value
+from studies.scenes.element import discretise
+from studies.scenes.statics import loaded_shell
+
+ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa": 1.77, "nu_LT": 0.46, "nu_TT": 0.95}
+
+
+def inflated_shell(
+    request: Request,
+    laminate: Laminate,
+    grid: Grid,
+    planes: Sequence[tuple[np.ndarray, int]],
+    images: Images | None,
+) -> ShellModel:
+    """The shell on the grid, clamped at its edges, under the pressure inside."""
+    settings = request.settings
+    _, R1, R0, clamp = checked_wall(settings)
+    supports = Supports.none(grid)
+    for nodes, axis in planes:
+        supports = supports.symmetric(nodes, axis)
+    for side in (-1, 1):
+        supports = supports.clamped(grid.on_line(0, side * np.deg2rad(clamp)))
+    fixed, _ = supports.masks
+    discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed, images=images)
+    return loaded_shell(discretisation, request, section=str(settings["section"]), pressure=inflation(settings))
+
+
+def checked_wall(settings: Mapping[str, Value]) -> tuple[Laminate, float, float, float]:
+    """Laminate, R1, R0 [mm] and clamp [deg]; raises UsageError on impossible geometry or plies."""
+    try:
+        laminate = _laminate(settings)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    R1, R0, clamp = (number(settings, key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
+    if not laminate.thickness < R1:
+        raise UsageError(
+            f"thickness plies*ply_thickness_mm = {laminate.thickness:g} mm must be below R1_mm = {R1:g} mm"
+        )
+    if not R0 - R1 + (R1 + laminate.thickness) * np.cos(np.deg2rad(clamp)) > 0 or not R0 >= R1:
+        raise UsageError(f"R0_mm = {R0:g} is too small: the wall at clamp_deg = {clamp:g} would cross the axis")
+    return laminate, R1, R0, clamp
+
+
+def inflation(settings: Mapping[str, Value]) -> Pressure:
+    """The pressure inside."""
+    return Pressure(number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"]))
+
+
+def travels(settings: Mapping[str, Value]) -> tuple[float, ...]:
+    """The values of delta [mm]."""
+    deltas = settings["delta_mm"]
+    assert isinstance(deltas, tuple)
+    return deltas
+
+
+def number(settings: Mapping[str, Value], key: str) -> float:
+    """A setting that is one number."""
+    value = settings[key]
+    assert isinstance(value, float | int)
+    return float(value)
+
+
+def _laminate(settings: Mapping[str, Value]) -> Laminate:
+    thickness, plies = number(settings, "ply_thickness_mm"), int(number(settings, "plies"))
+    if "E_MPa" in settings:
+        ply = Ply.isotropic(number(settings, "E_MPa"), number(settings, "nu"), thickness)
+        return Laminate((ply,) * plies, d_minus=0.0)
+    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (number(settings, key) for key in ORTHOTROPIC)
+    gamma = np.deg2rad(number(settings, "gamma_deg"))
+    angles = [(-1) ** k * gamma for k in range(plies)]
+    return Laminate(tuple(Ply(E_L, E_T, G_LT, G_TT, nu_LT, nu_TT, a, thickness) for a in angles), d_minus=0.0)

@@ -1,0 +1,152 @@
+"""Every contact algorithm against independent solutions: nnls, cvxpy, built-in answers, the law of epsilon."""
+
+from __future__ import annotations
+
+import math
+
+import cvxpy as cp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import Outcome
+from contact.verify import judge
+
+ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
+FINE = 1e-8  # a tenth of the smallest pressure that has to be seen; the residual is known to 1e-9
+TOUCH = 1e-9  # a pressure or penetration above this is one
+ROUNDING = 1e-10
+GAP_ROUNDING = 1e-14  # of gaps of the order one
+SLOPE = 0.02  # half-width of the interval around the exponent -1 of penetration over epsilon
+EPSILONS = (math.inf, 1e4)
+KINDS = ("obstacle", "definite", "inclined")
+
+each_algorithm = pytest.mark.parametrize("name", ALGORITHMS)
+each_epsilon = pytest.mark.parametrize("epsilon", EPSILONS)
+
+
+def by_cvxpy(data, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
+    """u and p of the primal; a finite epsilon gives every constraint a slack with the energy epsilon w s^2/2."""
+    u, s = cp.Variable(len(data.f)), cp.Variable(len(data.w))
+    energy = cp.quad_form(u, cp.psd_wrap(data.K)) / 2 - data.f @ u
+    if math.isinf(epsilon):
+        constraint = data.g0 + data.G @ u >= 0
+    else:  # s in units of 1/sqrt(epsilon w), so that the problem stays scaled
+        constraint = data.g0 + data.G @ u + cp.multiply(1 / np.sqrt(epsilon * data.w), s) >= 0
+        energy = energy + cp.sum_squares(s) / 2
+    problem = cp.Problem(cp.Minimize(energy), [constraint])
+    tight = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas", "tol_ktratio"), 1e-12)
+    problem.solve(solver=cp.CLARABEL, **tight)
+    assert problem.status == "optimal"
+    return u.value, constraint.dual_value / data.w
+
+
+@each_algorithm
+@each_epsilon
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("seed", range(6))
+def test_solution_is_that_of_nnls_and_cvxpy(contacts, name, epsilon, kind, seed) -> None:
+    data = contacts.random_quadratic(np.random.default_rng(seed), kind)
+    solution = contacts.solve(name, data.problem(), len(data.f), epsilon)
+    assert solution.outcome is Outcome.CONVERGED
+    for u, pressure in (contacts.by_nnls(data, epsilon), by_cvxpy(data, epsilon)):
+        np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
+        np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
+        np.testing.assert_array_equal(solution.active, pressure > 10 * ORACLE)
+
+
+@each_algorithm
+@each_epsilon
+@given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(KINDS))
+@settings(deadline=None, derandomize=True, max_examples=60)
+def test_an_answer_called_converged_is_right(contacts, name, epsilon, seed, kind) -> None:
+    """Plain active sets may fail on an arbitrary definite matrix, but then they say so and the judge agrees."""
+    data = contacts.random_quadratic(np.random.default_rng(seed), kind)
+    solution = contacts.solve(name, data.problem(), len(data.f), epsilon)
+    if solution.outcome.converged:
+        u, pressure = contacts.by_nnls(data, epsilon)
+        np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
+        np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
+    else:
+        assert kind != "obstacle"
+        assert name != "trial-and-error"  # its least-index fallback ends on every P-matrix
+        verdict = judge(data.problem(), solution.u, solution.pressure)
+        assert max(verdict.tension, verdict.penetration - np.max(solution.pressure) / epsilon) > TOUCH
+
+
+def manufactured(contacts, rng: np.random.Generator, kind: str, states: np.ndarray, epsilon: float, size=1.0):
+    """A problem whose only solution is built in: states 0 open, 1 pressed, 2 touching without pressure.
+
+    ``size`` (m,): how far open (mm) or how strongly pressed (MPa).
+    """
+    data = contacts.random_quadratic(rng, kind, len(states))
+    u = rng.normal(size=len(data.f))
+    pressure = np.where(states == 1, size * rng.uniform(0.5, 2, len(states)), 0.0)
+    gap = np.where(states == 0, size * rng.uniform(0.5, 2, len(states)), 0.0) - pressure / epsilon
+    f = data.K @ u - data.G.T @ (data.w * pressure)
+    return contacts.Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), u, pressure
+
+
+STATES = {
+    "all open": [0, 0, 0, 0, 0],
+    "all pressed": [1, 1, 1, 1, 1],
+    "some just touch": [0, 2, 1, 2, 1],
+    "all but one just touch": [2, 2, 1, 2, 2],
+    "all just touch": [2, 2, 2, 2, 2],
+}
+
+
+@each_algorithm
+@pytest.mark.parametrize("epsilon", [*EPSILONS, 1e14])
+@pytest.mark.parametrize("states", STATES.values(), ids=STATES)
+@pytest.mark.parametrize("kind", KINDS)
+def test_touching_without_pressure_and_full_contact(contacts, name, epsilon, states, kind) -> None:
+    """Exact touch leaves the set to rounding, full contact leaves no open gap to measure by; neither may matter."""
+    for seed in range(20):
+        rng = np.random.default_rng(seed)
+        data, u, pressure = manufactured(contacts, rng, kind, np.array(states), epsilon)
+        solution = contacts.solve(name, data.problem(), len(u), epsilon)
+        assert solution.outcome is Outcome.CONVERGED, f"seed {seed}"
+        np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
+        np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
+        assert np.all(solution.pressure >= 0)
+
+
+@each_algorithm
+@each_epsilon
+@pytest.mark.parametrize("kind", KINDS)
+def test_almost_touching_is_still_decided(contacts, name, epsilon, kind) -> None:
+    """Must fail beside must pass: gaps and pressures of 1e-7 are far above rounding, and the set has to see them."""
+    states, size = np.array([0, 1, 0, 1, 0, 1]), np.array([1e-7, 1e-7, 1e-7, 1e-7, 1.0, 1.0])
+    for seed in range(12):
+        data, _, pressure = manufactured(contacts, np.random.default_rng(seed), kind, states, epsilon, size)
+        solution = contacts.solve(name, data.problem(), len(data.f), epsilon)
+        assert solution.outcome is Outcome.CONVERGED, f"seed {seed}"
+        np.testing.assert_array_equal(solution.active, states == 1)
+        np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=FINE)
+
+
+# --- the law of the regularisation --------------------------------------------------------------------------------
+
+
+@each_algorithm
+@pytest.mark.parametrize("kind", KINDS)
+def test_finite_epsilon_obeys_its_law_and_converges_to_the_constraint(contacts, fitted_order, name, kind) -> None:
+    """p = -epsilon g on the set, 0 elsewhere; penetration falls with 1/epsilon; 1e14 costs no digit."""
+    data = contacts.random_quadratic(np.random.default_rng(1), kind)
+    problem = data.problem()
+    exact = contacts.solve(name, problem, len(data.f))
+    assert 0 < exact.active.sum() < len(exact.active)
+    measured, penetrations = 10.0 ** np.arange(3, 9), []
+    for epsilon in (*measured, 1e10, 1e12, 1e14):
+        solution = contacts.solve(name, problem, len(data.f), epsilon)
+        assert solution.outcome is Outcome.CONVERGED
+        assert np.max(np.abs(solution.pressure - exact.pressure)) <= 100 / epsilon + ROUNDING
+        if epsilon in measured:  # later the penetration drowns in the rounding of the gap
+            gap = problem.gap(solution.u)
+            law = epsilon * np.maximum(-gap, 0)
+            np.testing.assert_allclose(solution.pressure, law, rtol=0, atol=ROUNDING + GAP_ROUNDING * epsilon)
+            penetrations.append(np.max(-gap))
+    assert abs(fitted_order(measured, penetrations) + 1) <= SLOPE

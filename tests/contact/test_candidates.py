@@ -1,0 +1,96 @@
+"""Candidates left out of a step: the answer is that with all of them, whoever turns out to touch."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.continuation.candidates import solve_within_reach
+from contact.obstacles.foundation import Candidates, RigidPlane, against
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+from studies.solve import resolve, solve
+
+DOWN = np.array([0.0, 0.0, -1.0])
+
+
+@dataclass(frozen=True)
+class Watched:
+    """An algorithm that keeps how many candidates it was given."""
+
+    inner: ContactAlgorithm
+    seen: list[int] = field(default_factory=list)
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self.inner, name)
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        self.seen.append(len(problem.weights))
+        return self.inner.solve(problem, start)
+
+
+def seesaw(contacts, arm: float, coupling: sparse.csr_matrix | None = None) -> ContactProblem:
+    """Two points at heights 0 and 3, a floor at 1: lifting the first lowers the second ``arm`` times as far."""
+    heights = np.array([0.0, 3.0])
+    x = np.array([[0.0, 0.0, z] for z in heights])
+    on_z = sparse.csr_matrix((np.ones(2), ([2, 5], [0, 1])), shape=(6, 2))
+    candidates = Candidates(x, on_z, np.ones(2), coupling)
+    soft, stiff = np.array([1.0, 0.0]), np.array([arm, 1.0])  # the stiff motion: w + arm v = 0
+    K = 0.1 * np.outer(soft, soft) + 1e3 * np.outer(stiff, stiff)
+    return against(contacts.linear_mechanics(K, np.zeros(2)), candidates, RigidPlane(DOWN, -1.0))
+
+
+@pytest.mark.parametrize("name", ALGORITHMS)
+@pytest.mark.parametrize("arm", [1.0, 5.0])
+def test_who_was_left_out_and_penetrates_is_taken_in(contacts, name, arm) -> None:
+    """The second point, twice as far off as the foundation has come, is lowered by more than that when arm = 5."""
+    problem, algorithm = seesaw(contacts, arm), Watched(ALGORITHMS[name]())
+    rest = ContactSolution.at_rest(2, 2)
+    near = solve_within_reach(algorithm, problem, rest)
+    every = ALGORITHMS[name]().solve(problem, rest)
+    assert algorithm.seen == ([1] if arm == 1.0 else [1, 2])
+    np.testing.assert_allclose(near.u, every.u, rtol=0, atol=1e-9)
+    np.testing.assert_allclose(near.pressure, every.pressure, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(near.active, every.active)
+    told = [row for row in near.history if "are taken in" in str(row.get("event", ""))]
+    assert len(told) == len(algorithm.seen) - 1
+    assert near.counters["factorisations"] >= every.counters["factorisations"]
+
+
+def test_consistent_coupling_keeps_every_candidate(contacts) -> None:
+    coupling = sparse.csr_matrix(np.array([[2.0, 1.0], [1.0, 2.0]]))
+    problem, algorithm = seesaw(contacts, 1.0, coupling), Watched(Semismooth())
+    solve_within_reach(algorithm, problem, ContactSolution.at_rest(2, 2))
+    assert problem.only is None
+    assert algorithm.seen == [2]
+    with pytest.raises(ValueError, match="taken apart"):
+        Candidates(np.zeros((2, 3)), sparse.csr_matrix((6, 2)), np.ones(2), coupling).only(np.array([True, False]))
+
+
+def test_the_failure_of_the_few_is_that_of_the_step(contacts) -> None:
+    """Nothing resists the first point: singular with or without the second."""
+    problem = seesaw(contacts, 0.0)
+    loose = replace(problem, linearise=contacts.linear_mechanics(np.zeros((2, 2)), np.array([0.0, 1.0])))
+    found = solve_within_reach(Semismooth(), replace(loose, only=lambda chosen: loose), ContactSolution.at_rest(2, 2))
+    assert not found.outcome.converged
+
+
+def test_the_tyre_is_solved_with_the_nodes_near_its_patch(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And its answer has the digits of the one with all nodes."""
+    request = resolve("tyre", {"delta_mm": "5,20"}, "16x18", model="full")
+    seen: list[int] = []
+    monkeypatch.setattr("studies.solve.ALGORITHMS", {"semismooth": lambda **s: Watched(Semismooth(**s), seen)})
+    near = solve(*request)
+    monkeypatch.setattr(
+        "contact.continuation.load_stepping.solve_within_reach", lambda algorithm, *step: algorithm.solve(*step)
+    )
+    every = solve(*request)
+    few, all_of_them = seen[1:3], seen[4:]  # after inflation without any
+    assert all_of_them == [len(every.last.pressure)] * 2
+    assert max(few) < all_of_them[0] / 3
+    assert near.quantities["force_N"] == pytest.approx(every.quantities["force_N"], rel=1e-12)
+    np.testing.assert_array_equal(near.last.active, every.last.active)

@@ -1,0 +1,204 @@
+"""Frozen contact steps: what is frozen, the file there and back, damaged files, and solving one alone."""
+
+from __future__ import annotations
+
+import json
+import math
+import zipfile
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.catalogue import ALGORITHMS
+from contact.interchange.linearised_step import FrozenStep, FrozenStepError, asymmetry, freeze
+from contact.obstacles.drum_sphere import Sphere
+from contact.obstacles.foundation import Candidates, against
+from contact.problem import ContactSolution, Outcome
+from contact.verify import judge
+
+ROUNDING = 1e-12
+ORACLE = 1e-7
+
+
+@pytest.fixture
+def step(contacts, rng) -> FrozenStep:
+    data = contacts.random_quadratic(rng, "inclined")
+    n = len(data.f)
+    return freeze(data.problem(), np.zeros(n), np.zeros(6), {"scene": "made up", "load": 2.5})
+
+
+def same(a: FrozenStep, b: FrozenStep) -> bool:
+    couplings = [x.coupling is None for x in (a, b)]
+    if couplings[0] != couplings[1]:
+        return False
+    matrices = [(a.K, b.K), (a.G, b.G)] + ([] if couplings[0] else [(a.coupling, b.coupling)])
+    vectors = [(a.r, b.r), (a.gap, b.gap), (a.weights, b.weights), (a.scale, b.scale)]
+    return all(np.array_equal(x.toarray(), y.toarray()) for x, y in matrices) and all(
+        np.array_equal(x, y) for x, y in vectors
+    )
+
+
+def test_a_frozen_step_is_one_newton_step(contacts, rng, central_difference) -> None:
+    """K is the derivative of r - G^T W p at fixed pressures, the curvature of the gap included; G that of the gap."""
+    m = 4
+    x, w = rng.normal(size=(m, 3)), rng.uniform(0.5, 2, m)
+    K = rng.normal(size=(3 * m, 3 * m))
+    mechanics = contacts.linear_mechanics(K, rng.normal(size=3 * m))
+    problem = against(mechanics, Candidates(x, sparse.csr_matrix(np.eye(3 * m)), w), Sphere(np.zeros(3), 0.3))
+    u, p, du = 0.1 * rng.normal(size=3 * m), rng.uniform(0, 1, m), rng.normal(size=3 * m)
+    step = freeze(problem, u, p, {})
+
+    def imbalance(h: float) -> np.ndarray:
+        return problem.linearise(u + h * du, None).residual - problem.contact_force(u + h * du, p)
+
+    np.testing.assert_allclose(step.K @ du, central_difference(imbalance, 1e-3), rtol=0, atol=1e-8)
+    np.testing.assert_allclose(step.G @ du, central_difference(lambda h: problem.gap(u + h * du), 1e-3), atol=1e-8)
+    np.testing.assert_array_equal(step.r, problem.linearise(u, None).residual)
+    np.testing.assert_array_equal(step.gap, problem.gap(u))
+
+
+@pytest.mark.parametrize("coupling", [False, True])
+def test_there_and_back(step, tmp_path, rng, coupling) -> None:
+    W = sparse.csr_matrix(np.diag(step.weights) + np.diag(rng.uniform(0, 0.1, 5), 1)) if coupling else None
+    step = replace(step, coupling=W)
+    path = tmp_path / "step of mine"  # no suffix, and none is added
+    step.write(path)
+    again = FrozenStep.read(path)
+    assert same(step, again)
+    assert again.meta == {"scene": "made up", "load": 2.5}
+
+
+def test_the_container_is_what_is_documented(step, tmp_path) -> None:
+    """Read with numpy alone, rebuilt by hand from the arrays of compressed columns and rows."""
+    path = tmp_path / "step.npz"
+    step.write(path)
+    with np.load(path, allow_pickle=False) as arrays:
+        assert {name.partition("_")[0] for name in arrays.files} == {"K", "G", "r", "gap", "weights", "scale", "meta"}
+        n, K = len(arrays["r"]), np.zeros((len(arrays["r"]),) * 2)
+        for column in range(n):
+            for k in range(arrays["K_indptr"][column], arrays["K_indptr"][column + 1]):
+                K[arrays["K_indices"][k], column] += arrays["K_data"][k]
+        meta = json.loads(str(arrays["meta"]))
+    np.testing.assert_array_equal(K, step.K.toarray())
+    assert (meta["format"], meta["format_version"]) == ("footprint contact step", 1)
+
+
+@pytest.mark.parametrize("name", [name for name in ALGORITHMS if name != "regularised"])  # which is never exact
+def test_a_step_is_solved_alone(contacts, name, tmp_path) -> None:
+    """Frozen at the answer it asks for no displacement and the same pressures; frozen before, for the whole way."""
+    data = contacts.random_quadratic(np.random.default_rng(1), "definite")
+    problem, n = data.problem(), len(data.f)
+    u, p = contacts.by_nnls(data, math.inf)
+    for start, pressure in ((u, p), (np.zeros(n), np.zeros(6)), (np.linspace(-1, 1, n), np.ones(6))):
+        path = tmp_path / "step.npz"
+        freeze(problem, start, pressure, {}).write(path)
+        alone = FrozenStep.read(path).problem()
+        found = ALGORITHMS[name](epsilon=math.inf).solve(alone, ContactSolution.at_rest(n, 6))
+        assert found.outcome is Outcome.CONVERGED
+        np.testing.assert_allclose(start + found.u, u, rtol=0, atol=ORACLE)
+        np.testing.assert_allclose(found.pressure, p, rtol=0, atol=ORACLE)
+        verdict = judge(alone, found.u, found.pressure)
+        assert verdict.failures() == []
+        assert verdict.energy <= ROUNDING
+
+
+def test_energy_is_known_of_symmetric_steps_only(step) -> None:
+    assert asymmetry(step.K) <= ROUNDING
+    assert step.problem().energy is not None
+    skew = replace(step, K=sparse.csc_matrix(step.K.toarray() + np.triu(np.ones(step.K.shape))))
+    assert asymmetry(skew.K) > 1e-3
+    assert skew.problem().energy is None
+
+
+# --- damaged files ------------------------------------------------------------------------------------------------
+
+
+def rewrite(path, **changes) -> None:
+    """The same file with some arrays replaced, or left out (None)."""
+    with np.load(path, allow_pickle=False) as arrays:
+        kept = {name: arrays[name] for name in arrays.files} | changes
+    with path.open("wb") as file:
+        np.savez_compressed(file, **{name: array for name, array in kept.items() if array is not None})
+
+
+def nan(a):
+    return np.where(np.arange(len(a)) == 1, math.nan, a)
+
+
+DAMAGE = {
+    "no residual": (lambda s: {"r": None}, "r"),
+    "no matrix": (lambda s: {"K_data": None}, "K_data"),
+    "no meta": (lambda s: {"meta": None}, "meta"),
+    "meta is no JSON": (lambda s: {"meta": np.array("{")}, "Expecting"),
+    "meta is a list": (lambda s: {"meta": np.array("[1]")}, "object"),
+    "another format": (lambda s: {"meta": np.array('{"format": "x", "format_version": 1}')}, "format"),
+    "a later version": (
+        lambda s: {"meta": np.array('{"format": "footprint contact step", "format_version": 2}')},
+        "version",
+    ),
+    "NaN in r": (lambda s: {"r": nan(s.r)}, "r must be"),
+    "NaN in K": (lambda s: {"K_data": nan(s.K.data)}, "K_data must be"),
+    "infinite gap": (lambda s: {"gap": s.gap / 0.0}, "gap must be"),
+    "short gap": (lambda s: {"gap": s.gap[:-1]}, "weights must be 5"),
+    "negative weight": (lambda s: {"weights": -s.weights}, "weights"),
+    "negative scale": (lambda s: {"scale": np.array(-1.0)}, "scale"),
+    "two scales": (lambda s: {"scale": np.ones(2)}, "scale"),
+    "whole numbers": (lambda s: {"r": s.r.astype(int)}, "r must be"),
+    "text": (lambda s: {"r": np.array(["a"])}, "r must be"),
+    "square r": (lambda s: {"r": np.ones((3, 3))}, "r must be"),
+    "index too large": (lambda s: {"K_indices": s.K.indices + 1000}, "K is no"),
+    "negative index": (lambda s: {"G_indices": s.G.indices - 5}, "G is no"),
+    "fractional index": (lambda s: {"G_indices": s.G.indices + 0.5}, "whole numbers"),
+    "short index": (lambda s: {"K_indptr": s.K.indptr[:-1]}, "K is no"),
+    "falling index": (lambda s: {"K_indptr": s.K.indptr[::-1].copy()}, "K is no"),
+    "short r": (lambda s: {"r": s.r[:-1]}, "K is no"),
+    "half a coupling": (lambda s: {"W_data": np.ones(3)}, "W_indices"),
+}
+
+
+@pytest.mark.filterwarnings("ignore:divide by zero")
+@pytest.mark.parametrize(("change", "said"), DAMAGE.values(), ids=DAMAGE)
+def test_damaged_files_are_refused_in_one_line(step, tmp_path, change, said) -> None:
+    path = tmp_path / "step.npz"
+    step.write(path)
+    rewrite(path, **change(step))
+    with pytest.raises(FrozenStepError, match=said) as caught:
+        FrozenStep.read(path)
+    assert "\n" not in str(caught.value)
+    assert str(path) in str(caught.value)
+
+
+def test_cut_and_flipped_files_are_refused_or_still_the_same(step, tmp_path, rng) -> None:
+    """A flipped bit in an unused field of the container may pass; a wrong number may not."""
+    path, refused = tmp_path / "step.npz", 0
+    step.write(path)
+    whole = path.read_bytes()
+    for length in rng.integers(0, len(whole), 30):
+        path.write_bytes(whole[:length])
+        with pytest.raises(FrozenStepError):
+            FrozenStep.read(path)
+    for place in rng.integers(0, len(whole), 150):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ (1 << rng.integers(8))]) + whole[place + 1 :])
+        try:
+            assert same(FrozenStep.read(path), step)
+        except FrozenStepError:
+            refused += 1
+    assert refused > 75
+
+
+def test_other_files_are_refused(tmp_path) -> None:
+    for name, content in {"empty": b"", "text": b"K, r, G", "array": b"\x93NUMPY"}.items():
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(FrozenStepError, match="no frozen contact step"):
+            FrozenStep.read(tmp_path / name)
+    with zipfile.ZipFile(tmp_path / "zip", "w") as archive:
+        archive.writestr("readme", "hello")
+    with pytest.raises(FrozenStepError, match="meta"):
+        FrozenStep.read(tmp_path / "zip")
+    np.savez(tmp_path / "pickle.npz", meta=np.array([{}], dtype=object))
+    with pytest.raises(FrozenStepError, match="pickle"):
+        FrozenStep.read(tmp_path / "pickle.npz")
+    with pytest.raises(FileNotFoundError):
+        FrozenStep.read(tmp_path / "nothing")

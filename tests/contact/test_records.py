@@ -1,0 +1,175 @@
+"""Contact algorithms that cycle, fail, are restarted, and what they write down."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactProblem, Outcome
+from contact.verify import judge
+
+ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
+ROUNDING = 1e-10
+
+each_algorithm = pytest.mark.parametrize("name", ALGORITHMS)
+
+
+# --- cycling ------------------------------------------------------------------------------------------------------
+
+CYCLING_M = np.array([[4.0, 5.0, -5.0], [5.0, 9.0, -5.0], [-5.0, -5.0, 7.0]])
+CYCLING_C = np.array([-2.0, -1.0, 3.0])
+
+
+def cycling(contacts):
+    """min x.M.x/2 + c.x, x >= 0: the gap of each candidate is its x, the contact holds x = 0."""
+    return contacts.Quadratic(CYCLING_M, -CYCLING_C, np.eye(3), np.zeros(3), np.ones(3))
+
+
+@pytest.mark.parametrize("start", [[True] * 3, [False] * 3])
+def test_plain_set_swapping_cycles_on_the_example(start) -> None:
+    """The premise of the next two tests, in plain numpy: from full as from no contact the sets repeat every 3 swaps."""
+    active, seen = np.array(start), []
+    for _ in range(10):
+        seen.append(tuple(active.tolist()))
+        x, free = np.zeros(3), ~active
+        x[free] = np.linalg.solve(CYCLING_M[np.ix_(free, free)], -CYCLING_C[free])
+        pressure = CYCLING_M @ x + CYCLING_C
+        active = np.where(active, pressure >= 0, x < 0)
+    assert seen[1:4] == seen[4:7] == seen[7:10]
+    assert len(set(seen[1:4])) == 3
+
+
+def test_trial_and_error_detects_the_cycle_and_still_converges(contacts) -> None:
+    data = cycling(contacts)
+    solution = contacts.solve("trial-and-error", data.problem(), 3)
+    assert solution.outcome is Outcome.CONVERGED
+    events = [row["event"] for row in solution.history if "event" in row]
+    assert len(events) == 1
+    assert "cycle detected" in events[0]
+    # x is the multiplier-free unknown here: nnls on the primal itself
+    factor = np.linalg.cholesky(CYCLING_M)
+    x, _ = nnls(factor.T, -np.linalg.solve(factor, CYCLING_C))
+    np.testing.assert_allclose(solution.u, x, rtol=0, atol=ORACLE)
+    np.testing.assert_allclose(solution.pressure, CYCLING_M @ x + CYCLING_C, rtol=0, atol=ORACLE)
+
+
+@each_algorithm
+def test_a_cycle_is_solved_or_reported(contacts, name) -> None:
+    """Who fails says so, and who says that it has converged is right."""
+    data = cycling(contacts)
+    solution = contacts.solve(name, data.problem(), 3)
+    verdict = judge(data.problem(), solution.u, solution.pressure)
+    if solution.outcome.converged:
+        assert verdict.failures() == []
+    else:
+        assert solution.outcome in (Outcome.ITERATION_LIMIT, Outcome.CYCLING)
+        assert set(verdict.failures()) & {"penetration", "tension"}
+
+
+def test_semismooth_cycles_unless_it_settles_its_set(contacts) -> None:
+    """Must fail beside must pass: the textbook's method goes round until its limit; settled, it notices and ends."""
+    data = cycling(contacts)
+    textbook = contacts.solve("semismooth", data.problem(), 3, settle=1.0)
+    assert textbook.outcome is Outcome.ITERATION_LIMIT
+    sizes = [row["contact_nodes"] for row in textbook.history]
+    assert sizes[3:6] == sizes[6:9]
+    settled = contacts.solve("semismooth", data.problem(), 3)
+    assert settled.outcome is Outcome.CONVERGED
+    assert any("cycle detected" in row.get("event", "") for row in settled.history)
+
+
+# --- records ------------------------------------------------------------------------------------------------------
+
+
+@each_algorithm
+def test_counters_and_history_are_those_of_the_run(contacts, name) -> None:
+    data = contacts.random_quadratic(np.random.default_rng(3), "obstacle")
+    calls = []
+    problem = data.problem()
+    counted = ContactProblem(
+        lambda u, memory: calls.append(u) or problem.linearise(u, memory),
+        problem.gap,
+        problem.gap_jacobian,
+        problem.weights,
+    )
+    solution = contacts.solve(name, counted, len(data.f))
+    assert solution.counters["assemblies"] == len(calls) == len(solution.history)
+    assert solution.counters["factorisations"] >= solution.counters["newton_iterations"] > 0
+    last = solution.history[-1]
+    assert last["contact_nodes"] == solution.active.sum()
+    assert sum(row["added"] - row["removed"] for row in solution.history) == solution.active.sum()
+
+
+@each_algorithm
+def test_restarting_from_the_answer_takes_no_step(contacts, name) -> None:
+    data = contacts.random_quadratic(np.random.default_rng(3), "inclined")
+    first = contacts.solve(name, data.problem(), len(data.f))
+    again = ALGORITHMS[name](epsilon=math.inf).solve(data.problem(), first)
+    assert again.outcome is Outcome.CONVERGED
+    assert again.counters["newton_iterations"] <= 1  # one where rounding has pushed a closed gap to -1e-17
+    np.testing.assert_allclose(again.u, first.u, rtol=0, atol=ROUNDING)
+
+
+@each_algorithm
+def test_memory_is_passed_on_and_forgotten_with_the_solve(contacts, name) -> None:
+    """Each linearisation gets what the last step remembered, or None at the start of a Newton."""
+    data = contacts.random_quadratic(np.random.default_rng(2), "obstacle")
+    problem, seen, given = data.problem(), [], []
+
+    class Remembering(contacts.Linear):
+        def remember(self, du):
+            given.append(len(given))
+            return given[-1]
+
+    def linearise(u, memory):
+        seen.append(memory)
+        lin = problem.linearise(u, memory)
+        return Remembering(lin.residual, lin.tangent, lin.scale)
+
+    solution = contacts.solve(
+        name, ContactProblem(linearise, problem.gap, problem.gap_jacobian, problem.weights), len(data.f)
+    )
+    assert solution.outcome is Outcome.CONVERGED
+    assert seen[0] is None
+    assert [m for m in seen if m is not None] == given
+
+
+@each_algorithm
+@pytest.mark.parametrize(
+    ("K", "outcome"),
+    [(np.zeros((2, 2)), Outcome.SINGULAR), (np.array([[1.0, -1.0], [-1.0, 1.0]]), Outcome.SINGULAR)],
+)
+def test_singular_mechanics_is_an_outcome(contacts, name, K, outcome) -> None:
+    """The foundation would hold both unknowns, and a programme needs no stiffness to find that."""
+    data = contacts.Quadratic(K, np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    solution = contacts.solve(name, data.problem(), 2)
+    if name == "qp":
+        assert solution.outcome is Outcome.CONVERGED
+        assert judge(data.problem(), solution.u, solution.pressure).failures() == []
+    else:
+        assert solution.outcome is outcome
+
+
+@each_algorithm
+def test_nan_is_divergence(contacts, name) -> None:
+    data = contacts.Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    assert contacts.solve(name, data.problem(), 2).outcome is Outcome.DIVERGED
+
+
+@each_algorithm
+def test_iteration_limit_is_an_outcome(contacts, name) -> None:
+    data = contacts.random_quadratic(np.random.default_rng(0), "obstacle")
+    limited = contacts.solve(name, data.problem(), len(data.f), ALGORITHMS[name]().epsilon, max_iterations=0)
+    assert limited.outcome is Outcome.ITERATION_LIMIT
+
+
+def test_catalogue_names_are_those_of_the_algorithms() -> None:
+    assert {name: factory().name for name, factory in ALGORITHMS.items()} == {name: name for name in ALGORITHMS}
+
+
+def test_only_converged_counts_as_converged() -> None:
+    assert [outcome for outcome in Outcome if outcome.converged] == [Outcome.CONVERGED]

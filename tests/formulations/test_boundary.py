@@ -1,0 +1,269 @@
+"""Supports by name, forces along edges, prescribed displacements and reactions, each against a closed form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid, graded_lines
+from formulations.geometry.surfaces import Plate, annulus, cylinder, torus
+from formulations.loads.lines import edge_force, edge_lengths
+from formulations.loads.pressure import Couples, Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import Discretisation, ShellModel
+from formulations.strains.catalogue import MEASURES
+
+ROUNDING = 1e-12  # relative
+CLOSED = 1e-9  # relative error of a solution that the element can represent
+BEAM = 1e-3  # of a deflection extrapolated from 8 and 16 elements
+LENGTH = 1e-5  # two Gauss points on a curved line of 5 pieces
+
+
+def discretise(surface, grid, laminate, supports=None, interpolation="curvilinear") -> Discretisation:
+    supports = supports or Supports.none(grid)
+    return Discretisation.build(surface, grid, laminate, *supports.masks, interpolation=interpolation)
+
+
+def solved(shell: ShellModel, steps: int = 1) -> np.ndarray:
+    """Newton from rest to rounding, in equal steps of the load."""
+    u = np.zeros(shell.discretisation.n_free)
+    for factor in np.arange(1, steps + 1) / steps:
+        step, memory = shell.scaled(factor), None
+        for _ in range(25):
+            lin = step.linearise(u, memory)
+            du = spsolve(lin.tangent, -lin.residual)
+            u, memory = u + du, lin.remember(du)
+            if np.max(np.abs(du)) <= 1e-13 * np.max(np.abs(u)):
+                break
+        else:
+            raise AssertionError("Newton did not converge")
+    return u
+
+
+# --- the vocabulary -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def corner_grid() -> Grid:
+    return Grid.tensor(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0]))
+
+
+def held(supports: Supports, node: int) -> tuple[str, str]:
+    """Faces held, and components hinged, at a node: ("1- 1+", "3")."""
+    fixed, hinged = supports.masks
+    faces = [f"{i + 1}{face}" for i in range(3) for f, face in enumerate("-+") if fixed[node, 2 * i + f]]
+    return " ".join(faces), " ".join(str(i + 1) for i in np.flatnonzero(hinged[node]))
+
+
+def test_words_hold_what_they_say(corner_grid) -> None:
+    free = Supports.none(corner_grid)
+    line = corner_grid.on_line(0, 0.0)
+    for supports, faces, hinges in (
+        (free.clamped(line), "1- 1+ 2- 2+ 3- 3+", ""),
+        (free.symmetric(line, 0), "1- 1+", ""),
+        (free.symmetric(line, 1), "2- 2+", ""),
+        (free.diaphragm(line, 0), "2- 2+ 3- 3+", ""),
+        (free.diaphragm(line, 1), "1- 1+ 3- 3+", ""),
+        (free.hinged(line), "", "1 2 3"),
+        (free.hinged(line, (0, 2)), "", "1 3"),
+        (free.hinged(line, at="inner"), "1- 2- 3-", ""),
+        (free.hinged(line, (2,), at="outer"), "3+", ""),
+    ):
+        assert {held(supports, node) for node in line} == {(faces, hinges)}
+        assert {held(supports, node) for node in set(range(6)) - set(line)} == {("", "")}
+    assert not np.any(free.masks[0])
+    with pytest.raises(ValueError, match="hinged at 'top': must be middle, inner or outer"):
+        free.hinged(line, at="top")
+
+
+def test_supports_that_meet_add_up(corner_grid) -> None:
+    """Both orders alike; a face and the middle of a component held leave nothing of it."""
+    node = corner_grid.node_at(0.0, 0.0)
+    free = Supports.none(corner_grid)
+    for supports in (free.hinged(node).symmetric(node, 0), free.symmetric(node, 0).hinged(node)):
+        assert held(supports, node) == ("1- 1+", "2 3")
+    assert held(free.hinged(node, (2,)).hinged(node, (2,), at="inner"), node) == ("3- 3+", "")
+
+
+# --- edge forces --------------------------------------------------------------------------------------------------
+
+OFFSET = Laminate((Ply.isotropic(200.0, 0.3, 0.2),), d_minus=0.1)  # the mid surface lies 0.2 outside of the reference
+UNEQUAL = np.array([0.0, 0.1, 0.35, 0.5, 0.8, 1.0])
+
+
+@pytest.mark.parametrize("interpolation", ["curvilinear", "isoparametric"])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_edge_force_has_the_resultant_and_the_moment_of_its_traction(axis, interpolation) -> None:
+    """On a torus, against a fine quadrature along the mid surface.
+
+    Isoparametric: the work on a translation, the sum of the Cartesian nodal forces, is int t ds. Curvilinear: the work
+    on constant local components, the sum of the local nodal forces, is int t.e_i ds.
+    """
+    lines = [0.3 + 0.9 * UNEQUAL, 0.5 + 0.8 * UNEQUAL]
+    surface, d_bar = torus(3.0, 1.0), 0.2
+    shell = discretise(surface, Grid.tensor(*lines), OFFSET, interpolation=interpolation)
+
+    def traction(a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+        return np.stack([1 + a1 * a2, a1 - a2, 2 * a2], axis=-1)
+
+    at = lines[axis][-1]
+    forces = edge_force(shell, axis, at, traction, (0.3, 0.7))
+    t, weight = np.polynomial.legendre.leggauss(20)
+    a = [np.full(20, at), np.full(20, at)]
+    low, high = lines[1 - axis][[0, -1]]
+    a[1 - axis] = (low + high + (high - low) * t) / 2
+    g = surface.geometry(*a)
+    ds = weight * (high - low) / 2 * (g.A * (1 + g.k * d_bar))[:, 1 - axis]
+    if interpolation == "isoparametric":
+        frame, exact = surface.frame(*shell.grid.nodes.T), ds @ traction(*a)
+    else:
+        frame = np.broadcast_to(np.eye(3), (shell.grid.n_nodes, 3, 3))
+        exact = np.einsum("g,gix,gx->i", ds, surface.frame(*a), traction(*a))
+    for face, share in enumerate((0.3, 0.7)):
+        total = np.einsum("ni,nix->x", forces[:, face::2], frame)
+        np.testing.assert_allclose(total, share * exact, rtol=0, atol=LENGTH * np.abs(exact).max())
+    off = np.delete(np.arange(shell.grid.n_nodes), shell.grid.on_line(axis, at))
+    assert np.all(forces[off] == 0)
+
+
+def test_edge_force_on_an_inner_line_counts_once_and_on_a_seam_too() -> None:
+    """A ring line of a closed cylinder, first, inner and last, and a generator on the seam."""
+    around, along = np.linspace(0, 2 * math.pi, 9), np.array([0.0, 0.4, 1.0])
+    shell = discretise(cylinder(2.0), Grid.tensor(along, around, periodic=True), OFFSET)
+
+    def outwards(a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+        return np.stack([np.cos(a2), np.sin(a2), np.zeros_like(a2)], axis=-1)
+
+    for value in along:
+        forces = edge_force(shell, 0, value, outwards)
+        assert forces[:, 4:].sum() == pytest.approx(2 * math.pi * 2.2, rel=ROUNDING)
+        assert np.ptp(forces[shell.grid.on_line(0, value), 4:]) <= ROUNDING
+    seam = edge_force(shell, 1, 0.0, outwards)
+    assert seam[shell.grid.on_line(1, 0.0), 4] == pytest.approx([0.1, 0.25, 0.15], rel=ROUNDING)
+    with pytest.raises(ValueError, match=r"the grid has no line a1 = 0\.5"):
+        edge_force(shell, 0, 0.5, outwards)
+
+
+def test_edge_lengths_of_an_annulus() -> None:
+    """Arcs r da2 of unequal elements, and their sum."""
+    angles = UNEQUAL * math.pi / 2
+    shell = discretise(annulus(), Grid.tensor(np.array([1.0, 3.0]), angles), OFFSET)
+    nodes, lengths = edge_lengths(shell, 0, 3.0)
+    np.testing.assert_array_equal(nodes, shell.grid.on_line(0, 3.0))
+    pieces = np.diff(angles) * 3.0
+    np.testing.assert_allclose(lengths, (np.append(0, pieces) + np.append(pieces, 0)) / 2, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize("follower", [False, True])
+def test_edge_moment_bends_a_strip_to_constant_curvature(follower) -> None:
+    """w(L) = M L^2/2D under M per length, as a dead couple (-1, 1) of t h = M and as couples on the edge lengths."""
+    E, h, L, M = 1e3, 0.1, 4.0, 1e-5
+    grid = Grid.tensor(graded_lines([0.0, 1.0, L], [2, 3]), np.array([0.0, 0.3, 1.0]))
+    supports = Supports.none(grid).clamped(grid.on_line(0, 0.0))
+    shell = discretise(Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, h)), supports)
+    if follower:
+        nodes, lengths = edge_lengths(shell, 0, L)
+        load = {"couples": Couples(nodes, M * lengths, np.tile([0.0, -1.0, 0.0], (len(nodes), 1)), h)}
+    else:
+        t = np.array([-M / h, 0.0, 0.0])
+        load = {"forces": shell.reduce(edge_force(shell, 0, L, lambda a1, a2: t, (-1, 1)))}
+    u = solved(ShellModel(shell, MEASURES["linear"], **load))
+    w = shell.expand(u)[grid.on_line(0, L), 4:]
+    np.testing.assert_allclose(w, M * L**2 / 2 / (E * h**3 / 12), rtol=1e-6)
+
+
+# --- hinges -------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("at", "factor"), [("middle", 5 / 384), ("inner", 2 / 384), ("outer", 2 / 384)])
+def test_strip_hinged_at_its_middle_or_at_one_face(at, factor) -> None:
+    """Hinges that cannot slide, linear: at mid-height w = 5 q L^4/384 D; at a face the thrust q L^2/8h acts at h/2 and
+    lifts q L^4/128 D of it. Shear adds q L^2/8Gh to both; nu = 0."""
+    E, h, L, q = 1e3, 0.2, 10.0, 1e-4
+    deflections = []
+    for n in (8, 16):
+        grid = Grid.tensor(np.linspace(0, L, n + 1), np.array([0.0, 1.0]))
+        ends = np.concatenate([grid.on_line(0, 0.0), grid.on_line(0, L)])
+        supports = Supports.none(grid).hold(np.arange(grid.n_nodes), (1,)).hinged(ends, (0, 2), at)
+        shell = discretise(Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, h)), supports)
+        model = ShellModel(shell, MEASURES["linear"], pressure=Pressure(q))
+        u = solved(model)
+        deflections.append(shell.expand(u)[grid.node_at(L / 2, 0.0), 4:].mean())
+        thrust = model.reactions(u)[grid.on_line(0, 0.0), :2].sum()
+        assert abs(thrust) == pytest.approx(0.0 if at == "middle" else q * L**2 / 8 / h, rel=0.02, abs=1e-12)
+        assert thrust * {"middle": 0, "inner": -1, "outer": 1}[at] >= 0  # q acts upwards: below pulled, above pushed
+        lift = model.reactions(u)[:, 4:].sum()
+        assert lift == pytest.approx(-q * L, rel=CLOSED)
+    coarse, fine = deflections
+    exact = factor * q * L**4 / (E * h**3 / 12) + q * L**2 / (8 * E / 2 * h)
+    assert fine + (fine - coarse) / 3 == pytest.approx(exact, rel=BEAM)
+
+
+# --- prescribed displacements -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("newton", ["plain", "mixed"])
+@pytest.mark.parametrize("stretch", [0.85, 1.4])
+def test_strip_stretched_by_its_end(newton, stretch) -> None:
+    """St. Venant-Kirchhoff: force E A lambda (lambda^2 - 1)/2, across and through sqrt(1 - nu (lambda^2 - 1))."""
+    E, nu, h, L, b = 210.0, 0.3, 0.25, 2.0, 1.4
+    grid = Grid.tensor(graded_lines([0.0, 0.7, L], [2, 2]), graded_lines([0.0, 0.6, b], [1, 2]))
+    start, end = grid.on_line(0, 0.0), grid.on_line(0, L)
+    supports = Supports.none(grid).symmetric(start, 0).symmetric(grid.on_line(1, 0.0), 1).hold(end, (0,))
+    supports = supports.hold(np.arange(grid.n_nodes), (2,), ("inner",))
+    shell = discretise(Plate(), grid, Laminate.single(Ply.isotropic(E, nu, h)), supports)
+    given = np.zeros((grid.n_nodes, 6))
+    given[end, :2] = (stretch - 1) * L
+    model = ShellModel(shell, MEASURES["exact"], newton=newton, prescribed=given)
+    u = solved(model, steps=4)  # in one, the elements at the end start with all of the stretch
+    across = math.sqrt(1 - nu * (stretch**2 - 1))
+    v = model.displacements(u)
+    np.testing.assert_allclose(v[:, :2], (stretch - 1) * grid.nodes[:, [0, 0]], rtol=0, atol=CLOSED)
+    np.testing.assert_allclose(v[:, 2:4], (across - 1) * grid.nodes[:, [1, 1]], rtol=0, atol=CLOSED)
+    np.testing.assert_allclose(v[:, 5], (across - 1) * h, rtol=0, atol=CLOSED)
+    reactions = model.reactions(u)
+    force = E * h * b * stretch * (stretch**2 - 1) / 2
+    assert reactions[end, :2].sum() == pytest.approx(force, rel=CLOSED)
+    assert reactions[start, :2].sum() == pytest.approx(-force, rel=CLOSED)
+    assert np.max(np.abs(reactions[:, 2:])) <= CLOSED * abs(force)
+    assert model.linearise(u).scale > abs(force) / 10  # a scale that vanished would never let Newton end
+
+
+def test_prescribed_displacements_scale_and_must_be_held(curved_patch, rng, make_shell) -> None:
+    """Half of them is half of them; the residual is that of the whole shell at expand(u) + prescribed."""
+    grid = curved_patch.grid(2, 3)
+    fixed = rng.random((grid.n_nodes, 6)) < 0.3
+    given = np.where(fixed, 0.1 * rng.normal(size=fixed.shape), 0.0)
+    held_shell = make_shell(curved_patch.surface, grid, fixed=fixed, prescribed=given)
+    loose = make_shell(curved_patch.surface, grid)
+    u = 0.1 * rng.normal(size=held_shell.discretisation.n_free)
+    for factor in (0.5, 1.0):
+        everything = held_shell.discretisation.expand(u) + factor * given
+        model = held_shell.scaled(factor)
+        np.testing.assert_array_equal(model.displacements(u), everything)
+        full = loose.linearise(everything.ravel())
+        some = model.linearise(u)
+        np.testing.assert_allclose(some.residual, full.residual[~fixed.ravel()], rtol=0, atol=ROUNDING * full.scale)
+        np.testing.assert_allclose(
+            model.reactions(u)[fixed], full.residual[fixed.ravel()], rtol=0, atol=ROUNDING * full.scale
+        )
+        assert np.all(model.reactions(u)[~fixed] == 0)
+        assert some.scale == pytest.approx(full.scale, rel=ROUNDING)
+    with pytest.raises(ValueError, match="a prescribed displacement must be held"):
+        make_shell(curved_patch.surface, grid, fixed=fixed, prescribed=np.ones_like(given))
+
+
+def test_reactions_balance_pressure_and_dead_pressure_is_counted(make_shell) -> None:
+    """A clamped square under its pressure, dead or following: the supports carry it all."""
+    grid = Grid.tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
+    edges = np.unique(np.concatenate([grid.on_line(axis, line) for axis in (0, 1) for line in (0.0, 1.0)]))
+    supports = Supports.none(grid).clamped(edges)
+    shell = discretise(Plate(), grid, Laminate.single(Ply.isotropic(200.0, 0.3, 0.05)), supports)
+    for follower in (False, True):
+        model = ShellModel(shell, MEASURES["exact"], pressure=Pressure(1e-3, follower=follower))
+        u = solved(model)
+        assert model.reactions(u)[:, 4:].sum() == pytest.approx(-1e-3, rel=1e-9 if not follower else 1e-3)

@@ -1,0 +1,259 @@
+"""Strain measures at points of every surface: homogeneous deformations, rigid motions, derivatives, bad tables.
+
+The displacement field u(x) = (F - I) x + c is given in space. Its local components on both faces are differentiated
+numerically and sent through the displacement-gradient quantities, so that geometry, quantities and measure are tested
+together against F alone.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from formulations.geometry.surfaces import Plate, cylinder, sphere, torus
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
+from formulations.strains.quantities import (
+    FULL,
+    N_E,
+    N_Q,
+    STRAINS,
+    Kinematics,
+    gradient_coefficients,
+    shear_row_factors,
+)
+
+STEP = 0.015  # of the 8th-order differences, see the tests of the surfaces
+RIGID = 1e-12  # the acceptance of THEORY for the exact measure
+ROUNDING = 1e-12  # of quantities of size 1 after numerical differentiation
+LARGE_STEPS = 2.0 ** -np.arange(5)
+SLOPE = 0.01  # half-width of the interval around the slope 2
+THICKNESSES = {"symmetric": (-0.1, 0.1), "asymmetric": (-0.04, 0.16), "outside": (0.0, 0.2), "thin": (-5e-3, 2e-3)}
+SHEARS = {"2E13": 0, "2E23": 1}
+
+thickness = pytest.mark.parametrize("d", THICKNESSES.values(), ids=THICKNESSES)
+each_measure = pytest.mark.parametrize("measure", MEASURES.values(), ids=MEASURES)
+
+
+@pytest.fixture
+def quantities(patch, rng, central_difference):
+    """q (n, 15), row factors (n, 11) and frames (n, 3, 3) of u(x) = (F - I) x + c at random points of the patch."""
+    a1, a2 = patch.points(rng, 6)
+
+    def of(F: np.ndarray, c: np.ndarray, d: tuple[float, float], kinematics: Kinematics = FULL):
+        def components(b1, b2):
+            x, frame = patch.surface.position(b1, b2), patch.surface.frame(b1, b2)
+            v = np.empty((len(x), 6))
+            for face in (0, 1):
+                u = (x + d[face] * frame[:, 2]) @ (F - np.eye(3)).T + c
+                v[:, face::2] = np.einsum("nij,nj->ni", frame, u)
+            return v
+
+        geometry = patch.surface.geometry(a1, a2)
+        values = (
+            components(a1, a2),
+            central_difference(lambda t: components(a1 + t, a2), STEP),
+            central_difference(lambda t: components(a1, a2 + t), STEP),
+        )
+        coefficients = gradient_coefficients(geometry, *d, kinematics)
+        q = sum(np.einsum("nqv,nv->nq", C, v) for C, v in zip(coefficients, values, strict=True))
+        return q, shear_row_factors(geometry, *d, kinematics), patch.surface.frame(a1, a2)
+
+    of.points = (a1, a2)
+    return of
+
+
+def local_strains(tensor: np.ndarray, frame: np.ndarray, k: np.ndarray, d: tuple[float, float]) -> np.ndarray:
+    """The 11 strains of a constant symmetric tensor: components, doubled shears, 2E_a3 times zeta_a/zbar_a."""
+    T = np.einsum("nix,xy,njy->nij", frame, tensor, frame)
+    strains = np.empty((len(T), N_E))
+    for row, name in enumerate(STRAINS):
+        doubled = 2.0 if name.startswith("2") else 1.0
+        i, j = (int(digit) - 1 for digit in name.rstrip("+-")[-2:])
+        strains[:, row] = doubled * T[:, i, j]
+        if name[:-1] in SHEARS:
+            a, face = SHEARS[name[:-1]], "-+".index(name[-1])
+            strains[:, row] *= (1 + k[:, a] * d[face]) / (1 + k[:, a] * (d[0] + d[1]) / 2)
+    return strains
+
+
+def random_rotations(rng, rotation, n: int) -> list[np.ndarray]:
+    """Rotations about random axes by angles up to pi, and one by pi itself."""
+    angles = [*rng.uniform(0.1, math.pi, n - 1), math.pi]
+    return [rotation(rng.normal(size=3), angle) for angle in angles]
+
+
+@thickness
+@pytest.mark.parametrize("name", ["exact", "elongation"])
+def test_exact_measures_vanish_under_rigid_motions(quantities, rng, rotation, d, name) -> None:
+    for R in random_rotations(rng, rotation, 5):
+        q, factors, _ = quantities(R, rng.normal(size=3), d)
+        assert np.max(np.abs(MEASURES[name].strain(q) * factors)) <= RIGID
+
+
+@thickness
+def test_exact_measure_is_green_lagrange(patch, quantities, rng, d) -> None:
+    F = np.eye(3) + 0.5 * rng.normal(size=(3, 3))
+    q, factors, frame = quantities(F, rng.normal(size=3), d)
+    k = patch.surface.geometry(*quantities.points).k
+    expected = local_strains((F.T @ F - np.eye(3)) / 2, frame, k, d)
+    np.testing.assert_allclose(MEASURES["exact"].strain(q) * factors, expected, rtol=0, atol=5 * ROUNDING)
+
+
+@thickness
+def test_linear_measure_is_the_symmetric_gradient(patch, quantities, rng, d) -> None:
+    F = np.eye(3) + 0.5 * rng.normal(size=(3, 3))
+    q, factors, frame = quantities(F, rng.normal(size=3), d)
+    k = patch.surface.geometry(*quantities.points).k
+    expected = local_strains((F + F.T) / 2 - np.eye(3), frame, k, d)
+    np.testing.assert_allclose(MEASURES["linear"].strain(q) * factors, expected, rtol=0, atol=5 * ROUNDING)
+
+
+THETAS = [0.3, 1.7, math.pi, 5.0, 2 * math.pi]
+
+
+def residual_strain(measure, surface, point, R, c, d, central_difference) -> np.ndarray:
+    """The 11 strains that the motion x -> R x + c of a surface leaves at one point."""
+    a1, a2 = (np.array([value]) for value in point)
+
+    def components(b1, b2):
+        x, frame = surface.position(b1, b2), surface.frame(b1, b2)
+        v = np.empty((1, 6))
+        for face in (0, 1):
+            y = x + d[face] * frame[:, 2]
+            v[:, face::2] = np.einsum("nij,nj->ni", frame, y @ (R - np.eye(3)).T + c)
+        return v
+
+    values = (
+        components(a1, a2),
+        central_difference(lambda t: components(a1 + t, a2), STEP),
+        central_difference(lambda t: components(a1, a2 + t), STEP),
+    )
+    geometry = surface.geometry(a1, a2)
+    coefficients = gradient_coefficients(geometry, *d, measure.kinematics)
+    q = sum(np.einsum("nqv,nv->nq", C, v) for C, v in zip(coefficients, values, strict=True))
+    return (measure.strain(q) * shear_row_factors(geometry, *d, measure.kinematics))[0]
+
+
+@each_measure
+@pytest.mark.parametrize("theta", THETAS)
+def test_law_of_a_plate_under_rotation(measure, theta, rotation, central_difference) -> None:
+    law, d, point, still = measure.rigid_body_law, (-0.04, 0.16), (0.3, -0.2), np.zeros(3)
+    for a, axis in ((0, [0, 1, 0]), (1, [1, 0, 0])):
+        E = residual_strain(measure, Plate(), point, rotation(np.array(axis), theta), still, d, central_difference)
+        np.testing.assert_allclose(E[2 * a : 2 * a + 2], law.out_of_plane(theta, 1.0), rtol=0, atol=ROUNDING)
+    E = residual_strain(measure, Plate(), point, rotation(np.array([0, 0, 1.0]), theta), still, d, central_difference)
+    np.testing.assert_allclose(E[:4], law.drilling(theta, 1.0), rtol=0, atol=ROUNDING)
+
+
+@each_measure
+@pytest.mark.parametrize("theta", THETAS)
+def test_law_of_a_cylinder_turned_about_its_axis(measure, theta, rotation, central_difference) -> None:
+    R, d = 2.0, (-0.1, 0.3)
+    turn = rotation(np.array([0, 0, 1.0]), theta)
+    E = residual_strain(measure, cylinder(R), (0.4, 0.7), turn, np.zeros(3), d, central_difference)
+    expected = [measure.rigid_body_law.axis(theta, 1 + offset / R) for offset in d]
+    np.testing.assert_allclose(E[2:4], expected, rtol=0, atol=ROUNDING)
+
+
+@each_measure
+def test_law_of_a_translated_cylinder(measure, central_difference) -> None:
+    R, U, phi, d = 2.0, 0.6, 0.7, (-0.1, 0.3)
+    c = U * np.array([1.0, 0, 0])
+    E = residual_strain(measure, cylinder(R), (0.4, phi), np.eye(3), c, d, central_difference)
+    amount = -U * np.sin(phi) / R
+    expected = [measure.rigid_body_law.translation(amount, 1 + offset / R) for offset in d]
+    np.testing.assert_allclose(E[2:4], expected, rtol=0, atol=ROUNDING)
+
+
+@each_measure
+@pytest.mark.parametrize("surface", [cylinder(2.0), sphere(1.5), torus(3.0, 1.0)], ids=["cylinder", "sphere", "torus"])
+def test_only_a_shallow_measure_strains_under_translation(measure, surface, rng, central_difference) -> None:
+    E = residual_strain(measure, surface, (0.4, 0.7), np.eye(3), rng.normal(size=3), (-0.1, 0.3), central_difference)
+    assert (np.max(np.abs(E)) > 1e-3) == measure.kinematics.shallow
+    if not measure.kinematics.shallow:
+        assert np.max(np.abs(E)) <= RIGID
+
+
+def test_linear_measure_strains_in_every_direction_normal_to_the_axis(quantities, rotation) -> None:
+    """The law cos(theta) - 1 is that of drilling, too: the rotation about e3 leaves it in E11 and in E22."""
+    theta = 0.8
+    frames = quantities(np.eye(3), np.zeros(3), (-0.1, 0.1))[2]
+    for point, frame in enumerate(frames):
+        q, _, _ = quantities(rotation(frame[2], theta), np.zeros(3), (-0.1, 0.1))
+        strain = MEASURES["linear"].strain(q)[point]
+        np.testing.assert_allclose(strain[:4], math.cos(theta) - 1, rtol=0, atol=ROUNDING)
+        np.testing.assert_allclose(strain[4:], 0.0, rtol=0, atol=ROUNDING)
+
+
+@each_measure
+def test_derivatives_agree_with_differences(measure, rng, central_difference) -> None:
+    q, dq, H = rng.normal(size=(4, N_Q)), rng.normal(size=(4, N_Q)), rng.normal(size=(4, N_E))
+    if not isinstance(measure, QuadraticMeasure):  # stretches must stay positive, and differences are not exact
+        q, dq = 0.05 * q, 0.05 * dq
+    slope = central_difference(lambda t: measure.strain(q + t * dq), 0.1)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", measure.gradient(q), dq), slope, rtol=0, atol=10 * ROUNDING)
+    turning = central_difference(lambda t: np.einsum("nij,ni->nj", measure.gradient(q + t * dq), H), 0.1)
+    contracted = measure.contract(q, H)
+    np.testing.assert_allclose(np.einsum("nij,nj->ni", contracted, dq), turning, rtol=0, atol=10 * ROUNDING)
+    np.testing.assert_allclose(contracted, contracted.swapaxes(1, 2), rtol=0, atol=ROUNDING)
+
+
+@each_measure
+def test_remainder_of_the_linearisation_has_slope_two(measure, rng, fitted_order) -> None:
+    """E(q + t dq) - E(q) - t dE/dq dq = c t^2 exactly for a quadratic measure, and 0 for a linear one."""
+    if not isinstance(measure, QuadraticMeasure):
+        return
+    q, dq = rng.normal(size=N_Q), rng.normal(size=N_Q)
+    start, slope = measure.strain(q), measure.gradient(q) @ dq
+    remainders = np.stack([measure.strain(q + t * dq) - start - t * slope for t in LARGE_STEPS])
+    curved = np.any(measure.contract(q, np.ones(N_E)) != 0)
+    assert curved == (measure.name != "linear")
+    if not curved:
+        assert np.max(np.abs(remainders)) <= 10 * ROUNDING
+    for row in range(N_E) if curved else ():
+        if np.any(measure.contract(q, np.eye(N_E)[row]) != 0):
+            assert abs(fitted_order(LARGE_STEPS, np.abs(remainders[:, row])) - 2) <= SLOPE
+
+
+@each_measure
+def test_batches_equal_single_points(measure, rng) -> None:
+    q, H = 0.05 * rng.normal(size=(2, 3, N_Q)), rng.normal(size=(2, 3, N_E))
+    for batched, single in (
+        (measure.strain(q), lambda i, j: measure.strain(q[i, j])),
+        (measure.gradient(q), lambda i, j: measure.gradient(q[i, j])),
+        (measure.contract(q, H), lambda i, j: measure.contract(q[i, j], H[i, j])),
+    ):
+        for i, j in np.ndindex(2, 3):
+            np.testing.assert_allclose(batched[i, j], single(i, j), rtol=0, atol=ROUNDING)
+
+
+@each_measure
+def test_catalogue_entry_is_complete(measure) -> None:
+    assert MEASURES[measure.name] is measure
+    assert measure.reference
+    assert measure.rigid_body_law.axis(0.0, 1.1) == 0.0
+    assert np.all(measure.strain(np.zeros(N_Q)) == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("terms", "message"),
+    [
+        ({"E13": {"l1": 1}}, "trial: unknown strain 'E13'"),
+        ({"E11-": {"l1": 1}}, "trial: unknown strain 'E11-'"),
+        ({"E11": {"l3": 1}}, "trial: unknown quantity 'l3'"),
+        ({"E11": {"l1 w9": 1}}, "trial: unknown quantity 'w9'"),
+        ({"E11": {"l1 l1 l1": 1}}, "trial: 'l1 l1 l1' is not a monomial"),
+        ({"E11": {"": 1}}, "trial: '' is not a monomial"),
+    ],
+)
+def test_bad_tables_are_refused_by_name(terms, message) -> None:
+    with pytest.raises(ValueError, match=message):
+        quadratic_measure("trial", terms, reference="none", rigid_body_law=EXACT_LAW)
+
+
+def test_tables_are_read_only() -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        MEASURES["exact"].quadratic[0, 0, 0] = 1.0

@@ -1,0 +1,116 @@
+"""The order of elimination: every node once, separators that separate, and less fill than a minimum degree's."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from contact.problem import ContactSolution
+from contact.solvers.sparse import checked_solve, factorise
+from formulations.conditions.dof_map import DofMap, Images
+from formulations.geometry.nested_dissection import dissection
+from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.solve import resolve
+
+ROUNDING = 1e-9  # relative: what another order of elimination leaves of a solution
+MOST_FILL = 1.15  # of minimum degree's, where the two are close
+
+
+def built(mesh: str, model: str) -> TyreModel:
+    _, request = resolve("tyre", {"element": "paper", "delta_mm": "20"}, mesh, model=model)
+    return Tyre().build(request)
+
+
+def tangent(model: TyreModel) -> sparse.csc_matrix:
+    return model.shell.linearise(np.zeros(model.n_unknowns)).tangent
+
+
+def fill(A: sparse.csc_matrix, order: str) -> int:
+    return int(splu(A, permc_spec=order, diag_pivot_thresh=1e-3, options={"SymmetricMode": True}).nnz)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (9, 2), (2, 2), (3, 3), (17, 6), (12, 31)])
+@pytest.mark.parametrize("periodic", [False, True])
+def test_every_node_is_eliminated_once(shape, periodic) -> None:
+    order = dissection(shape, periodic=periodic)
+    np.testing.assert_array_equal(np.sort(order), np.arange(shape[0] * shape[1]))
+    last = np.array([0, shape[0] * shape[1] - 1])
+    order = dissection(shape, periodic=periodic, last=last)
+    np.testing.assert_array_equal(np.sort(order), np.arange(shape[0] * shape[1]))
+    assert np.isin(last, order[-len(np.union1d(last, np.arange(shape[0]) * shape[1] if periodic else last)) :]).all()
+
+
+def neighbours(n: int) -> sparse.csr_matrix:
+    """Lines of a grid that share an element."""
+    return sparse.diags_array([1.0, 1.0, 1.0], offsets=[-1, 0, 1], shape=(n, n), format="csr")
+
+
+def test_the_last_line_separates_what_comes_before_it() -> None:
+    """Without the middle line the graph of elements falls into two halves, numbered one after the other."""
+    shape = (15, 9)
+    order = dissection(shape)
+    graph = sparse.kron(neighbours(shape[0]), neighbours(shape[1]), format="csr")[order][:, order]
+    half = 7 * 9
+    np.testing.assert_array_equal(order[2 * half :], 7 * 9 + np.arange(9))
+    assert graph[:half, half : 2 * half].nnz == 0
+
+
+def test_unknowns_follow_the_nodes(rng) -> None:
+    """Numbered node by node in the given order, images and held ones left out; the map stays the same map."""
+    fixed = rng.random((12, 6)) < 0.2
+    images = Images(np.array([3, 7]), np.array([5, 0]), np.ones((2, 3)))
+    order = rng.permutation(12)
+    plain, ordered = DofMap.build(fixed, images=images), DofMap.build(fixed, images=images, order=order)
+    first = ordered.number.reshape(-1, 6).max(axis=1)
+    for before, after in pairwise(node for node in order if node not in images.nodes and first[node] >= 0):
+        assert first[before] < first[after]
+    full = plain.expand(rng.normal(size=plain.n))
+    np.testing.assert_array_equal(ordered.expand(ordered.restrict(full)), full)
+    np.testing.assert_array_equal(images.followed, [0, 5])
+
+
+@pytest.mark.parametrize("model", ["full", "half"])
+def test_fill_at_the_default_mesh_is_close_to_minimum_degree(model) -> None:
+    K = tangent(built("42x40", model))
+    assert fill(K, "NATURAL") <= MOST_FILL * fill(K, "MMD_AT_PLUS_A")
+
+
+@pytest.mark.slow
+def test_fill_on_a_fine_mesh_is_less_than_minimum_degree() -> None:
+    K = tangent(built("168x160", "full"))
+    assert fill(K, "NATURAL") < fill(K, "MMD_AT_PLUS_A")
+
+
+def test_the_order_does_not_change_the_solution(rng) -> None:
+    K = tangent(built("18x16", "half"))
+    b = rng.normal(size=K.shape[0])
+    kept, found = (checked_solve(factorise(K, ordered=ordered), K, b) for ordered in (True, False))
+    np.testing.assert_allclose(kept, found, rtol=0, atol=ROUNDING * np.abs(found).max())
+
+
+def test_a_part_with_images_fills_no_more_than_a_ring() -> None:
+    """Nodes that others follow are cut out; left where they are, they tie the two halves together."""
+    model = built("42x40", "half")
+    grid, images = model.part.grid, model.part.images
+    assert images is not None
+    K = tangent(model)
+    fixed = np.zeros((grid.n_nodes, 6), bool)
+    fixed[[*range(grid.node_shape[1]), *range(grid.n_nodes - grid.node_shape[1], grid.n_nodes)]] = True
+    blind = DofMap.build(fixed, images=images, order=dissection(grid.node_shape))
+    order = np.empty(blind.n, int)
+    known = model.shell.discretisation.map.number
+    order[blind.number[known >= 0]] = known[known >= 0]
+    assert fill(K, "NATURAL") < fill(sparse.csc_matrix(K[order][:, order]), "NATURAL")
+
+
+def test_scenes_are_ordered_and_tell_their_problems(curved_patch, make_shell) -> None:
+    model = built("12x12", "half")
+    column, _, press = model.stages()
+    assert model.shell.ordered
+    assert column.begin(None)[0](1.0).ordered
+    assert press.begin(ContactSolution.at_rest(model.n_unknowns, 0))[0](1.0).ordered
+    assert not make_shell(curved_patch.surface, curved_patch.grid(2, 2)).ordered

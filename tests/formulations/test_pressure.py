@@ -1,0 +1,230 @@
+"""Pressure: areas, resultants on deformed surfaces, inflation of cylinder and sphere against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate, cylinder, sphere
+from formulations.loads.pressure import PRESSURE_AREAS, Pressure
+from formulations.section.laminate import Laminate, Ply
+
+ROUNDING = 1e-12  # relative
+SECOND_ORDER = (1.8, 2.3)
+FIRST_ORDER = (0.8, 1.4)
+THIN = 5e-3  # relative error of the thin-shell solutions at h/R = 0.01
+E, NU, R = 210.0, 0.3, 2.0
+
+each_area = pytest.mark.parametrize("area", PRESSURE_AREAS)
+
+
+def pressure_forces(
+    make_shell, surface, grid: Grid, u: np.ndarray | None = None, interpolation: str = "curvilinear", **pressure
+) -> np.ndarray:
+    """Local nodal forces (N, 6) of a pressure alone: the difference of two residuals."""
+    loaded = make_shell(surface, grid, interpolation=interpolation, pressure=Pressure(**pressure))
+    if u is None:
+        u = np.zeros(loaded.discretisation.n_free)
+    return (loaded.scaled(0.0).linearise(u).residual - loaded.linearise(u).residual).reshape(-1, 6)
+
+
+def closed_areas(patch_low, patch_high, name: str, d: float) -> float:
+    """Area of a patch of the table at the distance d from its surface."""
+    (a, c), (b, e) = patch_low, patch_high
+    zone = math.sin(b) - math.sin(a)
+    return (e - c) * {
+        "plate": b - a,
+        "cylinder": (2 + d) * (b - a),
+        "sphere": (1.5 + d) ** 2 * zone,
+        "torus": (1 + d) * (3 * (b - a) + (1 + d) * zone),
+    }[name]
+
+
+@each_area
+@pytest.mark.parametrize("follower", [False, True])
+@pytest.mark.parametrize("name", ["plate", "cylinder", "sphere", "torus"])
+def test_pressure_at_rest_carries_the_area(
+    make_shell, patches, skew_laminate, fitted_order, area, follower, name
+) -> None:
+    """Sum of the forces along e3 = p times the area of the middle surface or of the inner face, by closed form."""
+    patch, p = patches[name], 0.7
+    d = skew_laminate.d_minus if area == "face" else (skew_laminate.d_minus + skew_laminate.d_plus) / 2
+    errors, counts = [], np.array([3, 6, 12])
+    for n in counts:
+        force = pressure_forces(make_shell, patch.surface, patch.grid(n, n), value=p, area=area, follower=follower)
+        assert np.max(np.abs(force[:, [0, 1, 2, 3, 5]])) <= ROUNDING  # inner face only, along e3 only
+        errors.append(abs(force[:, 4].sum() / p / closed_areas(patch.low, patch.high, name, d) - 1))
+    if name in ("plate", "cylinder"):
+        assert max(errors) <= ROUNDING
+    else:
+        assert SECOND_ORDER[0] <= fitted_order(1 / counts, errors) <= SECOND_ORDER[1]
+
+
+@each_area
+def test_follower_pressure_on_a_homogeneously_deformed_plate(
+    make_shell, patches, nodal_components, skew_laminate, rotation, rng, area
+) -> None:
+    """Nanson: every node of the inner face carries p N_r dA times F e1 x F e2; a rotation turns the dead force."""
+    grid, p = patches["plate"].grid(3, 2), -0.7
+    turn = rotation(np.array([0.3, -0.7, 0.5]), 2.5)
+    for F in (turn, np.eye(3) + 0.5 * rng.normal(size=(3, 3))):
+        u = nodal_components(Plate(), grid, skew_laminate, lambda x, F=F: x @ (F - np.eye(3)).T)
+        force = pressure_forces(make_shell, Plate(), grid, u, value=p, follower=True, area=area)
+        dead = pressure_forces(make_shell, Plate(), grid, value=p, area=area)
+        expected = dead[:, [4]] * np.cross(F[:, 0], F[:, 1])
+        np.testing.assert_allclose(force[:, 0::2], expected, rtol=0, atol=10 * ROUNDING)
+        assert np.all(force[:, 1::2] == 0)
+
+
+def swirl(x: np.ndarray) -> np.ndarray:
+    """A smooth displacement field with stretches and rotations of order one, nowhere aligned."""
+    a, b, c = np.moveaxis(x, -1, 0)
+    return 0.4 * np.stack(
+        [np.sin(b + a) + 0.3 * c, np.sin(a - 0.5 * b) + 0.5 * a * c, np.cos(a * b) - 0.6 * b], axis=-1
+    )
+
+
+def vector_area(patch, d: float, field) -> np.ndarray:
+    """Half the contour integral of x cross dx along the edges of the deformed face at d: the integral of n dA."""
+    t, weights = np.polynomial.legendre.leggauss(60)
+    corners = np.array([patch.low, (patch.high[0], patch.low[1]), patch.high, (patch.low[0], patch.high[1])])
+    total = np.zeros(3)
+    for start, end in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+
+        def curve(s, start=start, end=end):
+            a1, a2 = (start + np.multiply.outer((s + 1) / 2, end - start)).T
+            x = patch.surface.position(a1, a2) + d * patch.surface.frame(a1, a2)[:, 2]
+            return x + field(x)
+
+        step = 1e-3
+        tangent = (8 * (curve(t + step) - curve(t - step)) - curve(t + 2 * step) + curve(t - 2 * step)) / (12 * step)
+        total += 0.5 * weights @ np.cross(curve(t), tangent)
+    handedness = np.sign(np.linalg.det(patch.surface.frame(*np.array(patch.low))))
+    return handedness * total
+
+
+@pytest.mark.parametrize("interpolation", INTERPOLATIONS)
+def test_follower_pressure_on_a_deformed_patch_has_the_resultant_of_its_boundary(
+    patch, make_shell, nodal_components, skew_laminate, fitted_order, interpolation
+) -> None:
+    """The resultant of p n dA depends on the edge of the deformed face alone; the error falls with h^2."""
+    p, counts, errors = 0.7, np.array([4, 8, 16]), []
+    exact = p * vector_area(patch, skew_laminate.d_minus, swirl)
+    for n in counts:
+        grid = patch.grid(n, n, graded=False)
+        u = nodal_components(patch.surface, grid, skew_laminate, swirl)
+        pressure = {"value": p, "follower": True, "area": "face"}
+        force = pressure_forces(make_shell, patch.surface, grid, u, interpolation, **pressure)
+        resultant = np.einsum("ni,nix->x", force[:, 0::2], patch.surface.frame(*grid.nodes.T))
+        errors.append(np.linalg.norm(resultant - exact) / np.linalg.norm(exact))
+    assert errors[-1] < 0.02
+    assert SECOND_ORDER[0] <= fitted_order(1 / counts, errors) <= SECOND_ORDER[1]
+
+
+def test_unknown_area_is_refused_with_the_choices() -> None:
+    with pytest.raises(ValueError, match="'inner' is not one of " + ", ".join(PRESSURE_AREAS)):
+        Pressure(1.0, area="inner")
+
+
+# --- inflation ----------------------------------------------------------------------------------------------------
+
+SHAPES = {"sphere": sphere, "cylinder": cylinder, "open cylinder": cylinder}
+
+
+def inflate(
+    make_shell, shape: str, ply: Ply, d_minus: float, radius: float, mesh: tuple[int, int], **model
+) -> np.ndarray:
+    """Radial displacements (N, 2) of both faces of a symmetric sector; edges slide, an open cylinder is free ahead."""
+    grid = Grid.tensor(np.linspace(0, 1.0, mesh[0] + 1), np.linspace(0, 0.6, mesh[1] + 1))
+    fixed = np.zeros((grid.n_nodes, 6), bool)
+    edges = [(0, 0.0), (1, 0.0), (1, 0.6)] + ([] if shape == "open cylinder" else [(0, 1.0)])
+    for axis, value in edges:
+        fixed[grid.on_line(axis, value), 2 * axis : 2 * axis + 2] = True
+    shell = make_shell(SHAPES[shape](radius), grid, Laminate((ply,), d_minus), fixed=fixed, **model)
+    u, memory = np.zeros(shell.discretisation.n_free), None
+    for _ in range(12):
+        lin = shell.linearise(u, memory)
+        du = spsolve(lin.tangent, -lin.residual)
+        u, memory = u + du, lin.remember(du)
+        if np.linalg.norm(du) <= 1e-9 * np.linalg.norm(u):
+            return shell.discretisation.expand(u)[:, 4:]
+    raise AssertionError("Newton did not converge")
+
+
+@pytest.mark.parametrize(
+    ("shape", "growth"), [("sphere", (1 - NU) / 2), ("cylinder", 1 - NU**2), ("open cylinder", 1.0)]
+)
+def test_linear_inflation_of_thin_shells(make_shell, fitted_order, shape, growth) -> None:
+    """w = pR^2/(E h) times (1 - nu)/2, 1 - nu^2 or 1, with an error of the order h/R."""
+    ratios, errors = np.array([0.04, 0.02, 0.01]), []
+    for ratio in ratios:
+        h = ratio * R
+        p = 1e-3 * E * h / R
+        ply = Ply.isotropic(E, NU, h)
+        w = inflate(make_shell, shape, ply, -h / 2, R, (16, 2), measure="linear", pressure=Pressure(p))
+        errors.append(np.max(np.abs(w.mean(axis=1) / (growth * p * R**2 / (E * h)) - 1)))
+    assert errors[-1] <= THIN
+    assert FIRST_ORDER[0] <= fitted_order(ratios, errors) <= FIRST_ORDER[1]
+
+
+@pytest.mark.parametrize(
+    ("shape", "factor"),
+    [
+        ("sphere", lambda stretch: (stretch - 1 / stretch) / (1 - NU)),
+        ("cylinder", lambda stretch: (stretch**2 - 1) / (2 * (1 - NU**2))),
+        ("open cylinder", lambda stretch: (stretch**2 - 1) / (2 * math.sqrt(1 - NU * (stretch**2 - 1)))),
+    ],
+)
+@pytest.mark.parametrize("stretch", [1.1, 1.25])
+def test_nonlinear_inflation_of_saint_venant_kirchhoff_membranes(
+    make_shell, fitted_order, shape, factor, stretch
+) -> None:
+    """Follower pressure p = E h/R factor(lambda) gives r = lambda R, with an error of the order h/R."""
+    ratios, errors = np.array([0.04, 0.02, 0.01]), []
+    for ratio in ratios:
+        h = ratio * R
+        pressure = Pressure(E * ratio * factor(stretch), follower=True)
+        w = inflate(make_shell, shape, Ply.isotropic(E, NU, h), -h / 2, R, (16, 2), pressure=pressure)
+        errors.append(np.max(np.abs((1 + w.mean(axis=1) / R) / stretch - 1)))
+    assert errors[-1] <= THIN
+    assert FIRST_ORDER[0] <= fitted_order(ratios, errors) <= FIRST_ORDER[1]
+
+
+def lame(shape: str, a: float, b: float, p: float) -> np.ndarray:
+    """Radial displacements of the faces a, b of a thick wall under the pressure p inside (Lame; plane strain)."""
+    r = np.array([a, b])
+    if shape == "sphere":
+        return p * a**3 / (E * (b**3 - a**3)) * ((1 - 2 * NU) * r + (1 + NU) * b**3 / (2 * r**2))
+    return (1 + NU) * p * a**2 / (E * (b**2 - a**2)) * ((1 - 2 * NU) * r + b**2 / r)
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder"])
+@pytest.mark.parametrize("offset", [-0.5, 0.0, 0.2])
+@pytest.mark.parametrize(
+    ("section", "area", "order"),
+    [
+        ("constant-s33", "face", SECOND_ORDER),
+        ("full-3d", "face", SECOND_ORDER),
+        ("constant-s33", "mid", FIRST_ORDER),
+        ("nonsymmetric", "face", FIRST_ORDER),
+    ],
+)
+def test_thick_walls_against_lame(make_shell, fitted_order, shape, offset, section, area, order) -> None:
+    """Both faces and the change of thickness: of second order in h/R with the true area of the inner face and a
+    symmetric section; the area of the middle surface or the nonsymmetric section leave an error of first order."""
+    ratios, errors = np.array([0.1, 0.05, 0.025]), []
+    for ratio in ratios:
+        h = ratio * R
+        a, p = R + offset * h, 1.0
+        model = {"measure": "linear", "section": section, "pressure": Pressure(p, area=area)}
+        w = inflate(make_shell, shape, Ply.isotropic(E, NU, h), offset * h, R, (32, 1), **model)
+        exact = lame(shape, a, a + h, p)
+        faces = np.max(np.abs(w / exact - 1))
+        thinning = np.max(np.abs((w[:, 1] - w[:, 0]) / (exact[1] - exact[0]) - 1))
+        errors.append(max(faces, thinning))
+    assert order[0] <= fitted_order(ratios, errors) <= order[1]

@@ -1,0 +1,233 @@
+"""The shell: potential, residual and tangent for every option, supports, scaling, mixed and plain Newton."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import SECTIONS, Laminate, Ply
+from formulations.shell import NEWTONS
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import QuadraticMeasure
+from formulations.strains.quantities import N_E, N_Q
+
+ROUNDING = 1e-12  # relative to the largest entry of the quantity
+DIFFERENCE = 1e-10  # relative error of a difference without truncation error
+LARGE_STEPS = 2.0 ** -np.arange(4)
+SLOPE = 0.01  # half-width of the interval around the slope 2: the truncation error is exactly c t^2
+ASYMMETRY = 1e-3  # relative: what counts as really non-symmetric
+SYMMETRIC = [section for section in SECTIONS if section != "nonsymmetric"]
+INITIAL = np.array([0.9, 1.4, -0.5, 0.8, 0.3, 0.6, 0.2, -0.4, 0.5, 0.1, -0.7])
+
+ELEMENTS = {
+    f"{t}-{m}-{i}": {"thickness_strain": t, "membrane": m, "interpolation": i}
+    for t in THICKNESS_STRAINS
+    for m in MEMBRANES
+    for i in INTERPOLATIONS
+}
+
+each_section = pytest.mark.parametrize("section", SECTIONS)
+
+LOADS = {
+    "none": {},
+    "dead": {"pressure": Pressure(0.7)},
+    "follower-mid": {"pressure": Pressure(0.7, follower=True)},
+    "follower-face": {"pressure": Pressure(0.7, follower=True, area="face")},
+    "initial": {"initial": INITIAL},
+    "all": {"pressure": Pressure(-0.4, follower=True, area="face"), "initial": INITIAL},
+}
+
+# the exact measure with every section and load; the other measures and element options with all loads at once
+MODELS = {
+    **{f"{section}-{load}": {"section": section, **LOADS[load]} for section in SECTIONS for load in LOADS},
+    **{measure: {"measure": measure, **LOADS["all"]} for measure in MEASURES if measure != "exact"},
+    **{name: {**options, **LOADS["all"]} for name, options in ELEMENTS.items()},
+}
+POTENTIALS = {
+    **{section: {"section": section} for section in SYMMETRIC},
+    **{measure: {"measure": measure} for measure in MEASURES if measure != "exact"},
+    **ELEMENTS,
+}
+
+
+def quadratic(measure: str) -> bool:
+    """True unless the strains are linear in the displacements."""
+    return bool(np.any(MEASURES[measure].contract(np.zeros(N_Q), np.ones(N_E))))
+
+
+def amplitude(measure: str) -> float:
+    """Size of the displacements [mm]: large, unless the strains need positive stretches and are no polynomials."""
+    return 0.1 if isinstance(MEASURES[measure], QuadraticMeasure) else 1e-3
+
+
+def assert_central_error(errors: np.ndarray, size: float, curved: bool, fitted_order) -> None:
+    """Exactly c t^2 where the function is curved, rounding where it is not."""
+    if curved:
+        assert max(errors) > 1e3 * DIFFERENCE * size  # there is something to fit
+        assert abs(fitted_order(LARGE_STEPS, errors) - 2) <= SLOPE
+    else:
+        assert max(errors) <= DIFFERENCE * size
+
+
+def largest(array) -> float:
+    return float(np.max(np.abs(array)))
+
+
+@pytest.mark.parametrize("model", POTENTIALS.values(), ids=POTENTIALS)
+def test_residual_is_the_gradient_of_the_energy(
+    patch, rng, make_shell, central_difference, fitted_order, model
+) -> None:
+    """With dead pressure and forces, at a large displacement.
+
+    A difference of 8th order has no truncation error for a quadratic measure; that of 2nd order has exactly c t^2.
+    """
+    grid, measure = patch.grid(2, 3), model.get("measure", "exact")
+    forces = rng.normal(size=6 * grid.n_nodes)
+    shell = make_shell(patch.surface, grid, pressure=Pressure(0.7, area="face"), forces=forces, **model)
+    u, du = amplitude(measure) * rng.normal(size=(2, len(forces)))
+    exact = shell.linearise(u).residual @ du
+    assert central_difference(lambda t: shell.energy(u + t * du), 0.25) == pytest.approx(exact, rel=DIFFERENCE)
+    errors = [abs((shell.energy(u + t * du) - shell.energy(u - t * du)) / (2 * t) - exact) for t in LARGE_STEPS]
+    assert_central_error(errors, abs(exact) + shell.energy(u), quadratic(measure), fitted_order)
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_tangent_is_the_derivative_of_the_residual(
+    patch, rng, make_shell, central_difference, fitted_order, model
+) -> None:
+    """For every section, follower pressure and initial resultants; without memory mixed and plain tangent are one."""
+    measure = model.get("measure", "exact")
+    shell = make_shell(patch.surface, patch.grid(2, 3), **model)
+    u, du = amplitude(measure) * rng.normal(size=(2, shell.discretisation.n_free))
+    exact = shell.linearise(u).tangent @ du
+    slope = central_difference(lambda t: shell.linearise(u + t * du).residual, 0.25)
+    np.testing.assert_allclose(slope, exact, rtol=0, atol=DIFFERENCE * largest(exact))
+    errors = [
+        np.linalg.norm((shell.linearise(u + t * du).residual - shell.linearise(u - t * du).residual) / (2 * t) - exact)
+        for t in LARGE_STEPS
+    ]
+    assert_central_error(errors, np.linalg.norm(exact), quadratic(measure), fitted_order)
+
+
+@pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
+def test_residual_alone_is_that_of_the_linearisation(patch, rng, make_shell, model) -> None:
+    shell = make_shell(patch.surface, patch.grid(2, 3), **model)
+    u, du = amplitude(model.get("measure", "exact")) * rng.normal(size=(2, shell.discretisation.n_free))
+    lin = shell.linearise(u, shell.linearise(u - du).remember(du))
+    np.testing.assert_allclose(shell.residual(u), lin.residual, rtol=0, atol=ROUNDING * largest(lin.residual))
+
+
+@each_section
+@pytest.mark.parametrize("load", LOADS)
+def test_tangent_is_symmetric_where_a_potential_exists(patch, rng, make_shell, section, load) -> None:
+    shell = make_shell(patch.surface, patch.grid(2, 3), section=section, **LOADS[load])
+    tangent = shell.linearise(0.1 * rng.normal(size=shell.discretisation.n_free)).tangent
+    asymmetry = abs(tangent - tangent.T).max() / abs(tangent).max()
+    follower = "pressure" in LOADS[load] and LOADS[load]["pressure"].follower
+    if section in SYMMETRIC and not follower:
+        assert asymmetry <= ROUNDING
+    else:
+        assert asymmetry > ASYMMETRY
+
+
+def test_supports_only_drop_rows_and_columns(curved_patch, rng, make_shell) -> None:
+    grid = curved_patch.grid(3, 2)
+    fixed = rng.random((grid.n_nodes, 6)) < 0.3
+    free = ~fixed.ravel()
+    loads = LOADS["all"]
+    held, loose = (make_shell(curved_patch.surface, grid, fixed=f, **loads) for f in (fixed, np.zeros_like(fixed)))
+    u = np.where(free, 0.1 * rng.normal(size=free.size), 0.0)
+    some, everything = held.linearise(u[free]), loose.linearise(u)
+    np.testing.assert_allclose(some.residual, everything.residual[free], rtol=0, atol=ROUNDING * everything.scale)
+    difference = some.tangent - everything.tangent[free][:, free]
+    assert abs(difference).max() <= ROUNDING * abs(everything.tangent).max()
+
+
+def test_scaled_shell_scales_its_loads_only(curved_patch, rng, make_shell) -> None:
+    grid = curved_patch.grid(2, 2)
+    forces = rng.normal(size=6 * grid.n_nodes)
+    u = 0.1 * rng.normal(size=forces.size)
+    for pressure in (Pressure(0.7), Pressure(0.7, follower=True)):
+        shell = make_shell(curved_patch.surface, grid, pressure=pressure, forces=forces, initial=INITIAL)
+        none, half, full = (shell.scaled(factor).linearise(u).residual for factor in (0.0, 0.5, 1.0))
+        np.testing.assert_allclose(2 * half, none + full, rtol=0, atol=ROUNDING * largest(full))
+        assert largest(full - none) > 0.1
+        np.testing.assert_allclose(full, shell.linearise(u).residual, rtol=0, atol=ROUNDING * largest(full))
+
+
+# --- mixed and plain Newton ---------------------------------------------------------------------------------------
+
+
+def equilibrium(shell, most: int = 40, tolerance: float = 1e-8) -> tuple[np.ndarray, int]:
+    """Newton from rest in one load step; returns u and the number of iterations (``most`` when it fails)."""
+    u, memory = np.zeros(shell.discretisation.n_free), None
+    for iteration in range(most):
+        lin = shell.linearise(u, memory)
+        if np.linalg.norm(lin.residual) <= tolerance * lin.scale:
+            return u, iteration
+        du = spsolve(lin.tangent, -lin.residual)
+        u, memory = u + du, lin.remember(du)
+    return u, most
+
+
+@pytest.fixture
+def cantilever(make_shell):
+    """A strip clamped at a1 = 0 under a dead shear of 2 EI/L^2 at its end, in Sze's units but with nu = 0.3."""
+
+    def build(newton: str):
+        L, h, E = 10.0, 0.1, 1.2e6
+        grid = Grid.tensor(np.linspace(0, L, 13), np.linspace(0, 1, 3))
+        fixed, forces = np.zeros((grid.n_nodes, 6), bool), np.zeros((grid.n_nodes, 6))
+        fixed[grid.on_line(0, 0.0)] = True
+        forces[grid.on_line(0, L), 4:] = 2 * E * h**3 / 12 / L**2 * np.array([[1], [2], [1]]) / 8
+        laminate = Laminate.single(Ply.isotropic(E, 0.3, h))
+        return make_shell(Plate(), grid, laminate, fixed=fixed, newton=newton, forces=forces[~fixed])
+
+    return build
+
+
+def test_mixed_and_plain_newton_reach_the_same_answer_mixed_sooner(cantilever) -> None:
+    plain, many = equilibrium(cantilever("plain"))
+    mixed, few = equilibrium(cantilever("mixed"))
+    assert largest(plain - mixed) <= 1e-7 * largest(mixed)
+    assert largest(mixed) > 3  # the rotations are large
+    assert few <= 10 < many < 40
+
+
+def test_mixed_newton_changes_only_the_tangent_and_only_with_a_memory(curved_patch, rng, make_shell) -> None:
+    mixed, plain = (
+        make_shell(curved_patch.surface, curved_patch.grid(2, 3), newton=newton, **LOADS["all"])
+        for newton in ("mixed", "plain")
+    )
+    u, du = 0.1 * rng.normal(size=(2, mixed.discretisation.n_free))
+    at_u = plain.linearise(u)
+    size = abs(at_u.tangent).max()
+    assert at_u.remember(du) is None
+    assert abs(mixed.linearise(u).tangent - at_u.tangent).max() == 0
+    unmoved = mixed.linearise(u).remember(np.zeros_like(u))
+    assert abs(mixed.linearise(u, unmoved).tangent - at_u.tangent).max() <= ROUNDING * size
+    predicted = mixed.linearise(u, mixed.linearise(u - du).remember(du))
+    assert abs(predicted.tangent - at_u.tangent).max() > 1e-3 * size
+    np.testing.assert_array_equal(predicted.residual, mixed.linearise(u).residual)
+
+
+def test_mixed_newton_remembers_the_linear_prediction_of_the_resultants(
+    curved_patch, rng, make_shell, fitted_order
+) -> None:
+    """H* = D (E + B du) misses D E(u + du) by exactly c |du|^2."""
+    shell = make_shell(curved_patch.surface, curved_patch.grid(2, 3))
+    u, du = 0.1 * rng.normal(size=(2, shell.discretisation.n_free))
+    remember = shell.linearise(u).remember
+    misses = [np.linalg.norm(remember(t * du) - shell.resultants(u + t * du)) for t in LARGE_STEPS]
+    assert abs(fitted_order(LARGE_STEPS, misses) - 2) <= SLOPE
+
+
+def test_unknown_newton_is_refused_with_the_choices(patches, make_shell) -> None:
+    with pytest.raises(ValueError, match="'quasi' is not one of " + ", ".join(NEWTONS)):
+        make_shell(Plate(), patches["plate"].grid(1, 1), newton="quasi")

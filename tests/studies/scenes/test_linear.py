@@ -1,0 +1,340 @@
+"""Linear benchmarks: three meshes, observed order, extrapolated against published value, differences explained."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy.integrate import cumulative_trapezoid, trapezoid
+from scipy.linalg import expm
+
+from formulations.geometry.grid import Grid, graded_lines
+from formulations.geometry.surfaces import cylinder, torus
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import Discretisation
+from formulations.strains.catalogue import MEASURES
+from studies.scenes import SCENES
+from studies.scenes.benchmarks import pagano as linear_pagano
+from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
+from studies.scenes.benchmarks import scordelis_lo as linear_roof
+from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
+from studies.scenes.data import DATA, read_reference
+from studies.solve import resolve, solve
+
+PUBLISHED = 0.005  # extrapolated against published, unless a line says otherwise
+SAME = 1e-6  # two ways to the same number; the condition of thin shells eats the rest of the digits
+KIRCHHOFF = "1000"
+MESHES = (16, 32, 64)
+
+
+@cache
+def quantities(scene: str, n: int, measure: str, settings: tuple[tuple[str, str], ...]) -> dict[str, float]:
+    result = solve(*resolve(scene, dict(settings), f"{n}x{n}", measure=measure))
+    assert result.outcome.converged
+    return result.quantities
+
+
+def run(scene: str, n: int, quantity: str, measure: str = "linear", **settings: str) -> float:
+    """With the element of the paper, whose sequences have one leading order."""
+    return quantities(scene, n, measure, tuple(sorted({"element": "paper", **settings}.items())))[quantity]
+
+
+def extrapolated(values: list[float]) -> tuple[float, float]:
+    """Observed order on three meshes of halved size, and Richardson's limit with it."""
+    coarse, middle, fine = values
+    order = math.log2((middle - coarse) / (fine - middle))
+    return order, fine + (fine - middle) / (2**order - 1)
+
+
+def limit(scene: str, quantity: str, meshes=MESHES, measure: str = "linear", **settings: str) -> tuple[float, float]:
+    return extrapolated([run(scene, n, quantity, measure, **settings) for n in meshes])
+
+
+def course(benchmark: str, quantity: str | None = None) -> list[float]:
+    """Numbers of the obstacle course table, in its order."""
+    table = pd.read_csv(DATA / "linear_obstacle_course.csv", sep=";", comment="#")
+    rows = table[table["benchmark"].str.startswith(benchmark)]
+    return [float(value.split()[0]) for value in rows["value"]]
+
+
+def test_references_of_the_scenes_are_those_of_the_table() -> None:
+    assert [r.value for r in SCENES["scordelis-lo"].references] == [course("Scordelis-Lo")[i] for i in (1, 0, 2)]
+    assert [r.value for r in SCENES["pinched-cylinder"].references] == course("pinched cylinder")
+    table = read_reference("pagano1970_sandwich_and_crossply.csv")
+    assert len(SCENES["pagano"].references) == 4 * len(table)
+
+
+# --- Scordelis-Lo roof ------------------------------------------------------------------------------------------
+
+
+def test_scordelis_lo_converges_to_the_published_values() -> None:
+    """Below order 2: the shear layer of thickness h along the free edge is not resolved on these meshes."""
+    order, deflection = limit("scordelis-lo", "edge_deflection_mm")
+    assert 1.5 <= order <= 2.1
+    for reference in SCENES["scordelis-lo"].references:
+        assert deflection == pytest.approx(reference.value, rel=PUBLISHED), reference.source
+
+
+def test_scordelis_lo_without_shear_is_the_kirchhoff_love_value() -> None:
+    order, deflection = limit("scordelis-lo", "edge_deflection_mm", shear_correction=KIRCHHOFF)
+    assert order == pytest.approx(2, abs=0.05)
+    assert deflection == pytest.approx(0.3006, rel=3e-4)  # half a unit of its last digit, and a bit for the limit
+
+
+def test_scordelis_lo_is_linear_only_under_a_small_load() -> None:
+    small, full = (
+        run("scordelis-lo", 16, "edge_deflection_mm", "exact", load_fraction=f"{f}") / f for f in (1e-3, 1.0)
+    )
+    assert small == pytest.approx(run("scordelis-lo", 16, "edge_deflection_mm"), rel=1e-3)
+    assert full < 0.9 * small  # the published load already moves the edge by more than the thickness
+
+
+# --- pinched cylinder -------------------------------------------------------------------------------------------
+
+
+def test_pinched_cylinder_without_shear_converges_to_the_published_value() -> None:
+    """Order below 2 as the moment under a point load grows without bound, as log r."""
+    order, deflection = limit("pinched-cylinder", "deflection_mm", shear_correction=KIRCHHOFF)
+    assert 1.4 <= order <= 2.1
+    assert deflection == pytest.approx(course("pinched cylinder")[0], rel=PUBLISHED)
+
+
+def test_pinched_cylinder_with_shear_sinks_in_by_a_logarithm() -> None:
+    """What shear adds grows by P ln 2/(2 pi G t) with every halving: the point load has no limit in a Mindlin shell."""
+    added = [
+        run("pinched-cylinder", n, "deflection_mm")
+        - run("pinched-cylinder", n, "deflection_mm", shear_correction=KIRCHHOFF)
+        for n in MESHES
+    ]
+    G = linear_cylinder.E / (2 * (1 + linear_cylinder.NU))
+    logarithm = linear_cylinder.P * math.log(2) / (2 * math.pi * G * linear_cylinder.H)
+    np.testing.assert_allclose(np.diff(added), logarithm, rtol=0.1)
+
+
+# --- hemisphere with a hole -------------------------------------------------------------------------------------
+
+# P = 4, p = 4 shell; read in ElmerCSC/elmerfem, fem/tests/SD_Shell_OpenHemisphere_High_Order
+ELMER = {"outward_mm": 0.1849363, "inward_mm": 0.1890221}
+
+
+@pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
+def test_hemisphere_linear(quantity: str) -> None:
+    """P = 2 in all: 0.0936, between the two values in circulation, 0.093 (read, 0.7 % less) and 0.0940 (recalled).
+
+    The reference is 0.0935, the mean of both displacements of Elmer's p = 4 shell at P = 4, halved: the quadratic terms
+    cancel in the mean, the cubic one is -3.2 % at P = 20 (Sze), that is -0.1 % at P = 4.
+    """
+    order, deflection = limit("hemisphere", quantity, load_fraction="0.005")
+    assert 1.4 <= order <= 2.1
+    assert deflection == pytest.approx(sum(ELMER.values()) / 4, rel=PUBLISHED)
+    assert course("pinched hemisphere, 18deg hole")[0] < deflection < course("pinched hemisphere, 18deg hole")[1]
+
+
+@pytest.mark.parametrize(("quantity", "elmer"), ELMER.items())
+def test_hemisphere_under_a_small_load_is_that_of_a_high_order_code(quantity: str, elmer: float) -> None:
+    """With the exact measure."""
+    _, deflection = limit("hemisphere", quantity, measure="exact", load_fraction="0.01")
+    assert deflection == pytest.approx(elmer, rel=1e-3)
+
+
+# --- Pagano's plate ---------------------------------------------------------------------------------------------
+
+PLIES = tuple(
+    Ply(*(getattr(linear_pagano, k) for k in ("E_L", "E_T", "G_LT", "G_TT", "NU", "NU")), angle, 1 / 3)
+    for angle in linear_pagano.ANGLES
+)
+PAGANO = read_reference("pagano1970_sandwich_and_crossply.csv").set_index("S")
+NAMES = {"wbar": "w_bar", "sigma_x": "sigma_x_bar", "tau_xz": "tau_xz_bar", "tau_yz": "tau_yz_bar"}
+
+
+def elasticity(S: float) -> dict[str, float]:
+    """The three-dimensional solution by transfer matrices, y = (u, v, w, sigma_z, tau_xz, tau_yz), h = q0 = 1."""
+    a, b = math.pi / S, math.pi / (3 * S)
+
+    def system(ply: Ply) -> np.ndarray:
+        C = ply.stiffness()
+        A = np.zeros((6, 6))
+        A[0, [2, 4]] = -a, 1 / C[4, 4]
+        A[1, [2, 5]] = -b, 1 / C[5, 5]
+        A[2, [0, 1, 3]] = np.array([C[0, 3] * a, C[1, 3] * b, 1.0]) / C[3, 3]
+        A[3, [4, 5]] = a, b
+        sigma_x, sigma_y = in_plane(C) + np.outer(C[:2, 3], A[2])
+        tau_xy = C[2, 2] * np.array([b, a, 0, 0, 0, 0])
+        A[4], A[5] = -a * sigma_x + b * tau_xy, -b * sigma_y + a * tau_xy
+        return A
+
+    def in_plane(C: np.ndarray) -> np.ndarray:
+        return np.array([[-C[0, 0] * a, -C[0, 1] * b, 0, 0, 0, 0], [-C[0, 1] * a, -C[1, 1] * b, 0, 0, 0, 0]])
+
+    outer, middle = expm(system(PLIES[0]) / 3), expm(system(PLIES[1]) / 6)
+    half = middle @ outer
+    whole = outer @ middle @ half
+    bottom = np.append(np.linalg.solve(whole[3:, :3], [1.0, 0, 0]), [0, 0, 0])
+    at_middle, top = half @ bottom, whole @ bottom
+    C = PLIES[0].stiffness()
+    sigma_x = (in_plane(C) + np.outer(C[:2, 3], system(PLIES[0])[2]))[0] @ top
+    w_bar = 100 * linear_pagano.E_T * at_middle[2] / S**4
+    return {
+        "w_bar": w_bar,
+        "sigma_x_bar": sigma_x / S**2,
+        "tau_xz_bar": at_middle[4] / S,
+        "tau_yz_bar": at_middle[5] / S,
+    }
+
+
+def one_director(S: float, shear_correction: float = 1.0) -> dict[str, float]:
+    """The shell's own kinematics and section, solved for the six amplitudes of the sinusoidal state, h = q0 = 1."""
+    a, b = math.pi / S, math.pi / (3 * S)
+    B = np.zeros((11, 6))  # (v1-, v1+, v2-, v2+, v3-, v3+)
+    for face in (0, 1):
+        B[face, face], B[2 + face, 2 + face] = -a, -b
+        B[4 + face, [face, 2 + face]] = b, a
+        for rows, component, wave in ((6, 0, a), (8, 1, b)):
+            B[rows + face, [2 * component, 2 * component + 1]] = -1, 1
+            B[rows + face, 4 + face] = wave
+    B[10, [4, 5]] = -1, 1
+    D = ShearCorrected(PLIES, -0.5, shear_correction).stiffness()
+    v = np.linalg.solve(B.T @ D @ B, [0, 0, 0, 0, 0, 1.0])
+    E, C = B @ v, PLIES[-1].stiffness()
+    s33 = D[10] @ E
+    e33 = (s33 - C[3, 0] * E[1] - C[3, 1] * E[3]) / C[3, 3]  # at the top, from S33 constant through the thickness
+    sigma_x = C[0, 0] * E[1] + C[0, 1] * E[3] + C[0, 3] * e33
+    return {"w_bar": 100 * linear_pagano.E_T * v[4:].mean() / S**4, "sigma_x_bar": sigma_x / S**2}
+
+
+def energy_shear_correction() -> float:
+    """(int tau)^2/(int G int tau^2/G) of the shear stress in equilibrium with cylindrical bending about y."""
+    z = np.linspace(-0.5, 0.5, 60001)
+    outer = np.abs(z) > 1 / 6
+    E_x = np.where(outer, linear_pagano.E_L, linear_pagano.E_T)
+    G = np.where(outer, linear_pagano.G_LT, linear_pagano.G_TT)
+    tau = cumulative_trapezoid(E_x * z, z, initial=0)
+    return trapezoid(tau, z) ** 2 / (trapezoid(G, z) * trapezoid(tau**2 / G, z))
+
+
+@pytest.mark.parametrize("S", PAGANO.index)
+def test_table_of_pagano_is_three_dimensional_elasticity(S: float) -> None:
+    """Rebuilt to the last printed digit, but for one unit: so the recalled moduli and normalisations are his."""
+    exact = elasticity(S)
+    for column, name in NAMES.items():
+        printed = PAGANO.loc[S, column]
+        unit = 10.0 ** (math.floor(math.log10(abs(printed))) - 2)
+        assert abs(exact[name] - printed) <= unit, (name, exact[name], printed)
+
+
+@pytest.mark.parametrize(("name", "same"), [("w_bar", 2e-5), ("sigma_x_bar", 5e-4)])
+@pytest.mark.parametrize("S", [4, 100])
+def test_pagano_converges_to_the_kinematics_of_one_director(S: int, name: str, same: float) -> None:
+    order, value = limit("pagano", name, (8, 16, 32), S=f"{S}")
+    assert order == pytest.approx(2, abs=0.05)
+    assert value == pytest.approx(one_director(S)[name], rel=same)
+
+
+@pytest.mark.parametrize("name", NAMES.values())
+def test_pagano_thin_plate_is_the_elasticity_solution(name: str) -> None:
+    order, value = limit("pagano", name, (8, 16, 32), S="100")
+    assert order == pytest.approx(2, abs=0.05)
+    assert value == pytest.approx(elasticity(100)[name], rel=PUBLISHED)
+
+
+@pytest.mark.parametrize("measure", MEASURES)
+def test_pagano_load_is_small_enough_for_every_measure(measure: str) -> None:
+    assert run("pagano", 8, "w_bar", measure, S="10") == pytest.approx(run("pagano", 8, "w_bar", S="10"), rel=SAME)
+
+
+def test_pagano_gap_of_the_thick_plate_is_transverse_shear() -> None:
+    """Too stiff by 27, 18, 7, 1.3 % at S = 4, 10, 20, 50: constant shear strain through plies of unequal shear modulus.
+
+    With the correction factor of the equilibrium shear stress (0.583) less than a tenth of that is left where
+    S >= 10; at S = 4 the cross-sections warp, and the factor overdoes it by 12 %.
+    """
+    slenderness = (4, 10, 20, 50, 100)
+    gap = np.array([one_director(S)["w_bar"] / elasticity(S)["w_bar"] - 1 for S in slenderness])
+    assert np.all(np.diff(gap) > 0)
+    np.testing.assert_allclose(gap, [-0.271, -0.181, -0.072, -0.0135, -0.0035], atol=1.5e-3)
+    factor = energy_shear_correction()
+    corrected = np.array([one_director(S, factor)["w_bar"] / elasticity(S)["w_bar"] - 1 for S in slenderness])
+    assert np.all(np.abs(corrected[1:]) < 0.1 * np.abs(gap[1:]))
+    w_bar = limit("pagano", "w_bar", (8, 16, 32), S="50", shear_correction=f"{factor}")[1]
+    assert w_bar == pytest.approx(PAGANO.loc[50, "wbar"], rel=PUBLISHED)
+
+
+# --- options and loads ------------------------------------------------------------------------------------------
+
+HEADLINES = {"scordelis-lo": "edge_deflection_mm", "pinched-cylinder": "deflection_mm", "pagano": "w_bar"}
+
+
+@pytest.mark.parametrize(("scene", "quantity"), HEADLINES.items(), ids=HEADLINES)
+def test_thickness_strain_matters_only_where_it_is_nonlinear(scene: str, quantity: str) -> None:
+    """A linear E33 is bilinear in the element: sampling it at the nodes or at the Gauss points is the same."""
+    settings = {"S": "10"} if scene == "pagano" else {}
+    projected, nodal = (run(scene, 8, quantity, thickness_strain=where, **settings) for where in ("projected", "nodal"))
+    assert nodal == pytest.approx(projected, rel=SAME)
+
+
+def test_relaxed_membrane_has_the_same_limit() -> None:
+    differences = [
+        abs(
+            run("pinched-cylinder", n, "deflection_mm", membrane="relaxed")
+            / run("pinched-cylinder", n, "deflection_mm")
+            - 1
+        )
+        for n in (8, 16, 32)
+    ]
+    assert differences[2] < differences[1] / 4 < differences[0] / 16
+
+
+def test_a_plate_has_no_membrane_to_relax() -> None:
+    assert run("pagano", 8, "w_bar", membrane="relaxed") == run("pagano", 8, "w_bar")
+
+
+def test_area_load_along_the_normal_is_the_dead_pressure(make_shell) -> None:
+    """The same force as that of loads.pressure, which knows no frame; here on a torus, split between the faces."""
+    grid = Grid.tensor(graded_lines([-0.5, 0.2, 1.0], [2, 3]), np.linspace(0, 0.7, 4))
+    laminate = Laminate((Ply.isotropic(1.0, 0.3, 0.1),), -0.02)
+    nothing_fixed = np.zeros((grid.n_nodes, 6), bool)
+    surface = torus(3.0, 1.0)
+    discretisation = Discretisation.build(surface, grid, laminate, nothing_fixed)
+    forces = area_load(discretisation, lambda a1, a2: 0.7 * surface.frame(a1, a2)[..., 2, :], shares=(0.3, 0.7))
+    dead = discretisation.gather(Pressure(0.7).dead_force(discretisation.geometry)).reshape(-1, 6)
+    np.testing.assert_allclose(forces[:, 4] / 0.3, dead[:, 4], rtol=1e-12)
+    np.testing.assert_allclose(forces[:, 5] / 0.7, dead[:, 4], rtol=1e-12)
+    np.testing.assert_allclose(forces[:, :4], 0, atol=1e-14)
+
+
+def test_weight_of_the_roof_is_all_there(fitted_order) -> None:
+    """Sum of the vertical nodal forces against weight times area; the frames of nodes and Gauss points differ."""
+    meshes = np.array([4, 8, 16])
+    exact = linear_roof.WEIGHT * linear_roof.RADIUS * linear_roof.HALF_ANGLE * linear_roof.LENGTH / 2
+    errors = []
+    for n in meshes:
+        grid = Grid.tensor(np.linspace(0, linear_roof.LENGTH / 2, 3), np.linspace(0, linear_roof.HALF_ANGLE, n + 1))
+        surface = cylinder(linear_roof.RADIUS)
+        laminate = Laminate.single(Ply.isotropic(1.0, 0.0, 0.25))
+        discretisation = Discretisation.build(surface, grid, laminate, np.zeros((grid.n_nodes, 6), bool))
+        down = np.array([-linear_roof.WEIGHT, 0, 0])
+        forces = area_load(discretisation, lambda a1, a2, p=down: np.broadcast_to(p, (*a1.shape, 3)))
+        errors.append(abs(-_cartesian(discretisation, forces)[:, 0].sum() / exact - 1))
+    assert errors[-1] <= 1e-3
+    assert fitted_order(1 / meshes, errors) == pytest.approx(2, abs=0.1)
+
+
+def _cartesian(discretisation: Discretisation, forces: np.ndarray) -> np.ndarray:
+    frame = discretisation.surface.frame(*discretisation.grid.nodes.T)
+    return np.einsum("nfi,nij->nj", forces.reshape(-1, 3, 2).swapaxes(1, 2), frame)
+
+
+def test_shear_correction_scales_the_shear_force_alone() -> None:
+    plain, corrected = ShearCorrected(PLIES, -0.5).stiffness(), ShearCorrected(PLIES, -0.5, 0.5).stiffness()
+    np.testing.assert_allclose(plain, Laminate(PLIES, -0.5).stiffness(), rtol=1e-14)
+    for rows in ((6, 7), (8, 9)):
+        mean, difference = np.zeros(11), np.zeros(11)
+        mean[list(rows)], difference[list(rows)] = 1, (1, -1)
+        assert mean @ corrected @ mean == pytest.approx(0.5 * mean @ plain @ mean)
+        assert difference @ corrected @ difference == pytest.approx(difference @ plain @ difference)
+    others = [*range(6), 10]
+    np.testing.assert_array_equal(corrected[np.ix_(others, others)], plain[np.ix_(others, others)])

@@ -1,0 +1,169 @@
+"""Parts of a tyre against the whole: the same displacements, pressures and forces; what is not symmetric is refused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from formulations.conditions.dof_map import DofMap, Images
+from studies.scene import UsageError
+from studies.scenes.tyre.foundation import PARAMETERS
+from studies.solve import Result, resolve, solve
+
+EXACT = 1e-9  # relative
+ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "load": "follower", "pressure_area": "face"}
+MESH = "16x18"
+
+
+def run(model: str, settings: dict[str, str], mesh: str = MESH, **options: object) -> Result:
+    found = solve(*resolve("tyre", settings, mesh, model=model, **options))
+    assert found.outcome.converged
+    assert all(step["failures"] == [] for step in found.steps)
+    return found
+
+
+def fields(result: Result) -> dict[str, np.ndarray]:
+    """What the whole tyre looks like at the end, and its forces on the way."""
+    wall = result.model.wall
+    steps = {key: np.array([step[key] for step in result.steps]) for key in ("force_N", "contact_nodes")}
+    position = np.stack(wall.faces(result.last.u)) - np.stack(wall.faces(np.zeros_like(result.last.u)))
+    return {**steps, "pressure": wall.spread(result.last.pressure), "displacement": position}
+
+
+def assert_same(part: Result, whole: Result) -> None:
+    own, all_of_it = fields(part), fields(whole)
+    for name, value in all_of_it.items():
+        assert np.max(np.abs(own[name] - value)) <= EXACT * np.max(np.abs(value)), name
+    for name, value in whole.quantities.items():
+        assert part.quantities[name] == pytest.approx(value, rel=EXACT), name
+    assert part.model.n_unknowns < 0.55 * whole.model.n_unknowns
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"element": "paper", "coupling": "consistent"},
+        {"load": "follower", "section": "nonsymmetric", "pressure_area": "face"},
+        {"gamma_deg": "30", "epsilon": "1e4", "interpolation": "isoparametric"},
+        *({"foundation": name} for name in PARAMETERS if name != "plane"),
+    ],
+    ids=str,
+)
+def test_a_turned_half_is_the_whole(settings: dict[str, str]) -> None:
+    given = {"delta_mm": "4,12", **settings}
+    assert_same(run("half", given), run("full", given))
+
+
+@pytest.mark.parametrize("model", ["half", "mirror", "quarter"])
+@pytest.mark.parametrize("settings", [ISOTROPIC, {"gamma_deg": "90"}, {**ISOTROPIC, "foundation": "sphere"}], ids=str)
+def test_parts_of_a_tyre_without_angle_plies(model: str, settings: dict[str, str]) -> None:
+    given = {"delta_mm": "4,10", **settings}
+    assert_same(run(model, given), run("full", given))
+
+
+@pytest.mark.parametrize("measure", ["linear", "donnell", "von-karman"])
+def test_every_kind_of_measure_has_the_symmetry(measure: str) -> None:
+    given = {"delta_mm": "5"}
+    assert_same(run("half", given, measure=measure), run("full", given, measure=measure))
+
+
+@pytest.mark.parametrize("contact", ["trial-and-error", "lcp"])
+def test_other_algorithms_solve_parts_alike(contact: str) -> None:
+    given = {"delta_mm": "10", "epsilon": "inf"}
+    assert_same(run("half", given, contact=contact), run("full", given))
+
+
+def test_inflation_of_a_column_is_that_of_the_whole() -> None:
+    """With the paper's element the lifted column is the answer: nothing is left to iterate."""
+    found = run("half", {"delta_mm": "2", "element": "paper"})
+    lifted = [row for row in found.history if row["stage"] == "inflation"]
+    assert len(lifted) == 1
+    assert lifted[0]["residual"] <= EXACT
+    angle = np.linalg.norm(fields(found)["displacement"][0].reshape(17, 18, 3)[:, 9], axis=1)  # opposite the plane
+    assert angle.max() > 1.0
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"element": "paper"},
+        {"load": "follower", "pressure_area": "face", "interpolation": "isoparametric", "grading": "uniform"},
+        {"element": "paper", "load": "follower", "pressure_area": "face"},
+        {"element": "paper", "gamma_deg": "30", "section": "nonsymmetric"},
+        {**ISOTROPIC, "element": "paper"},
+        {"grading": "uniform"},
+    ],
+    ids=str,
+)
+def test_a_column_turned_around_is_the_inflated_whole(settings: dict[str, str]) -> None:
+    """Twist included; other elements than the paper's look at the shape of each, so there all columns are alike."""
+    column, whole = (run(model, {"delta_mm": "0", **settings}) for model in ("axisymmetric", "full"))
+    states = [np.stack(found.model.wall.faces(found.last.u)) for found in (column, whole)]
+    moved = states[1] - np.stack(whole.model.wall.faces(np.zeros_like(whole.last.u)))
+    assert np.max(np.abs(states[0] - states[1])) <= EXACT * np.max(np.abs(moved))
+    for name, value in column.quantities.items():
+        assert whole.quantities[name] == pytest.approx(value, rel=EXACT), name
+    for key in ("force_N", "contact_nodes", "centre_pressure_MPa", "half_length_mm", "half_width_mm"):
+        assert column.steps[0][key] == whole.steps[0][key] == 0, key
+    assert column.steps[0]["patch_to_clamp_mm"] == pytest.approx(whole.steps[0]["patch_to_clamp_mm"], rel=EXACT)
+    assert column.model.n_unknowns < whole.model.n_unknowns / 15
+    if "E_MPa" not in settings:  # angle plies twist
+        assert np.max(np.abs(moved[0].reshape(17, 18, 3)[:, 9, 1])) > 1e-3
+
+
+def test_contact_is_not_the_same_all_around() -> None:
+    with pytest.raises(UsageError, match="needs delta_mm = 0"):
+        resolve("tyre", {}, model="axisymmetric")
+    with pytest.raises(UsageError, match="needs delta_mm = 0"):
+        resolve("tyre", {"delta_mm": "0,5"}, model="axisymmetric")
+
+
+@pytest.mark.parametrize(
+    ("settings", "model", "reason"),
+    [
+        ({"delta_mm": "0"}, "axisymmetric", "the same all around"),
+        ({"delta_mm": "0,5"}, "half", "plies at +-52 deg"),
+        ({}, "half", "plies at +-52 deg"),
+        ({"gamma_deg": "0"}, "quarter", "cords at 0 deg"),
+        (ISOTROPIC, "quarter", "isotropic plies"),
+    ],
+)
+def test_the_smallest_valid_model_is_chosen_and_told(settings: dict[str, str], model: str, reason: str) -> None:
+    _, request = resolve("tyre", settings)
+    assert request.model == model
+    assert reason in request.model_reason
+
+
+@pytest.mark.parametrize("model", ["mirror", "quarter"])
+def test_angle_plies_have_no_mirror(model: str) -> None:
+    with pytest.raises(UsageError, match="no mirror plane") as caught:
+        resolve("tyre", {}, model=model)
+    assert "\n" not in str(caught.value)
+    with pytest.raises(UsageError, match="one of auto, full, half, mirror, quarter, sector, axisymmetric"):
+        resolve("tyre", {}, model="eighth")
+
+
+def test_a_wrong_sign_of_an_image_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Must fail beside must pass: a seam that mirrors instead of turning gives another force."""
+    right = run("half", {"delta_mm": "5"}).steps[-1]["force_N"]
+    monkeypatch.setattr("studies.scenes.tyre.parts.TURN_OF_FRAME", np.array([-1.0, 1.0, 1.0]))
+    wrong = solve(*resolve("tyre", {"delta_mm": "5"}, MESH, model="half"))
+    assert not wrong.outcome.converged or abs(wrong.steps[-1]["force_N"] / right - 1) > 1e-4
+
+
+def test_images_in_the_map(rng: np.random.Generator) -> None:
+    """Node 2 follows node 0 with signs, node 1 is its own image, and is held where that changes the sign."""
+    fixed = np.zeros((4, 6), bool)
+    fixed[0, 5] = True
+    images = Images(np.array([2, 1]), np.array([0, 1]), np.array([[-1, 1, 1], [1, -1, -1]]))
+    found = DofMap.build(fixed, images=images)
+    assert found.n == 5 + 2 + 6
+    u = rng.uniform(1, 2, found.n)
+    v = found.expand(u)
+    np.testing.assert_array_equal(v[2], v[0] * [-1, -1, 1, 1, 1, 1])
+    np.testing.assert_array_equal(v[1] == 0, [False, False, True, True, True, True])
+    np.testing.assert_array_equal(found.restrict(v), u)
+    assert not found.hinged.any()
+    with pytest.raises(ValueError, match="follows an image"):
+        DofMap.build(fixed, images=Images(np.array([2, 3]), np.array([0, 2]), np.ones((2, 3))))

@@ -1,0 +1,473 @@
+"""The analysis on planted data: what is known of it beforehand must come out, flagged, ranked and attributed."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.analysis.advise import advice_table, advise, asked_question, lines
+from studies.analysis.attribution import INTERACTIONS, REST, shares
+from studies.analysis.everything import analysed
+from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
+from studies.analysis.held_out import held_out, summary
+from studies.analysis.profiles import flip_check, problems, profiles, within
+from studies.analysis.richardson import limit_of, order_of
+from studies.analysis.rows import parsed, without
+from studies.analysis.suspicious import flags, inert, printed, walls
+from studies.analysis.verify import verified
+from studies.scene import UsageError
+
+EXACT = 6.69964  # mm, the cantilever's tip deflection under the whole load, as its scene says
+SIZES = (8, 16, 32, 64)
+
+
+def cells(
+    scene: str = "cantilever",
+    quantity: str = "tip_deflection_mm",
+    truth: float = EXACT,
+    setting: str = "load_fraction=1",
+    *,
+    measures: dict[str, float] | None = None,
+    contacts: dict[str, float] | None = None,
+    tolerances: dict[float, float] | None = None,
+    mesh_error: Callable[[int], float] = lambda n: 2.0 / n**2,
+    sizes: tuple[int, ...] = SIZES,
+) -> pd.DataFrame:
+    """A crossed sweep of one scene: value = truth (1 + mesh + measure + solver), cost = that of the mesh times factors.
+
+    measures: relative error of each; contacts: factor of the cost of each; tolerances: relative error of each.
+    """
+    rows = []
+    for (measure, model), (contact, factor), (tolerance, solver), n in itertools.product(
+        (measures or {"exact": 0.0}).items(),
+        (contacts or {"semismooth": 1.0}).items(),
+        (tolerances or {1e-10: 0.0}).items(),
+        sizes,
+    ):
+        options = f"--measure {measure} --contact {contact} --mesh {n}x1 --set {setting} --set tolerance={tolerance:g}"
+        value = truth * (1 + mesh_error(n) + model + solver)
+        flops = 1e3 * factor * n**1.5 * (1 - 0.02 * math.log10(tolerance))
+        rows.append(
+            {
+                "label": f"{scene} {measure} {contact} {n} {tolerance:g}",
+                "scene": scene,
+                "measure": measure,
+                "contact": contact,
+                "newton": "mixed",
+                "element": "refined",
+                "model": "full",
+                "mesh": f"{n}x1",
+                "n1": n,
+                "n2": 1,
+                "tolerance": tolerance,
+                "outcome": "converged",
+                "command": f"footprint solve {scene} {options} --out DIR",
+                f"q.{quantity}": value,
+                "c.dofs": 12 * n,
+                "c.newton_iterations": 5 - round(math.log10(tolerance)),
+                "c.factorisations": 5 - round(math.log10(tolerance)),
+                "c.flops": flops,
+                "t.total": 1e-6 * flops,
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def test_commands_are_read_and_compared() -> None:
+    command = "footprint solve tyre --mesh 4x2 --steps 2 --set load=dead --set delta_mm=5,10 --out DIR"
+    assert parsed(command) == ("tyre", {"mesh": "4x2", "steps": 2}, {"load": "dead", "delta_mm": "5,10"})
+    assert without(command, "mesh", "load") == "footprint solve tyre --steps 2 --set delta_mm=5,10 --out DIR"
+
+
+@pytest.mark.parametrize("p", [0.5, 1.0, 1.8, 2.0, 4.0])
+@pytest.mark.parametrize("sizes", [(1, 0.5, 0.25), (1, 0.6, 0.5), (1, 2 / 3, 1 / 3)])
+def test_order_and_limit_of_a_known_law(p: float, sizes: tuple[float, ...]) -> None:
+    values = [3 + 0.2 * h**p for h in sizes]
+    assert order_of(sizes, values) == pytest.approx(p, rel=1e-8)
+    limit = limit_of(sizes, values)
+    assert limit.value == pytest.approx(3, rel=1e-10)
+    assert limit.asymptotic == (p in (1.8, 2.0))
+    assert limit.uncertainty == pytest.approx((1.25 if limit.asymptotic else 3) * 0.2 * sizes[-1] ** p, rel=1e-6)
+
+
+def test_what_has_no_order_has_no_limit_to_trust() -> None:
+    assert math.isnan(order_of((1, 0.5, 0.25), (1.0, 2.0, 1.5)))
+    limit = limit_of((1, 0.5, 0.25), (1.0, 2.0, 1.5))
+    assert (limit.value, limit.uncertainty, limit.asymptotic) == (1.5, 3.0, False)
+    same = limit_of((1, 0.5, 0.25), (2.0, 2.0, 2.0))
+    assert (same.value, same.uncertainty, same.asymptotic) == (2.0, 0.0, True)
+    with pytest.raises(ValueError, match="a limit takes three"):
+        limit_of((1, 0.5), (1.0, 1.0))
+
+
+def test_the_split_finds_each_planted_part() -> None:
+    """Mesh 2/n², measure 3 %, tolerance 1e-2 costs 0.5 %; the reference is exact to 1e-5."""
+    table = cells(measures={"exact": 0.0, "linear": 0.03}, tolerances={1e-2: 0.005, 1e-10: 0.0})
+    split = verified(table).set_index("label")
+    coarse = split.loc["cantilever exact semismooth 8 1e-10"]
+    assert coarse["against"] == "reference: exact"
+    assert coarse["mesh_error"] == pytest.approx(2 / 64, rel=1e-6)
+    assert coarse["error"] == pytest.approx(2 / 64, rel=1e-6)
+    assert coarse["formulation_error"] == 0.0
+    assert coarse["order"] == pytest.approx(2.0, rel=1e-6)
+    assert bool(coarse["asymptotic"])
+    assert coarse["largest"] == "mesh"
+    loose = split.loc["cantilever exact semismooth 64 0.01"]
+    assert loose["solver_error"] == pytest.approx(0.005, rel=1e-6)
+    assert loose["formulation_error"] == 0.0  # that of the tightest tolerance
+    assert loose["largest"] == "solver"
+    other = split.loc["cantilever linear semismooth 64 1e-10"]
+    assert other["formulation_error"] == pytest.approx(0.03, rel=1e-4)
+    assert other["largest"] == "formulation"
+    assert coarse["reference_error"] == 1e-5
+
+
+def test_without_a_reference_the_exact_measure_is_the_limit() -> None:
+    """A load for which the cantilever has no reference: the other measure's loss is still an error."""
+    table = cells(setting="load_fraction=0.3", measures={"exact": 0.0, "linear": 0.03})
+    split = verified(table).set_index("label")
+    exact, linear = (split.loc[f"cantilever {name} semismooth 64 1e-10"] for name in ("exact", "linear"))
+    assert exact["against"] == linear["against"] == "limit of cantilever exact semismooth 64 1e-10"
+    assert exact["reference"] == pytest.approx(EXACT, rel=1e-9)
+    assert linear["error"] == pytest.approx(0.03 + 2 / 64**2, rel=1e-4)
+    alone = verified(table[table["measure"] == "linear"])
+    assert set(alone["against"]) == {"limit of cantilever linear semismooth 64 1e-10"}
+    short = verified(table[(table["measure"] == "linear") & (table["n1"] < 20)])
+    assert short["error"].isna().all()
+    assert set(short["against"]) == {""}
+
+
+def test_slow_but_accurate_and_fast_but_wrong_land_where_they_must() -> None:
+    sweep = cells()
+    slow, fast = sweep.tail(1).copy(), sweep.head(1).copy()
+    slow["label"], slow["c.flops"], slow["q.tip_deflection_mm"] = "slow", 1e9, EXACT * (1 + 3e-5)
+    slow["command"] = slow["command"].str.replace("--mesh 64x1", "--mesh 512x1")
+    fast["label"], fast["c.flops"], fast["q.tip_deflection_mm"] = "fast", 1.0, EXACT * 1.5
+    fast["command"] = fast["command"].str.replace("--mesh 8x1", "--mesh 1x1")
+    table = pd.concat([sweep, slow, fast], ignore_index=True)
+    found = fronts(table, verified(table)).set_index("label")
+    assert bool(found.loc["slow", "front.flops"])
+    assert found.loc["slow", "flag"] == ""
+    assert not found.loc["fast", "front.flops"]
+    assert found.loc["fast", "flag"] == "wrong"
+    assert found["front.flops"].sum() == 5  # each mesh of the ladder buys accuracy, too
+
+
+def test_a_claim_that_the_judge_rejects_is_on_no_front() -> None:
+    table = cells()
+    table.loc[0, "outcome"] = "wrong"
+    table.loc[1, "outcome"] = "not-converged"
+    table.loc[2, "outcome"] = "unsupported"
+    found = fronts(table, verified(table))
+    assert list(found["flag"]) == ["wrong", "failed", "unsupported", ""]
+    assert not found["front.flops"][:3].any()
+
+
+def test_two_errors_that_cancel_are_not_accuracy() -> None:
+    """A measure that is 30 % off and a mesh that is 30 % off the other way: right by chance, flagged, not advised."""
+    table = cells(measures={"exact": 0.0, "linear": 0.3}, mesh_error=lambda n: -0.3 * (8 / n) ** 2)
+    split = verified(table)
+    lucky = split.set_index("label").loc["cantilever linear semismooth 8 1e-10"]
+    assert lucky["error"] < 1e-6
+    assert fronts(table, split).set_index("label").loc["cantilever linear semismooth 8 1e-10", "flag"] == "wrong"
+    best = advise(asked_question(table, split, "cantilever"), 0.02).best
+    assert best is not None
+    assert best["measure"] == "exact"
+
+
+def test_the_front_itself() -> None:
+    cost = np.array([1.0, 2.0, 2.0, 3.0, 4.0, 5.0, 1.0, np.nan])
+    error = np.array([1.0, 0.5, 0.5, 0.7, 0.499, 0.1, np.nan, 0.0])
+    assert list(on_front(cost, error)) == [True, True, False, False, False, True, False, False]
+
+
+def test_a_family_counts_what_all_its_scenes_have() -> None:
+    table = pd.concat(
+        [
+            cells(measures={"exact": 0.0, "linear": 0.02}),
+            cells("hemisphere", "inward_mm", 8.178, measures={"exact": 0.0}),
+        ]
+    )
+    found = family_fronts(fronts(table, verified(table)))
+    assert set(found["measure"]) == {"exact"}
+    assert set(found["family"]) == {"large rotations"}
+    assert list(found["scenes"]) == [2] * 4
+    coarse = found[found["rung"] == 0].iloc[0]
+    assert coarse["error"] == pytest.approx(2 / 64, rel=1e-3)
+    assert coarse["cost.flops"] == pytest.approx(1.0)
+
+
+def test_an_ignored_tolerance_is_flagged_and_one_that_is_read_is_not() -> None:
+    reads = cells(tolerances={1e-2: 1e-3, 1e-6: 1e-7, 1e-10: 0.0})
+    ignores = cells(contacts={"lcp": 1.0}, tolerances={1e-2: 0.0, 1e-6: 0.0, 1e-10: 0.0})
+    for column in ("c.newton_iterations", "c.factorisations", "c.flops"):
+        ignores[column] = 7
+    at_once = cells("hemisphere", "inward_mm", 8.178, tolerances={1e-2: 0.0, 1e-10: 0.0})
+    for column in ("c.newton_iterations", "c.factorisations", "c.flops"):
+        at_once[column] = 1
+    found = inert(pd.concat([reads, ignores, at_once]), "tolerance").set_index("subject")
+    assert found.index.tolist() == ["lcp mixed", "semismooth mixed"]
+    assert found.loc["lcp mixed", ["scene", "cases", "of"]].tolist() == ["cantilever", 4, 4]
+    assert found.loc["lcp mixed", "cause"] == "not read, or never what stops"
+    assert found.loc["semismooth mixed", "scene"] == "hemisphere"
+    assert found.loc["semismooth mixed", "cause"] == "one iteration: nothing to stop"
+
+
+def test_a_reference_of_five_digits_is_a_wall() -> None:
+    """The truth is 6.6996432; the reference says 6.6996 and claims to be exact to 1e-9."""
+    table = cells(truth=6.6996432)
+    reference = pd.DataFrame(
+        {
+            "label": table["label"],
+            "quantity": "tip_deflection_mm",
+            "value": 6.6996,
+            "uncertainty": 1e-9,
+            "kind": "read",
+            "source": "",
+        }
+    )
+    fine = cells(truth=6.6996432, sizes=(128, 256, 512, 1024))
+    assert walls(table, reference).empty  # the mesh is coarser than the digits
+    (wall,) = walls(fine, reference.assign(label=list(fine["label"]))).to_dict("records")
+    assert wall["cause"] == "5 digits of the reference"
+    assert wall["size"] == pytest.approx(4.32e-5 / 6.6996, rel=1e-3)
+    exact = reference.assign(label=list(fine["label"]), value=6.6996432)
+    assert walls(fine, exact).empty
+
+
+@pytest.mark.parametrize(("uncertainty", "cause"), [(1e-2, "uncertainty of the reference"), (1e-4, "formulation")])
+def test_other_walls_are_told_apart(uncertainty: float, cause: str) -> None:
+    table = cells(measures={"exact": 5e-3}, sizes=(32, 64, 128, 256))
+    reference = pd.DataFrame(
+        {"label": table["label"], "quantity": "tip_deflection_mm", "value": EXACT, "uncertainty": uncertainty}
+    )
+    (wall,) = walls(table, reference).to_dict("records")
+    assert wall["cause"] == cause
+
+
+@pytest.mark.parametrize(
+    ("value", "digits", "last"), [(6.6996, 5, 5e-5), (0.156, 3, 5e-4), (8.0, 1, 0.5), (1200.0, 2, 50.0)]
+)
+def test_digits_as_printed(value: float, digits: int, last: float) -> None:
+    assert printed(value) == (digits, pytest.approx(last))
+
+
+def test_profiles_of_a_known_field() -> None:
+    """a is best in two of four problems and within 2 in three, b fails once."""
+    matrix = pd.DataFrame({"a": [1.0, 1.0, 2.0, 9.0], "b": [2.0, np.inf, 1.0, 1.0]})
+    shares_within = within(matrix, (1.0, 2.0, 20.0))
+    assert list(shares_within["a"]) == [0.5, 0.75, 1.0]
+    assert list(shares_within["b"]) == [0.5, 0.75, 0.75]
+
+
+def test_pairs_have_the_planted_ratio() -> None:
+    table = cells(contacts={"semismooth": 1.0, "lcp": 3.0})
+    profile, pairs, flips = profiles(fronts(table, verified(table)))
+    row = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == "flops")].iloc[0]
+    assert (row["a"], row["b"], row["problems"], row["a_better"], row["b_better"]) == ("semismooth", "lcp", 4, 4, 0)
+    assert row["ratio_low"] == pytest.approx(3.0) == row["ratio"] == row["ratio_high"]
+    at_two = profile[(profile["cost"] == "flops") & np.isclose(profile["factor"], 2.0, atol=0.1)]
+    assert set(at_two["share"][at_two["competitor"] == "lcp"]) == {0.0}
+    assert set(flips["flips"]) == {""}
+
+
+def test_who_was_not_asked_has_not_failed() -> None:
+    """regularised was tried on one mesh of two, lcp refused the other scene: the two others are compared on all."""
+    table = cells(contacts={"semismooth": 1.0, "lcp": 3.0, "regularised": 2.0})
+    table = table[(table["contact"] != "regularised") | (table["n1"] == 8)]
+    more = cells("hemisphere", "inward_mm", 8.178, contacts={"semismooth": 1.0, "lcp": 3.0})
+    more.loc[more["contact"] == "lcp", "outcome"] = "not-converged"
+    both = pd.concat([table, more], ignore_index=True)
+    matrix = problems(fronts(both, verified(both)), "contact", "flops")
+    assert list(matrix.columns) == ["semismooth", "lcp"]
+    assert len(matrix) == 8
+    assert np.isinf(matrix["lcp"]).sum() == 4
+    refused = both.assign(outcome=both["outcome"].replace("not-converged", "unsupported"))
+    assert len(problems(fronts(refused, verified(refused)), "contact", "flops")) == 4
+
+
+def test_a_ranking_that_flips_is_seen() -> None:
+    """c is the best where a is second: without it a is ahead of b, with it behind."""
+    matrix = pd.DataFrame(
+        {
+            "a": [3.0] * 4 + [1.0, 1.0, 1.0],
+            "b": [4.0] * 4 + [1.9, 1.9, 3.0],
+            "c": [1.0] * 2 + [1.9] * 2 + [9.0] * 3,
+        }
+    )
+    matrix.loc[2:3, "b"] = 1.0
+    turned = {removed: flips for removed, _, flips in flip_check(matrix)}
+    assert turned[""] == ""
+    assert turned["c"] == "" or "a and b" in turned["c"] or "b and a" in turned["c"]
+    worse = pd.DataFrame({"a": [2.5, 2.5, 1.0], "b": [9.0, 9.0, 1.0], "c": [1.0, 1.0, 9.0]})
+    worse.loc[2, ["a", "b"]] = [2.5, 1.0]
+    turned = {removed: flips for removed, _, flips in flip_check(worse)}
+    assert turned["c"] in ("a and b", "b and a")
+
+
+def planted(rng: np.random.Generator, noise: float) -> tuple[np.ndarray, dict[str, pd.Series], dict[str, float]]:
+    """A balanced design of three factors with known sums of squares, an interaction, and noise."""
+    design = pd.DataFrame(itertools.product("abc", "xy", range(4), range(4)), columns=["f", "g", "h", "repeat"])
+    f = design["f"].map({"a": -3.0, "b": 0.0, "c": 3.0})
+    g = design["g"].map({"x": -1.0, "y": 1.0})
+    both = 0.5 * f / 3 * g
+    parts = {"f": float(np.mean(f**2)), "g": 1.0, "h": 0.0, INTERACTIONS: float(np.mean(both**2)), REST: noise**2}
+    values = (f + g + both).to_numpy() + noise * rng.normal(size=len(design))
+    total = sum(parts.values())
+    factors = {name: design[name].astype(str) for name in "fgh"}
+    return values, factors, {name: part / total for name, part in parts.items()}
+
+
+def test_planted_effects_are_recovered_without_noise(rng: np.random.Generator) -> None:
+    values, factors, expected = planted(rng, 0.0)
+    for name, _, _, share, low, high in shares(values, factors):
+        assert share == pytest.approx(expected[name], abs=1e-9)
+        assert low <= share <= high
+
+
+def test_planted_effects_are_recovered_within_their_intervals() -> None:
+    """Of 20 noisy tables with five shares each, nearly all intervals hold the truth, the large effects' always do."""
+    held = dict.fromkeys(("f", "g", INTERACTIONS), 0)
+    for seed in range(20):
+        values, factors, expected = planted(np.random.default_rng(seed), 0.7)
+        for name, _, _, _, low, high in shares(values, factors):
+            if name in held:
+                held[name] += low - 0.01 <= expected[name] <= high + 0.01
+            if name == "h":
+                assert high < 0.05
+    assert held["f"] >= 18
+    assert held["g"] >= 18
+    assert held[INTERACTIONS] >= 15
+
+
+def test_too_little_is_not_attributed(rng: np.random.Generator) -> None:
+    values, factors, _ = planted(rng, 0.1)
+    assert shares(values[:5], {name: labels[:5] for name, labels in factors.items()}) == []
+    assert shares(np.ones(96), factors) == []
+
+
+def test_advice_is_the_cheapest_that_qualifies() -> None:
+    table = cells(measures={"exact": 0.0, "linear": 0.03}, contacts={"semismooth": 1.0, "lcp": 2.0})
+    split = verified(table)
+    question = asked_question(table, split, "cantilever")
+    found = advise(question, 0.01)
+    assert found.best is not None
+    assert found.best["label"] == "cantilever exact semismooth 16 1e-10"  # 2/16² = 0.8 %, 2/8² = 3.1 %
+    assert found.runner_up is not None
+    assert found.runner_up["label"] == "cantilever exact lcp 16 1e-10"
+    assert found.next_step == 0.005
+    assert found.next_best is not None
+    assert found.next_best["n1"] == 32
+    text = "\n".join(lines(found))
+    assert "cheapest: exact semismooth mixed refined 16x1, tolerance 1e-10: error at most 0.782 %" in text
+    assert "runner-up: exact lcp mixed refined 16x1, tolerance 1e-10: 2 times the flops" in text
+    assert "next step, 0.5 %: exact semismooth mixed refined 32x1, tolerance 1e-10: 2.83 times the flops" in text
+
+
+def test_none_qualifies_is_said() -> None:
+    table = cells()
+    found = advise(asked_question(table, verified(table), "cantilever"), 1e-5)
+    assert found.best is None
+    text = "\n".join(lines(found))
+    assert "none qualifies of 4 cells" in text
+    assert "nearest: error at most 0.0498 %" in text
+
+
+def test_an_uncertain_reference_cannot_show_what_it_does_not_know() -> None:
+    """The pinched hemisphere is known to 0.2 %: no mesh proves 0.1 %."""
+    table = cells("hemisphere", "inward_mm", 8.178, sizes=(8, 16, 32, 64, 128))
+    assert advise(asked_question(table, verified(table), "hemisphere"), 0.001).best is None
+    assert advise(asked_question(table, verified(table), "hemisphere"), 0.003).best is not None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"scene": "tyre"}, "scene 'tyre' is not in this campaign; it has cantilever"),
+        ({"scene": "cantilever", "quantity": "force_N"}, "no verified quantity 'force_N'; it has tip_deflection_mm"),
+        ({"scene": "cantilever", "cost": "beer"}, "cost 'beer' must be one of dofs, factorisations, flops, seconds"),
+        ({"scene": "cantilever", "settings": {"load_fraction": "2"}}, "it was with: --set load_fraction=1"),
+    ],
+)
+def test_what_cannot_be_advised_is_one_line(arguments: dict, message: str) -> None:
+    table = cells()
+    with pytest.raises(UsageError, match=message):
+        asked_question(table, verified(table), **arguments)
+
+
+def several_scenes() -> pd.DataFrame:
+    """Four scenes that converge with the second order, each with its own constant, and a measure that loses 2 %."""
+    known = (
+        ("cantilever", "tip_deflection_mm", EXACT, "load_fraction=1", 2.0),
+        ("hemisphere", "inward_mm", 8.178, "load_fraction=1", 4.0),
+        ("sze-moment", "tip_deflection_mm", 7.639437268410975, "load_fraction=0.5", 0.6),
+        ("scordelis-lo", "edge_deflection_mm", 0.3024, "E_MPa=4.32e8", 4.0),
+    )
+    return pd.concat(
+        [
+            cells(
+                scene,
+                quantity,
+                truth,
+                setting,
+                measures={"exact": 0.0, "linear": 0.02},
+                contacts={"semismooth": 1.0, "lcp": 1.5},
+                mesh_error=lambda n, size=size: size / n**2 * (1 + 2 / n),
+            )
+            for scene, quantity, truth, setting, size in known
+        ],
+        ignore_index=True,
+    )
+
+
+def test_advice_for_a_scene_that_was_left_out() -> None:
+    table = several_scenes()
+    cases = held_out(table, verified(table))
+    assert set(cases["scene"]) >= {"cantilever", "hemisphere", "sze-moment"}
+    (row,) = summary(cases[cases["headline"]])[lambda rows: rows["quantities"] == "headline"].to_dict("records")
+    assert row["met"] >= 0.95
+    assert row["median_regret"] < 1.5
+    assert 1.0 <= cases["factor"].min() < cases["factor"].max() < 2.0
+
+
+def test_an_estimate_that_is_too_small_elsewhere_raises_the_factor() -> None:
+    """Scenes whose references are 5 % from their limits teach that estimates are not to be trusted."""
+    table = several_scenes()
+    table.loc[table["scene"] == "hemisphere", "q.inward_mm"] *= 1.05
+    cases = held_out(table, verified(table)).set_index("scene")
+    assert cases.loc["cantilever", "factor"].max() > 2 * cases.loc["hemisphere", "factor"].max()
+
+
+def test_all_tables_of_the_analysis() -> None:
+    tables = analysed(several_scenes())
+    assert set(tables) == {
+        *("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "attribution"),
+        *("advice", "held_out", "held_out_summary"),
+    }
+    assert len(tables["fronts"]) == 64
+    assert (tables["fronts"]["flag"] == "").all()
+    by_factor = tables["attribution"].query("name == 'cantilever' and response == 'flops'").set_index("factor")["share"]
+    assert by_factor["mesh"] > 0.9 > by_factor["contact"] > 0.005 > by_factor["measure"]
+    with pytest.raises(UsageError, match="nothing to analyse"):
+        analysed(several_scenes().assign(outcome="time"))
+
+
+def test_every_row_of_the_advice_table_holds(rng: np.random.Generator) -> None:
+    table = several_scenes()
+    split = verified(table)
+    found = advice_table(table, split)
+    errors = split.set_index("label")["error"]
+    given = found[found["label"] != ""]
+    assert (errors[given["label"]].to_numpy() <= given["tolerance"].to_numpy()).all()
+    assert (found["label"] == "").any()
+    assert (given["seconds_low"] <= given["seconds_high"]).all()
+    assert WRONG == 0.1
+
+
+def test_flags_of_a_clean_table_are_none() -> None:
+    assert flags(cells(tolerances={1e-2: 1e-3, 1e-10: 0.0})).empty

@@ -1,0 +1,48 @@
+"""The committed baseline: its bounds cover it, its updates are signed, and its cheapest rows hold here and now."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from studies.analysis.collect import collect
+from studies.campaigns.file import Campaign, find
+from studies.campaigns.run import run
+from studies.guard.baseline import BASELINE, COMMAND, OUTCOME, TOLERANCES, UPDATES, bound_of, read_baseline, read_bounds
+from studies.guard.compare import baseline_cells, check_cells, failures
+
+CELLS = baseline_cells(BASELINE, 8)
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> pd.DataFrame:
+    store = tmp_path_factory.mktemp("baseline")
+    run(Campaign("cheapest", "", tuple(CELLS)), store)
+    return collect(store, "cheapest")
+
+
+@pytest.mark.parametrize("label", [cell.label for cell in CELLS])
+def test_a_row_of_the_baseline_holds(label: str, table: pd.DataFrame) -> None:
+    assert failures(check_cells(table[table["label"] == label], BASELINE)) == []
+
+
+def test_a_loss_in_one_of_its_rows_is_seen(table: pd.DataFrame) -> None:
+    worse = table.head(1).assign(**{"c.flops": 1.1 * table["c.flops"].iloc[0]})
+    (found,) = failures(check_cells(worse, BASELINE))
+    assert (found.column, found.what) == ("c.flops", "worse")
+
+
+def test_the_baseline_is_of_the_campaign_as_it_is() -> None:
+    commands = read_baseline(BASELINE).query("column == @COMMAND").set_index("label")["value"]
+    assert dict(commands) == {cell.label: cell.command for cell in find("quick").cells}
+
+
+def test_every_value_has_a_bound_and_every_update_a_name() -> None:
+    bounds = read_bounds(Path(BASELINE.parent / TOLERANCES))
+    for row in read_baseline(BASELINE).itertuples(index=False):
+        assert row.column in (OUTCOME, COMMAND) or bound_of(bounds, str(row.label), str(row.column))
+    log = pd.read_csv(BASELINE.parent / UPDATES, dtype=str, keep_default_na=False)
+    assert len(log)
+    assert (log[["date", "owner", "reason", "changed"]] != "").all(axis=None)

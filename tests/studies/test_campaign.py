@@ -1,0 +1,396 @@
+"""Campaigns that meet whatever may happen: cells that hang, eat memory or die, kills, damage, full disks."""
+
+from __future__ import annotations
+
+import errno
+import json
+import math
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from studies import scenes
+from studies.analysis.collect import collect
+from studies.campaigns.file import find
+from studies.campaigns.run import Summary, run
+from studies.cli import main
+from studies.pool import process as worker
+from studies.pool.process import Limits
+from studies.scene import UsageError
+from studies.store import layout as archive
+from studies.store.layout import Archive
+
+PLANTED = '''
+import os, signal, time
+from dataclasses import dataclass
+
+import numpy as np
+
+from studies.scene import Setting
+from studies.scenes import SCENES
+from studies.scenes.benchmarks.cantilever import Cantilever
+
+WAYS = ("fine", "hangs", "sleeps", "eats", "dies", "raises")
+
+
+@dataclass(frozen=True)
+class Planted(Cantilever):
+    """A cantilever that, asked so, does not come back."""
+
+    name: str = "planted"
+    settings: tuple = (*Cantilever().settings, Setting("way", "fine", "what it does", "choice", choices=WAYS))
+
+    def build(self, request):
+        way = request.settings["way"]
+        if way == "hangs":
+            while True:
+                pass
+        if way == "sleeps":
+            time.sleep(600)
+        if way == "eats":
+            kept = [np.ones(10_000_000) for _ in range(100)]  # 8 GB
+        if way == "dies":
+            os.kill(os.getpid(), signal.SIGSEGV)
+        if way == "raises":
+            raise RuntimeError("planted")
+        return super().build(request)
+
+
+SCENES["planted"] = Planted()
+'''
+SMALL = """
+title = "small"
+[[cross]]
+name = "small"
+contacts = ["semismooth", "qp"]
+tolerances = [1e-3, 1e-9]
+[cross.scenes.cantilever]
+meshes = ["2x1", "4x1"]
+[cross.scenes.strip-contact]
+meshes = ["4x1", "8x1"]
+set = { load_fraction = "5" }
+"""
+APART = ("timing_s", "provenance")
+
+
+def small(folder: Path) -> Path:
+    path = folder / "small.toml"
+    path.write_text(SMALL)
+    return path
+
+
+def content(store: Path) -> dict[str, Any]:
+    """Everything in a store apart from timings and provenance."""
+    found: dict[str, Any] = {}
+    for path in sorted(each for each in store.rglob("*") if each.is_file() and each.name != ".lock"):
+        name = path.relative_to(store).as_posix()
+        found[name] = path.read_bytes()
+        if name.startswith("cells/") and name.endswith(".json"):
+            record = json.loads(found[name])
+            found[name] = {key: value for key, value in record.items() if key not in APART}
+    return found
+
+
+@pytest.fixture(autouse=True)
+def scenes_of_a_test_end_with_it() -> Iterator[None]:
+    """The catalogue as it was, whatever the modules of a campaign have put into it."""
+    before = dict(scenes.SCENES)
+    yield
+    for name in scenes.SCENES.keys() - before.keys():
+        del scenes.SCENES[name]
+        sys.modules.pop("planted_cells", None)
+
+
+@pytest.fixture(scope="module")
+def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The small campaign, solved one by one."""
+    folder = tmp_path_factory.mktemp("solved")
+    summary = run(find(str(small(folder))), folder / "store")
+    assert summary.classes == {"converged": 12, "unsupported": 4}
+    return folder / "store"
+
+
+@pytest.fixture
+def own(solved: Path, tmp_path: Path) -> Path:
+    """A copy that a test may damage."""
+    return Path(shutil.copytree(solved, tmp_path / "store"))
+
+
+def again(folder: Path, store: Path, **options: Any) -> Summary:
+    return run(find(str(small(folder))), store, **options)
+
+
+# --- outcomes -----------------------------------------------------------------------------------------------------
+
+
+def test_cells_that_do_not_come_back_are_classified_and_the_campaign_goes_on(tmp_path: Path) -> None:
+    """The planted cells stand between sound ones, which must not notice; the hung ones are really gone."""
+    ways = ["fine", "sleeps", "eats", "dies", "raises", "hangs"]
+    (tmp_path / "planted_cells.py").write_text(PLANTED)
+    text = f'modules = ["planted_cells"]\n[[cross]]\n[cross.scenes.planted]\nmeshes = ["2x1"]\nvary.way = {ways}\n'
+    (tmp_path / "odd.toml").write_text(text + '[cross.scenes.cantilever]\nmeshes = ["2x1"]\n')
+    store, limits = tmp_path / "store", Limits(8.0, 400.0)
+    began = time.monotonic()
+    summary = run(find(str(tmp_path / "odd.toml")), store, "local:2", limits)
+    assert time.monotonic() - began < 90
+    table = collect(store, "odd").set_index("label")
+    ended = {way: table.loc[f"cross planted 2x1 way={way}"] for way in ways}
+    assert {way: row["outcome"] for way, row in ended.items()} == {
+        **{"fine": "converged", "sleeps": "time", "eats": "memory", "dies": "crash"},
+        **{"raises": "crash", "hangs": "time"},
+    }
+    assert ended["sleeps"]["reason"] == "killed after 8 s"
+    assert "more than 400 MB" in ended["eats"]["reason"]
+    assert ended["dies"]["reason"] == "killed by SIGSEGV"
+    assert ended["raises"]["reason"].startswith("RuntimeError at planted_cells.py:")
+    assert table.loc["cross cantilever 2x1", "outcome"] == "converged"
+    assert summary.classes == {"converged": 2, "time": 2, "memory": 1, "crash": 2}
+    # no failure is taken for a result: all are tried again, and only they
+    assert len(list((store / "cells").glob("*.json"))) == 2
+    assert run(find(str(tmp_path / "odd.toml")), store, "local:2", limits).solved == 5
+
+
+def test_a_failure_that_is_none_any_more_is_forgotten(own: Path, tmp_path: Path) -> None:
+    path = next((own / "cells").glob("*.json"))
+    path.unlink()
+    Archive(own).note_failure(path.stem, {"class": "time", "reason": "killed after 1 s"})
+    assert collect(own, "small")["outcome"].value_counts()["time"] == 1
+    assert again(tmp_path, own).solved == 1
+    assert list((own / "failures").glob("*")) == []
+
+
+def test_combinations_that_make_no_sense_are_rows_with_their_reason(tmp_path: Path) -> None:
+    path = tmp_path / "odd.toml"
+    path.write_text(
+        'cross = [{ contacts = "all", epsilons = ["inf"], scenes = { ring = { meshes = ["1x8"] }}},\n'
+        '{ contacts = ["semismooth", "lcp"], scenes = { hemisphere = { meshes = ["4x4"] }}},\n'
+        '{ models = ["half"], scenes = { hemisphere = { meshes = ["4x4"] }}},\n'
+        '{ scenes = { tyre = { meshes = ["7x7"], set = { delta_mm = "2" } }}}]\n'
+    )
+    run(find(str(path)), tmp_path / "store")
+    table = collect(tmp_path / "store", "odd").set_index("label")
+    refused = table[table["outcome"] == "unsupported"]["reason"]
+    assert set(refused.index) == {
+        *("cross ring regularised 1x8 epsilon=inf", "cross hemisphere lcp 4x4", "cross hemisphere half 4x4"),
+        "cross tyre 7x7",
+    }
+    assert "needs a finite epsilon" in refused["cross ring regularised 1x8 epsilon=inf"]
+    assert refused["cross hemisphere lcp 4x4"] == "hemisphere has no contact: semismooth stands for every algorithm"
+    assert refused["cross hemisphere half 4x4"].startswith("model 'half' must be one of")
+    assert "even" in refused["cross tyre 7x7"]
+    assert run(find(str(path)), tmp_path / "store").solved == 0  # a refusal is a result
+
+
+# --- kills and damage ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.slow)])
+def test_killed_at_any_moment_and_resumed_it_is_the_same_store(kills: int, solved: Path, tmp_path: Path) -> None:
+    """From the first import to the last cell; whenever it gets to its end before, it begins again from nothing."""
+    path, store, rng = small(tmp_path), tmp_path / "store", random.Random(2004)
+    command = [sys.executable, "-m", "studies.cli", "run", str(path), "--store", str(store), "--engine", "local:2"]
+    began = time.monotonic()
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    whole = time.monotonic() - began  # on this machine, as busy as it is
+    shutil.rmtree(store)
+    killed, moments = 0, set()
+    while killed < kills:
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        # after a time, or after so many records: however busy the machine is, some kills find some of them there
+        until = time.monotonic() + rng.uniform(0.1, 1.0) * whole
+        enough = rng.choice([math.inf, rng.randint(1, len(content(solved)))])
+        while process.poll() is None:
+            there = len(list((store / "cells").glob("*.json")))
+            if there >= enough or (enough == math.inf and time.monotonic() > until):
+                process.send_signal(signal.SIGKILL)
+                process.wait()
+                killed += process.returncode != 0
+            time.sleep(0.005)
+        records = list((store / "cells").glob("*.json"))
+        assert all(json.loads(record.read_text())["class"] == "converged" for record in records)
+        moments.add(len(records))
+        if process.returncode == 0:
+            shutil.rmtree(store)
+    assert kills < 20 or len(moments) > 2, moments  # with nothing done, with something, with more
+    again(tmp_path, store)
+    assert content(store) == content(solved)
+
+
+def test_nothing_outlives_a_campaign_that_is_killed(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "studies.cli", "run", "tyre", "--store", str(tmp_path), "--engine", "local:2"]
+    campaign = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    children = Path(f"/proc/{campaign.pid}/task")
+    if not children.exists():
+        campaign.kill()
+        pytest.skip("no /proc to look at processes")
+    workers: list[Path] = []
+    until = time.monotonic() + 60
+    while len(workers) < 2 and time.monotonic() < until:
+        found = [pid for file in children.glob("*/children") for pid in file.read_text().split()]
+        workers = [Path(f"/proc/{pid}") for pid in found]
+        time.sleep(0.1)
+    time.sleep(1.0)
+    campaign.kill()
+    campaign.wait()
+    until = time.monotonic() + 30
+    while any(each.exists() for each in workers) and time.monotonic() < until:
+        time.sleep(0.1)
+    assert len(workers) == 2
+    assert not any(each.exists() for each in workers)
+
+
+@pytest.mark.parametrize("damage", ["", "{", '{"schema": 1}', "[]", "half", "other"])
+def test_a_damaged_record_is_set_aside_with_a_line_and_solved_again(
+    damage: str, own: Path, solved: Path, tmp_path: Path
+) -> None:
+    path, other = sorted((own / "cells").glob("*.json"))[:2]
+    text = path.read_text()
+    path.write_text({"half": text[: len(text) // 2], "other": other.read_text()}.get(damage, damage))
+    damaged, said = path.read_text(), []
+    with pytest.raises(UsageError, match="footprint run sets it aside"):
+        collect(own, "small")
+    assert again(tmp_path, own, say=said.append).solved == 1
+    assert len(said) == 1
+    assert f"set aside as {own / 'aside' / path.name}, solved again" in said[0]
+    assert "\n" not in said[0]
+    assert (own / "aside" / path.name).read_text() == damaged  # nothing is lost
+    shutil.rmtree(own / "aside")
+    assert content(own) == content(solved)
+
+
+@pytest.mark.parametrize("place", ["old", "index"])
+def test_a_store_of_another_schema_is_refused_and_not_touched(
+    place: str, own: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (own / ("campaign.json" if place == "old" else "campaigns/other.json")).write_text('{"schema": 1}')
+    before = content(own)
+    assert main(["run", str(small(tmp_path)), "--store", str(own)]) == 2
+    assert capsys.readouterr().err == (
+        f"footprint: {own} has schema 1, this program writes 2: choose another --store\n"
+    )
+    assert content(own) == before
+
+
+def test_a_full_disk_is_one_line_and_what_was_finished_is_kept(
+    solved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    store, left = tmp_path / "store", [3]
+    write = archive.write_text
+
+    def filling(path: Path, text: str) -> None:
+        if path.parent.name == "cells":
+            left[0] -= 1
+            if left[0] < 0:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        write(path, text)
+
+    for engine in ("serial", "local:2"):
+        with monkeypatch.context() as patch:
+            patch.setattr(archive, "write_text", filling)
+            assert main(["run", str(small(tmp_path)), "--store", str(store), "--engine", engine]) == 2
+        said = capsys.readouterr().err
+        assert said == (
+            f"footprint: {store} takes no more: No space left on device; what is finished is kept, run again to go on\n"
+        )
+        assert len(list((store / "cells").iterdir())) == 3
+    assert list(store.rglob(".part-*")) == []
+    assert again(tmp_path, store).solved == 9
+    assert content(store) == content(solved)
+
+
+def test_two_runs_of_one_store_are_one_and_a_refusal(
+    solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The lock goes with its process, so that none is ever stale."""
+    store = tmp_path / "store"
+    with Archive(store).claimed():
+        assert main(["run", str(small(tmp_path)), "--store", str(store)]) == 2
+        said = capsys.readouterr().err
+        assert said == f"footprint: {store} is in use by another run; wait for it or choose another --store\n"
+    code = "from pathlib import Path; from studies.store.layout import Archive; import time\n"
+    code += f"with Archive(Path({str(store)!r})).claimed(): print('held', flush=True); time.sleep(60)"
+    holder = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE)
+    assert holder.stdout is not None
+    assert holder.stdout.readline() == b"held\n"
+    with pytest.raises(UsageError, match="in use"):
+        again(tmp_path, store)
+    holder.kill()
+    holder.wait()
+    holder.stdout.close()
+    again(tmp_path, store)
+    assert content(store) == content(solved)
+
+
+def test_campaigns_share_a_store_and_its_cells(own: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.toml"
+    other.write_text(SMALL.replace('name = "small"', 'name = "another"'))
+    assert run(find(str(other)), own).solved == 0
+    assert Archive(own).campaigns() == ["other", "small"]
+
+
+def test_resume_only_goes_on(own: Path, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="has no campaign 'small' yet"):
+        again(tmp_path, tmp_path / "mistyped", resume=True)
+    assert not (tmp_path / "mistyped").exists()
+    assert again(tmp_path, own, resume=True).solved == 0
+
+
+# --- engines ------------------------------------------------------------------------------------------------------
+
+
+def test_side_by_side_it_is_the_same_store(solved: Path, tmp_path: Path) -> None:
+    again(tmp_path, tmp_path / "store", engine="local:2")
+    assert content(tmp_path / "store") == content(solved)
+
+
+def test_a_cluster_of_dask_makes_the_same_store(solved: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed", reason="needs the extra dask")
+    with (
+        distributed.LocalCluster(processes=False, n_workers=1, threads_per_worker=2, dashboard_address=None) as cluster,
+    ):
+        again(tmp_path, tmp_path / "store", engine=f"dask:{cluster.scheduler_address}")
+    worker.forget()
+    assert content(tmp_path / "store") == content(solved)
+
+
+@pytest.mark.parametrize("name", ["local", "local:0", "local:65", "local:x", "dask:", "ray"])
+def test_an_engine_that_is_none_is_one_line(name: str, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="must be serial, local:N"):
+        again(tmp_path, tmp_path / "store", engine=name)
+    assert not (tmp_path / "store").exists()
+
+
+TWICE = "".join(f"[[cross]]\nsteps = {n}\nmeshes = ['4x1']\n[cross.scenes.cantilever]\n" for n in (1, 2))
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("crosses = []", "key 'crosses' must be one of title"),
+        ("[[cross]]\nmeshs = []", "key 'meshs' must be one of"),
+        ("[[cross]]\nname = 'x'", "needs its scenes"),
+        ("[[cross]]\n[cross.scenes.tire]", "'tire' in scenes must be one of tyre"),
+        ("[[cross]]\nmeasures = ['exat']\n[cross.scenes.tyre]", "'exat' in measures must be one of"),
+        ("lists = ['all']", "'all' in lists must be one of"),
+        (TWICE, "two cells have the label"),
+        ("modules = ['nowhere_to_be_found']", "module 'nowhere_to_be_found' in"),
+        ("title = ", "campaign"),
+    ],
+)
+def test_a_campaign_file_that_is_wrong_is_one_line(
+    text: str, says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "c.toml").write_text(text)
+    assert main(["run", str(tmp_path / "c.toml"), "--store", str(tmp_path / "store")]) == 2
+    said = capsys.readouterr().err
+    assert says in said
+    assert said.count("\n") == 1

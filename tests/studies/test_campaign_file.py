@@ -1,0 +1,97 @@
+"""Campaigns as files: what the shipped ones promise, and crosses as they are written."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from formulations.strains.catalogue import MEASURES
+from studies.analysis.collect import COLUMNS, collect
+from studies.campaigns.file import SHIPPED, find, names
+from studies.campaigns.plan import plan
+from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.campaigns.run import run
+
+
+def test_standard_crosses_what_was_promised() -> None:
+    """Six scenes at the least, by all measures, all algorithms, four meshes and three tolerances, beside the report."""
+    standard = find("standard")
+    labels = {cell.label for cell in standard.cells}
+    assert {cell.label for cell in LISTS["report"]} <= labels
+    assert set(standard.tables) == set(TABLES_OF["report"])
+    swept = [cell for cell in standard.cells if cell.label.startswith("sweep ")]
+    combinations = Counter((c.scene, c.options["measure"], c.options["contact"]) for c in swept)
+    scenes = {scene for scene, *_ in combinations}
+    assert len(scenes) >= 6
+    assert set(combinations) == {(s, m, c) for s in scenes for m in MEASURES for c in ALGORITHMS}
+    assert set(combinations.values()) == {4 * 3}
+    for scene in scenes:
+        own = [cell for cell in swept if cell.scene == scene]
+        assert len({cell.options["mesh"] for cell in own}) == 4
+        assert len({cell.settings["tolerance"] for cell in own}) == 3
+    assert not any(cell.artefacts for cell in swept)
+
+
+@pytest.mark.parametrize("name", ["quick", "standard", "full"])
+def test_rows_of_shipped_campaigns_are_solved_or_have_a_reason(name: str) -> None:
+    rows = plan(find(name))
+    assert len({row.cell.label for row in rows}) == len(rows)
+    assert all((row.id is None) == bool(row.reason) for row in rows)
+    assert any(row.reason for row in rows)
+    assert sum(row.id is not None for row in rows) > 0.5 * len(rows)
+
+
+def test_names_are_those_of_files_and_lists() -> None:
+    assert {"quick", "standard", "full"} == {path.stem for path in SHIPPED.glob("*.toml")}
+    assert set(names()) == {"quick", "standard", "full", *LISTS}
+    assert find("benchmarks").cells == tuple(LISTS["benchmarks"])
+
+
+def test_a_cross_is_the_product_of_its_axes_and_a_scene_says_the_last_word(tmp_path: Path) -> None:
+    path = tmp_path / "c.toml"
+    path.write_text(
+        'lists = ["benchmarks"]\n[[cross]]\nname = "x"\nmeasures = ["exact", "linear"]\nsteps = 2\n'
+        'set = { load_fraction = [0.5, 1.0] }\nvary = { solver = ["splu"] }\n'
+        '[cross.scenes.cantilever]\nmeshes = ["2x1", "4x1"]\n'
+        '[cross.scenes.hemisphere]\nmeasures = ["exact"]\nmeshes = ["4x4"]\nset = { load_fraction = "1" }\n'
+    )
+    campaign = find(str(path))
+    own = campaign.cells[len(LISTS["benchmarks"]) :]
+    assert [cell.label for cell in own] == [
+        *(f"x cantilever {m} {n}x1 solver=splu" for m in ("exact", "linear") for n in (2, 4)),
+        "x hemisphere exact 4x4 solver=splu",
+    ]
+    assert own[0].settings == {"load_fraction": "0.5,1", "solver": "splu"}
+    assert own[0].options == {"measure": "exact", "mesh": "2x1", "steps": 2}
+    assert own[-1].settings["load_fraction"] == "1"
+    assert own[0].command == (
+        "footprint solve cantilever --measure exact --mesh 2x1 --steps 2 --set load_fraction=0.5,1 --set solver=splu"
+        " --out DIR"
+    )
+
+
+def test_the_table_has_a_row_for_everything_that_was_planned(tmp_path: Path) -> None:
+    path = tmp_path / "c.toml"
+    path.write_text(
+        '[[cross]]\ncontacts = ["semismooth", "qp"]\ntolerances = [1e-3]\n'
+        '[cross.scenes.cantilever]\nmeshes = ["2x1"]\n[cross.scenes.tyre]\nmeshes = ["12x12"]\n'
+        'set = { delta_mm = "5,10" }\n'
+    )
+    run(find(str(path)), tmp_path / "store")
+    next(iter((tmp_path / "store/cells").glob("*.json"))).unlink()
+    table = collect(tmp_path / "store", "c")
+    assert tuple(table.columns[: len(COLUMNS)]) == COLUMNS
+    assert sorted(table["outcome"]) == ["converged", "converged", "missing", "unsupported"]
+    tyre = table[(table["scene"] == "tyre") & (table["outcome"] == "converged")].iloc[0]
+    assert (tyre["n1"], tyre["n2"], tyre["element"], tyre["section"]) == (12, 12, "refined", "constant-s33")
+    assert tyre["tolerance"] == 1e-3
+    assert tyre["epsilon"] == float("inf")
+    assert tyre["q.delta_mm"] == 10.0
+    assert tyre["q.force_N"] > 0
+    assert tyre["c.flops"] > 1e5
+    assert tyre["t.total"] > 0
+    assert tyre["k.equilibrium"] <= 1e-3
+    assert not [name for name in table.columns[len(COLUMNS) :] if name[:2] not in ("q.", "c.", "t.", "k.")]

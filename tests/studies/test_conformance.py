@@ -1,0 +1,196 @@
+"""The conformance kit: the whole catalogue on every element passes it, and what is broken on purpose does not.
+
+Here by itself, in no other module: objectivity of strained states, exchanged axes, changed units, homogeneous
+deformation, and the order and limit of a ring, for every measure with every element that suits it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.strain_operator import INTERPOLATIONS, ElementGeometry
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import sphere
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import EXACT, LINEAR, MEASURES, SANDERS
+from formulations.strains.measure import EXACT_LAW, StrainMeasure
+from formulations.strains.quantities import FULL
+from studies.experiments.conformance import ELEMENTS, Element, claims_objectivity, conformance, conformance_table, layup
+
+PAIRS = [(m, e) for m in MEASURES for e in ELEMENTS if e.suits(MEASURES[m])]
+
+
+def name(element: Element) -> str:
+    return f"{element.interpolation}-{element.thickness_strain}-{element.membrane}"
+
+
+def failed(measure: StrainMeasure, element: Element = ELEMENTS[0]) -> set[str]:
+    return {check.law for check in conformance(measure, element) if not check.passed}
+
+
+@pytest.mark.parametrize(("measure", "element"), PAIRS, ids=[f"{m}-{name(e)}" for m, e in PAIRS])
+def test_catalogue_conforms(measure, element) -> None:
+    assert not [check for check in conformance(MEASURES[measure], element) if not check.passed]
+
+
+def test_the_catalogue_is_complete() -> None:
+    assert {e.interpolation for e in ELEMENTS} == set(INTERPOLATIONS)
+    assert {e.thickness_strain for e in ELEMENTS} == set(THICKNESS_STRAINS)
+    assert {e.membrane for e in ELEMENTS} == set(MEMBRANES)
+    left_out = [m for m in MEASURES if MEASURES[m].kinematics != FULL]
+    assert left_out == ["donnell", "thin-green-lagrange"]
+    assert len(PAIRS) == len(ELEMENTS) * (len(MEASURES) - len(left_out) / 2)
+    assert {m for m in MEASURES if claims_objectivity(MEASURES[m])} == {"exact", "thin-green-lagrange", "elongation"}
+    with pytest.raises(ValueError, match="donnell leaves gradients out: not for isoparametric elements"):
+        conformance(MEASURES["donnell"], Element("isoparametric"))
+
+
+def test_table_has_a_row_for_every_check() -> None:
+    table = conformance_table({"exact": EXACT, "donnell": MEASURES["donnell"]}, (Element(), Element("isoparametric")))
+    checks = [len(conformance(EXACT)), len(conformance(EXACT, Element("isoparametric"))), len(conformance(EXACT))]
+    assert table.groupby(["measure", "interpolation"], sort=False).size().tolist() == checks
+    assert table["passed"].all()
+
+
+# --- measures that must fail --------------------------------------------------------------------------------------
+
+RIGID = "rigid motions leave the declared strains"
+TURN = "forces of a strained plate turn with it"
+TURN_TORUS = "forces of a strained torus turn with it"
+TANGENT = "remainder of the tangent is of second order"
+ENERGY = "residual is the gradient of the energy"
+SYMMETRY = "tangent of dead loads is symmetric"
+PATCH = "homogeneous deformation needs one traction"
+BENDING = "constant curvature is in balance at rest"
+AXES = {f"the axes may be exchanged, {section}" for section in ("constant-s33", "nonsymmetric", "full-3d")}
+UNITS = "the units may be changed"
+RING = "deflection of a ring converges with the order"
+LIMIT = "extrapolated deflection of a ring over the closed form"
+
+
+@dataclass(frozen=True, eq=False)
+class Wrong:
+    """The exact measure with something else in place of one of its functions."""
+
+    name: str = "wrong"
+    reference: str = "none"
+    rigid_body_law: object = EXACT_LAW
+    kinematics: object = EXACT.kinematics
+    strain: Callable = EXACT.strain
+    gradient: Callable = EXACT.gradient
+    contract: Callable = EXACT.contract
+
+
+def test_a_false_claim_is_found() -> None:
+    assert failed(replace(SANDERS, rigid_body_law=EXACT_LAW)) == {RIGID, TURN}
+    assert failed(replace(LINEAR, rigid_body_law=EXACT_LAW), Element("isoparametric")) == {RIGID, TURN, TURN_TORUS}
+
+
+def test_a_false_confession_is_found() -> None:
+    """A measure that passes where it says it fails is as wrong."""
+    assert failed(replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)) == {RIGID, TURN}
+
+
+def test_a_wrong_gradient_is_found() -> None:
+    def gradient(q: np.ndarray) -> np.ndarray:
+        return EXACT.gradient(q) * (1 + 0.01 * np.arange(11)[:, None])
+
+    assert {TANGENT, ENERGY} <= failed(Wrong(gradient=gradient))
+
+
+def test_a_forgotten_geometric_stiffness_is_found() -> None:
+    def contract(q: np.ndarray, H: np.ndarray) -> np.ndarray:
+        return np.zeros((*q.shape, q.shape[-1]))
+
+    assert failed(Wrong(contract=contract)) == {TANGENT}
+
+
+def test_an_unsymmetric_geometric_stiffness_is_found() -> None:
+    def contract(q: np.ndarray, H: np.ndarray) -> np.ndarray:
+        return np.triu(EXACT.contract(q, H))
+
+    assert failed(Wrong(contract=contract)) == {TANGENT, SYMMETRY, *AXES}
+
+
+def test_an_axis_that_is_treated_otherwise_is_found() -> None:
+    """E11 without its w^2/2: still a potential with its own tangent."""
+    quadratic = EXACT.quadratic.copy()
+    quadratic[0:2, 2:4, 2:4] = 0.0
+    assert failed(replace(EXACT, quadratic=quadratic)) == {RIGID, TURN, *AXES}
+
+
+# --- elements that must fail --------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Broken(Element):
+    """An element whose geometry is spoilt."""
+
+    spoil: Callable[[ElementGeometry, Grid], ElementGeometry] = lambda geometry, grid: geometry
+
+    def shell(self, *args, **loads) -> ShellModel:
+        shell = super().shell(*args, **loads)
+        discretisation = shell.discretisation
+        geometry = self.spoil(discretisation.geometry, discretisation.grid)
+        return replace(shell, discretisation=replace(discretisation, geometry=geometry))
+
+
+def test_an_element_that_is_not_broken_passes() -> None:
+    assert not failed(EXACT, Broken())
+
+
+def test_uneven_weights_fail_the_patch_tests() -> None:
+    def spoil(geometry: ElementGeometry, grid: Grid) -> ElementGeometry:
+        return replace(geometry, weight=geometry.weight * (1 + 1e-3 * np.arange(len(geometry.weight))))
+
+    found = failed(EXACT, Broken(spoil=spoil))
+    assert {PATCH, BENDING} <= found
+    assert not found & {RIGID, TANGENT, ENERGY, TURN, UNITS}
+
+
+def test_an_absolute_area_fails_the_units() -> None:
+    def spoil(geometry: ElementGeometry, grid: Grid) -> ElementGeometry:
+        return replace(geometry, weight=geometry.weight + 1e-6)
+
+    found = failed(EXACT, Broken(spoil=spoil))
+    assert UNITS in found
+    assert not found & {RIGID, TANGENT, ENERGY, TURN, *AXES}
+
+
+@pytest.mark.parametrize(("error", "laws"), [(lambda half: 0.5 * half, {RING, LIMIT}), (lambda half: 1e-3, {LIMIT})])
+def test_wrong_gradients_of_an_element_fail_the_ring(error, laws) -> None:
+    """Too large by the order of the mesh size, or by a thousandth on every mesh."""
+
+    def spoil(geometry: ElementGeometry, grid: Grid) -> ElementGeometry:
+        return replace(geometry, Q=geometry.Q * (1 + error(grid.half[:, 1, None, None])))
+
+    assert {RING, LIMIT} & failed(EXACT, Broken(spoil=spoil)) == laws
+
+
+# --- what curvilinear elements can do -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("element", [e for e in ELEMENTS if e.interpolation == "curvilinear"], ids=name)
+def test_a_curvilinear_element_is_objective_to_second_order(rotation, fitted_order, element) -> None:
+    """Components interpolated in a turning frame: the strain energy of a turned, smoothly strained cap tends to that
+    of the cap before it was turned, as the square of the mesh size."""
+    R, sizes, errors = rotation(np.array([1.0, 2.0, 0.5]), 1.0), [], []
+    for n in (8, 16, 32):
+        grid = Grid.tensor(np.linspace(0.1, 0.7, n + 1), np.linspace(0.2, 0.8, n + 1))
+        shell = element.shell(EXACT, sphere(2.0), grid, layup())
+        frame = sphere(2.0).frame(*grid.nodes.T)
+        energies = []
+        for Q in (np.eye(3), R):
+            v = np.empty((grid.n_nodes, 6))
+            for face, x in enumerate(shell.discretisation.positions()):
+                y = x * [1.05, 0.97, 1.02]
+                v[:, face::2] = np.einsum("nij,nj->ni", frame, y @ Q.T - x)
+            energies.append(shell.energy(v.ravel()))
+        sizes.append(1 / n)
+        errors.append(abs(energies[1] / energies[0] - 1))
+    assert fitted_order(sizes, errors) > 1.8

@@ -1,0 +1,105 @@
+"""``footprint solve --freeze`` and ``footprint resolve``: the last contact problem of a tyre, alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.oracle import Confirmation
+from studies.cli import main
+from studies.replay import resolve_step
+
+FORCE = 1e-9
+MESH = ["--mesh", "16x16", "--model", "full"]
+
+
+@pytest.fixture(scope="module")
+def frozen(tmp_path_factory) -> Path:
+    """A tyre pressed to 8 mm; result in its folder, the step beside."""
+    out = tmp_path_factory.mktemp("frozen")
+    tyre = ["solve", "tyre", *MESH, "--set", "delta_mm=4,8", "--set", "element=paper"]
+    assert main([*tyre, "--out", str(out / "result"), "--freeze", str(out / "step.npz")]) == 0
+    return out
+
+
+def test_meta_tells_where_the_step_is_from(frozen) -> None:
+    meta = FrozenStep.read(frozen / "step.npz").meta
+    assert (meta["scene"], meta["stage"], meta["parameter"], meta["mesh"]) == ("tyre", "press", 8.0, "16x16")
+    assert meta["settings"]["membrane"] == "compatible"
+    assert set(meta) >= {"measure", "contact", "newton", "outcome", "from", "version", "commit"}
+
+
+@pytest.mark.parametrize("name", [name for name in ALGORITHMS if name != "regularised"])  # which is never exact
+def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
+    """From no displacement and no set at all; the oracle has the last word."""
+    step = json.loads((frozen / "result" / "result.json").read_text())["steps"][-1]
+    found = resolve_step(frozen / "step.npz", name, np.inf, oracle=True)
+    assert found.solution.outcome.converged
+    assert found.certificate["failures"] == []
+    force = np.sum(found.step.weights * found.solution.pressure)
+    assert force == pytest.approx(step["force_N"], rel=FORCE)
+    assert found.solution.active.sum() == step["contact_nodes"]
+    assert isinstance(found.oracle, Confirmation)
+    assert found.oracle.agrees
+    assert found.sound
+
+
+def test_the_command_prints_and_passes(frozen, capsys) -> None:
+    assert main(["resolve", str(frozen / "step.npz"), "--oracle"]) == 0
+    told = capsys.readouterr().out
+    for words in ("scene tyre", "converged", "equilibrium", "oracle agrees"):
+        assert words in told
+
+
+def test_a_step_that_does_not_converge_ends_in_3(frozen, monkeypatch, capsys) -> None:
+    monkeypatch.setitem(ALGORITHMS, "semismooth", lambda **options: SHORT(max_iterations=0, **options))
+    assert main(["resolve", str(frozen / "step.npz")]) == 3
+    told = capsys.readouterr().out
+    assert "iteration limit" in told
+    assert "stale pressure" in told  # frozen where it is solved: only the pressures of rest are not those of the step
+
+
+SHORT = ALGORITHMS["semismooth"]
+
+
+def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
+    """Where the last step set out from, with the foundation where it was to go: there is something to do."""
+    hopeless = ["--set", "delta_mm=5,95", "--set", "settle=1"]  # at one factorisation an iteration
+    tyre = ["solve", "tyre", "--mesh", "12x12", *hopeless, "--out", str(tmp_path / "result")]
+    assert main([*tyre, "--freeze", str(tmp_path / "step.npz")]) == 3
+    step = FrozenStep.read(tmp_path / "step.npz")
+    assert step.meta["from"] < step.meta["parameter"] < 95
+    assert step.meta["outcome"] != "converged"
+    assert step.gap.min() < 0
+    found = resolve_step(tmp_path / "step.npz", "semismooth")
+    assert np.abs(found.solution.u).max() > 1e-3
+
+
+WRONG = {
+    "no file": (["resolve", "nothing.npz"], "nothing.npz"),
+    "no step": (["resolve", __file__], "no frozen contact step"),
+    "no algorithm": (["resolve", __file__, "--contact", "magic"], "semismooth"),
+    "negative epsilon": (["resolve", __file__, "--epsilon", "-1"], "(0, inf]"),
+    "NaN": (["resolve", __file__, "--epsilon", "nan"], "(0, inf]"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "said"), WRONG.values(), ids=WRONG)
+def test_wrong_use_is_one_line(arguments, said, capsys) -> None:
+    assert main(arguments) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+
+
+def test_a_scene_without_contact_has_nothing_to_freeze(tmp_path, capsys) -> None:
+    out = ["--out", str(tmp_path / "result"), "--freeze", str(tmp_path / "step.npz")]
+    assert main(["solve", "cantilever", "--mesh", "4x1", *out]) == 2
+    assert "no contact to freeze" in capsys.readouterr().err
+    assert (tmp_path / "result" / "result.json").exists()
+    assert not (tmp_path / "step.npz").exists()

@@ -1,0 +1,130 @@
+"""What ``footprint bench --scaling`` measures, on meshes too small to time: columns, planted exponents, wrong use."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies import cli
+from studies.bench.newton import pressed
+from studies.bench.scaling import (
+    FLOORS,
+    MESHES,
+    TIMES,
+    Pressed,
+    _interpolated,
+    _lines,
+    exponents,
+    lines,
+    request_of,
+    scaling,
+)
+from studies.cli import WRONG_USE, main
+from studies.scenes.tyre.scene import Tyre
+
+ROUNDING = 1e-12  # relative
+
+
+@pytest.fixture(scope="module")
+def table() -> pd.DataFrame:
+    told: list[tuple[int, int, str]] = []
+    found = scaling(("6x6", "8x6"), lambda *step: told.append(step), coarse="8x6", seconds=0.0)
+    assert [(done, label) for done, _, label in told] == [(0, "8x6 into contact"), (0, "6x6"), (1, "8x6"), (2, "done")]
+    return found
+
+
+def planted(sizes: list[int], p: float) -> pd.DataFrame:
+    times = {f"{part}_s": [1e-7 * n**p for n in sizes] for part in (*TIMES, *set(FLOORS.values()))}
+    return pd.DataFrame({"mesh": "6x6", "dofs": sizes, "elements": sizes, "peak_GiB": 1.0, **times})
+
+
+def test_one_row_a_mesh_with_times_floors_and_memory(table) -> None:
+    assert table["mesh"].tolist() == ["6x6", "8x6"]
+    assert table["dofs"].tolist() == [6 * 5 * 6, 6 * 7 * 6]
+    assert table["elements"].tolist() == [36, 48]
+    for name in (*TIMES, *set(FLOORS.values())):
+        assert (table[f"{name}_s"] > 0).all()
+    assert ((table["peak_GiB"] > 0.02) & (table["peak_GiB"] < 4)).all()
+    assert (table["assembly_s"] >= table["scatter_s"]).all()
+
+
+def test_planted_exponents_are_found() -> None:
+    for p in (1.0, 1.5):
+        assert exponents(planted([2_000, 10_000, 40_000, 250_000], p)) == pytest.approx(dict.fromkeys(TIMES, p))
+
+
+def test_small_sizes_do_not_count() -> None:
+    bent = planted([2_000, 10_000, 40_000], 1.2)
+    bent.loc[0, "total_s"] *= 50
+    assert exponents(bent)["total"] == pytest.approx(1.2)
+    assert np.isnan(exponents(bent[:2])["total"])
+
+
+def test_the_table_for_a_terminal_has_the_ratios(table) -> None:
+    plain, full = (list(lines(table, floors=floors)) for floors in (False, True))
+    assert len(plain) == 4
+    assert "(" not in plain[1]
+    assert full[1].count("(") == len(TIMES)
+    assert "copy of 100 MB" in full[-1]
+
+
+def test_the_state_on_its_own_mesh_is_itself() -> None:
+    model = Tyre().build(request_of("8x6"))
+    _, state = pressed(model)
+    shape = model.part.grid.node_shape
+    v = model.shell.displacements(state.u).reshape(*shape, -1)
+    coarse = Pressed(*_lines(model), v, model.outer_pressure(state).reshape(shape))
+    u, pressure = _interpolated(model, coarse)
+    np.testing.assert_allclose(u, state.u, rtol=0, atol=ROUNDING * np.abs(state.u).max())
+    np.testing.assert_allclose(pressure, state.pressure, rtol=0, atol=ROUNDING * state.pressure.max())
+
+
+def test_the_state_on_a_finer_mesh_presses_as_much() -> None:
+    coarse_model, model = (Tyre().build(request_of(mesh)) for mesh in ("8x6", "16x12"))
+    _, state = pressed(coarse_model)
+    shape = coarse_model.part.grid.node_shape
+    v = coarse_model.shell.displacements(state.u).reshape(*shape, -1)
+    coarse = Pressed(*_lines(coarse_model), v, coarse_model.outer_pressure(state).reshape(shape))
+    u, pressure = _interpolated(model, coarse)
+    assert np.abs(u).max() == pytest.approx(np.abs(state.u).max(), rel=0.05)
+    assert pressure.max() == pytest.approx(state.pressure.max())
+    assert (pressure > 0).sum() > (state.pressure > 0).sum()
+
+
+def test_the_command_prints_and_writes(table, monkeypatch, capsys, tmp_path: Path) -> None:
+    asked: list[list[str]] = []
+
+    def measured(meshes: list[str], progress: object) -> pd.DataFrame:
+        asked.append(list(meshes))
+        return table
+
+    monkeypatch.setattr("studies.bench.scaling.scaling", measured)
+    target = tmp_path / "scaling.csv"
+    assert main(["bench", "--scaling", "--machine", "floors", "--table", str(target)]) == cli.OK
+    assert "exponent" in capsys.readouterr().out
+    assert pd.read_csv(target).columns.tolist() == table.columns.tolist()
+    assert main(["bench", "--scaling", "--mesh", "6x6,8x6"]) == cli.OK
+    assert asked == [list(MESHES), ["6x6", "8x6"]]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--scaling", "--repeats", "3"], "--repeats"),
+        (["--scaling", "--mesh", "6x6,7x6"], "mesh 7x6: both numbers must be even"),
+        (["--scaling", "--mesh", "6x6,,8x6"], "mesh '' must be N1xN2"),
+        (["--scaling", "--mesh", "4000x4000"], "at most"),
+        (["--machine", "floors"], "--scaling only"),
+        (["--table", "x.csv"], "--scaling only"),
+        (["--repeats", "0"], "repeats = 0"),
+        (["--mesh", "7x6"], "both numbers must be even"),
+    ],
+)
+def test_wrong_use_is_one_line(arguments, words, capsys) -> None:
+    assert main(["bench", *arguments]) == WRONG_USE
+    said = capsys.readouterr().err
+    assert words in said
+    assert said.count("\n") == 1

@@ -1,0 +1,82 @@
+"""The import closure that identities are made of, on a copy of our sources that a test may edit."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from studies.campaigns.cell import Cell
+from studies.campaigns.plan import SOLVERS, identity
+from studies.experiments.tables import TABLES
+from studies.store.source_hash import CATALOGUE, PACKAGES, ROOT, closure, sources_hash
+
+TYRE = (*SOLVERS, "studies.scenes.tyre.scene")
+
+
+@pytest.fixture
+def copied(tmp_path: Path) -> Path:
+    for package in PACKAGES:
+        shutil.copytree(ROOT / package, tmp_path / package, ignore=shutil.ignore_patterns("__pycache__"))
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("file", "matters"),
+    [
+        ("formulations/element/mixed.py", True),
+        ("contact/newton/step.py", True),
+        ("contact/algorithms/lcp.py", True),
+        ("studies/solve.py", True),
+        ("studies/scenes/tyre/scene.py", True),
+        ("studies/scenes/tyre/press.py", True),
+        ("studies/scenes/element.py", True),
+        ("studies/scenes/benchmarks/hemisphere.py", False),
+        ("studies/scenes/__init__.py", False),
+        ("studies/campaigns/run.py", False),
+        ("studies/campaigns/report_cells.py", False),
+        ("studies/experiments/epsilon.py", False),
+        ("studies/cli.py", False),
+    ],
+)
+def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path, file: str, matters: bool) -> None:
+    before = sources_hash(TYRE, copied, without=CATALOGUE)
+    assert before == sources_hash(TYRE, ROOT, without=CATALOGUE)  # of the sources, not of where they lie
+    path = copied / file
+    path.write_text(path.read_text(encoding="utf-8") + "\n# edited\n", encoding="utf-8")
+    second = Path(shutil.move(copied, copied.with_name("edited")))  # sources are read once from a place
+    assert (sources_hash(TYRE, second, without=CATALOGUE) != before) == matters
+
+
+def test_a_table_depends_on_the_scenes_that_it_solves() -> None:
+    modules = closure([TABLES["epsilon"].__module__])
+    assert {"studies.experiments.epsilon", "studies.scenes.tyre.scene", "contact.newton.step"} <= modules
+    assert not {"studies.cli", "studies.campaigns.run", "studies.experiments.locking"} & modules
+
+
+def test_imports_are_followed_wherever_they_stand(tmp_path: Path) -> None:
+    for name, text in {
+        "__init__": "",
+        "a": "def f():\n    from studies import b",
+        "b": "if 0:\n    import studies.c, numpy",
+        "c": "from studies.d import name",
+        "d": "name = 1",
+        "e": "",
+    }.items():
+        path = tmp_path / "studies" / f"{name}.py"
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(text)
+    assert closure(["studies.a"], tmp_path) == {"studies", *(f"studies.{name}" for name in "abcd")}
+    assert closure(["studies.a"], tmp_path, without="studies.c") == {"studies", "studies.a", "studies.b"}
+
+
+def test_identity_follows_what_decides_the_result() -> None:
+    base = Cell("a", "cantilever", {"mesh": "4x1"})
+    assert identity(base) == identity(Cell("another label", "cantilever", {"mesh": "4x1"}, artefacts=False))
+    others = [
+        Cell("a", "cantilever", {"mesh": "8x1"}),
+        Cell("a", "cantilever", {"mesh": "4x1"}, {"load_fraction": "1"}),
+        Cell("a", "cantilever", {"mesh": "4x1"}, {"tolerance": "1e-8"}),
+    ]
+    assert len({identity(cell) for cell in (base, *others)}) == len(others) + 1

@@ -1,0 +1,98 @@
+"""Tables of the whole store: made once for one state of the sources, and the ladders of the convergence study."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from studies.campaigns.ladder_cells import LADDERS, cells, ladder_table
+from studies.campaigns.plan import identity
+from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.experiments import tables
+from studies.experiments.tables import TABLES, make_table
+from studies.scenes import SCENES
+from studies.store.atomic import write_table_once
+
+
+def test_a_table_with_its_identity_is_not_made_again(tmp_path: Path) -> None:
+    made = []
+
+    def make() -> pd.DataFrame:
+        made.append(len(made))
+        return pd.DataFrame({"x": made})
+
+    path = tmp_path / "tables" / "t.csv"
+    assert write_table_once(path, "a", make)
+    assert not write_table_once(path, "a", make)
+    assert path.read_text() == "x\n0\n"
+    assert write_table_once(path, "b", make)  # other sources
+    path.unlink()
+    assert write_table_once(path, "b", make)
+    assert len(made) == 3
+    assert not list(tmp_path.rglob(".part-*"))
+
+
+def test_a_table_stopped_between_its_two_files_is_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The table of b is there and its identity is not: neither a nor b may take it for its own."""
+    path = tmp_path / "t.csv"
+    write_table_once(path, "a", lambda: pd.DataFrame({"x": [1]}))
+
+    def stopped(path: Path, text: str) -> None:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr("studies.store.atomic.write_text", stopped)
+        with pytest.raises(KeyboardInterrupt):
+            write_table_once(path, "b", lambda: pd.DataFrame({"x": [2]}))
+    assert path.read_text() == "x\n2\n"
+    assert write_table_once(path, "a", lambda: pd.DataFrame({"x": [1]}))
+    assert path.read_text() == "x\n1\n"
+
+
+def test_a_table_is_made_once_for_its_sources(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    calls = []
+    monkeypatch.setitem(TABLES, "counted", lambda: pd.DataFrame({"x": [calls.append(1)]}))
+    assert make_table("counted", tmp_path)
+    assert not make_table("counted", tmp_path)
+    monkeypatch.setattr(tables, "sources_hash", lambda modules: "changed")
+    assert make_table("counted", tmp_path)
+    assert len(calls) == 2
+
+
+def test_the_report_has_all_tables() -> None:
+    assert set(TABLES_OF["report"]) == set(TABLES)
+    assert set(TABLES_OF) <= set(LISTS)
+
+
+def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
+    of_the_solid = {cell.scene for cell in LISTS["solid"]}
+    # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes
+    assert {ladder.scene for ladder in LADDERS} | of_the_solid | {"panel"} == set(SCENES)
+    for ladder in LADDERS:
+        first = [int(mesh.split("x")[0]) for mesh in ladder.meshes]
+        assert len(first) >= 3
+        assert all(a < b for a, b in pairwise(first))
+
+
+def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
+    made = cells({"element": "paper"}, "paper")
+    assert len({cell.label for cell in made}) == len(made) == sum(len(ladder.meshes) for ladder in LADDERS)
+    assert len({identity(cell) for cell in made}) == len(made)
+    other = cells({"thickness_strain": "nodal"}, "other")
+    hemisphere = next(cell for cell in other if cell.label == "convergence hemisphere 16x16 other")
+    assert hemisphere.settings == {"load_fraction": "1", "thickness_strain": "nodal"}
+    assert [cell.label.rsplit(" ", 1)[0] for cell in other] == [cell.label.rsplit(" ", 1)[0] for cell in made]
+    fewer = {cell.label for cell in cells({"element": "paper"}, "paper", finest=False)}
+    left_out = {f"convergence {ladder.name} {ladder.meshes[-1]} paper" for ladder in LADDERS}
+    assert {cell.label for cell in made} - fewer == left_out
+
+
+def test_the_ladder_table_tells_the_pages_what_to_read() -> None:
+    table = ladder_table()
+    assert set(table["ladder"]) == {ladder.name for ladder in LADDERS}
+    tyre = table.query("ladder == 'tyre-isotropic' and quantity == 'force_N'")
+    assert list(tyre["mesh"]) == ["28x26", "42x40", "56x54", "84x80"]
+    assert set(tyre["at"]) == {"delta_mm=10"}

@@ -1,0 +1,112 @@
+"""The timing lane with a clock made up here, and once for real; the bench of the harness as a function, untimed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.bench.overhead import harness, lines
+from studies.bench.timing_lane import REPEATS, Stopwatch, canary, interval, sample, summary, time_campaign
+from studies.campaigns.file import find
+from studies.campaigns.run import run
+from studies.scene import UsageError
+
+LABELS = ("a", "b", "c")
+
+
+class Machine:
+    """Takes notes; the canary of each block is told beforehand, before and after."""
+
+    def __init__(self, *canaries: float) -> None:
+        self.canaries, self.notes = list(canaries), ""
+
+    def watch(self) -> Stopwatch:
+        return Stopwatch(self._block, self._canary, self._cell)
+
+    def _block(self) -> None:
+        self.notes += "|"
+
+    def _canary(self) -> float:
+        self.notes += "!"
+        return self.canaries.pop(0)
+
+    def _cell(self, label: str) -> float:
+        self.notes += label
+        return float(len(self.notes))
+
+
+def test_rounds_are_interleaved_and_every_block_is_a_fresh_process_between_canaries() -> None:
+    machine = Machine(1.0, 1.01, 1.02, 1.0)
+    found = sample(LABELS, machine.watch(), blocks=2, rounds=3)
+    assert machine.notes == 2 * "|!abcabcabcabc!"
+    assert all(len(found.warm[label]) == 6 and len(found.cold[label]) == 2 for label in LABELS)
+    assert found.discarded == {}
+    assert min(found.warm["a"]) > max(found.cold["a"][:1])
+
+
+@pytest.mark.parametrize("moved", [(1.0, 1.06), (1.06, 1.0), (1.06, 1.06)])
+def test_a_block_whose_canary_has_moved_is_discarded_and_repeated(moved: tuple[float, float]) -> None:
+    machine = Machine(1.0, 1.0, *moved, 1.0, 1.0)
+    found = sample(LABELS, machine.watch(), blocks=2, rounds=2)
+    assert [counts for *_, counts in found.canaries] == [True, False, True]
+    assert all(len(found.warm[label]) == 4 and len(found.discarded[label]) == 2 for label in LABELS)
+
+
+def test_repeating_has_an_end() -> None:
+    machine = Machine(1.0, *(2.0 for _ in range(20)))
+    found = sample(LABELS, machine.watch(), blocks=1, rounds=1)
+    assert len(found.canaries) == 1 + REPEATS
+    assert found.warm == {}
+    assert len(found.discarded["a"]) == 1 + REPEATS
+
+
+def test_the_interval_of_a_median_is_that_of_its_distribution() -> None:
+    rng = np.random.default_rng(1)
+    covered = 0
+    for _ in range(60):
+        median, low, high = interval(rng.normal(1.0, 0.1, 25).tolist())
+        assert low <= median <= high
+        covered += low <= 1.0 <= high
+    assert 48 <= covered <= 60
+    assert interval([0.5, 0.5, 0.5]) == (0.5, 0.5, 0.5)
+    assert np.isnan(interval([0.5])[1])
+
+
+def test_the_canary_is_a_workload_of_some_size() -> None:
+    assert 1e-3 < canary() < 10
+
+
+def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two cells converge, one is refused: nothing of it is timed. All samples and canaries are in the store."""
+    monkeypatch.setattr("studies.bench.timing_lane.DRIFT", 1e9)
+    path = tmp_path / "three.toml"
+    cross = "[[cross]]\nmeshes = {}\n[cross.scenes.{}]\n"
+    path.write_text(cross.format('["2x1", "4x1"]', "cantilever") + cross.format('["7x7"]', "tyre"))
+    campaign, store = find(str(path)), tmp_path / "store"
+    with pytest.raises(UsageError, match="no converged cell of 'three' to time"):
+        time_campaign(campaign, store)
+    run(campaign, store)
+    table = time_campaign(campaign, store, blocks=2, rounds=2).set_index("label")
+    assert list(table.index) == ["cross cantilever 2x1", "cross cantilever 4x1"]
+    assert (table["samples"] == 4).all()
+    assert (table["low_s"] <= table["median_s"]).all()
+    assert (table["factorisations"] > 0).all()
+    assert table["flops"].is_monotonic_increasing
+    raw = json.loads((store / "timing" / "three.json").read_text())
+    assert [len(cell["warm"]) for cell in raw["cells"]] == [4, 4]
+    assert len(raw["canaries"]) == 2
+    with pytest.raises(UsageError, match="no times of 'another'"):
+        summary(store, "another")
+
+
+def test_the_bench_of_the_harness_says_what_it_has_done() -> None:
+    costs = harness(repeats=2, large=50)
+    assert [cost.what for cost in costs] == [
+        *("cell: trivial", "cell: of about 1 s", "50 cells planned"),
+        "50 cells listed, collected and filtered",
+    ]
+    assert all(cost.solve is None or 0 < cost.solve < cost.seconds for cost in costs)
+    assert len(list(lines(costs))) == 5
