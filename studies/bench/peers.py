@@ -100,7 +100,7 @@ def sufficient(table: pd.DataFrame) -> float:
 
 def shell_quarter(mesh: str, delta_mm: float) -> tuple[float, int]:
     """Force of the whole tyre [N], nan where it was not reached, and number of unknowns of the quarter."""
-    result = solve(*resolve("tyre", {**SHELL, "delta_mm": f"{delta_mm:g}"}, mesh, model="quarter"))
+    result = solve(*resolve("tyre", {**SHELL, "delta_mm": repr(delta_mm)}, mesh, model="quarter"))
     reached = result.outcome is Outcome.CONVERGED
     return float(result.steps[-1]["force_N"]) if reached else math.nan, int(result.counters["dofs"])
 

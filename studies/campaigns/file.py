@@ -169,10 +169,11 @@ def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[s
 
 
 def _text(value: object) -> str:
-    """As it is written after KEY= on the command line."""
+    """As it is written after KEY= on the command line: the shortest text that reads back to the same number."""
     if isinstance(value, list):
         return ",".join(_text(each) for each in value)
-    return f"{value:g}" if isinstance(value, float) else str(value)
+    short = f"{value:g}" if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) and float(short) != value else short
 
 
 def _known(path: Path, data: Mapping[str, Any], keys: tuple[str, ...]) -> None:

@@ -73,6 +73,20 @@ def test_a_cross_is_the_product_of_its_axes_and_a_scene_says_the_last_word(tmp_p
     )
 
 
+def test_a_number_of_a_file_is_solved_with_all_its_digits(tmp_path: Path) -> None:
+    """Six digits are enough for a label, and not for a modulus."""
+    path = tmp_path / "c.toml"
+    path.write_text(
+        "[[cross]]\ntolerances = [1e-3, 1e-9]\nvary = { E_L_MPa = [510.451234] }\n"
+        "[cross.scenes.tyre]\nset = { delta_mm = [1.23456789, 2.0, 1234567.5] }\n"
+    )
+    cells = find(str(path)).cells
+    assert cells[0].label == "cross tyre tolerance=0.001 E_L_MPa=510.451234"
+    assert [cell.settings["tolerance"] for cell in cells] == ["0.001", "1e-09"]
+    assert cells[0].settings["delta_mm"] == "1.23456789,2,1234567.5"
+    assert float(cells[0].settings["E_L_MPa"]) == 510.451234
+
+
 def test_the_table_has_a_row_for_everything_that_was_planned(tmp_path: Path) -> None:
     path = tmp_path / "c.toml"
     path.write_text(
