@@ -13,6 +13,8 @@ from hypothesis import strategies as st
 from contact.catalogue import ALGORITHMS
 from contact.problem import Outcome
 from contact.verify import judge
+from support.contact_problems import Quadratic, dual_by_nnls, random_quadratic, solve_from_rest
+from support.differences import fitted_order
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 FINE = 1e-8  # a tenth of the smallest pressure that has to be seen; the residual is known to 1e-9
@@ -47,11 +49,11 @@ def by_cvxpy(data, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
 @each_epsilon
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("seed", range(6))
-def test_solution_is_that_of_nnls_and_cvxpy(contacts, name, epsilon, kind, seed) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(seed), kind)
-    solution = contacts.solve(name, data.problem(), len(data.f), epsilon)
+def test_solution_is_that_of_nnls_and_cvxpy(name, epsilon, kind, seed) -> None:
+    data = random_quadratic(np.random.default_rng(seed), kind)
+    solution = solve_from_rest(name, data.problem(), len(data.f), epsilon)
     assert solution.outcome is Outcome.CONVERGED
-    for u, pressure in (contacts.by_nnls(data, epsilon), by_cvxpy(data, epsilon)):
+    for u, pressure in (dual_by_nnls(data, epsilon), by_cvxpy(data, epsilon)):
         np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
         np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
         np.testing.assert_array_equal(solution.active, pressure > 10 * ORACLE)
@@ -61,12 +63,12 @@ def test_solution_is_that_of_nnls_and_cvxpy(contacts, name, epsilon, kind, seed)
 @each_epsilon
 @given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(KINDS))
 @settings(deadline=None, derandomize=True, max_examples=60)
-def test_an_answer_called_converged_is_right(contacts, name, epsilon, seed, kind) -> None:
+def test_an_answer_called_converged_is_right(name, epsilon, seed, kind) -> None:
     """Plain active sets may fail on an arbitrary definite matrix, but then they say so and the judge agrees."""
-    data = contacts.random_quadratic(np.random.default_rng(seed), kind)
-    solution = contacts.solve(name, data.problem(), len(data.f), epsilon)
+    data = random_quadratic(np.random.default_rng(seed), kind)
+    solution = solve_from_rest(name, data.problem(), len(data.f), epsilon)
     if solution.outcome.converged:
-        u, pressure = contacts.by_nnls(data, epsilon)
+        u, pressure = dual_by_nnls(data, epsilon)
         np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
         np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
     else:
@@ -76,17 +78,17 @@ def test_an_answer_called_converged_is_right(contacts, name, epsilon, seed, kind
         assert max(verdict.tension, verdict.penetration - np.max(solution.pressure) / epsilon) > TOUCH
 
 
-def manufactured(contacts, rng: np.random.Generator, kind: str, states: np.ndarray, epsilon: float, size=1.0):
+def manufactured(rng: np.random.Generator, kind: str, states: np.ndarray, epsilon: float, size=1.0):
     """A problem whose only solution is built in: states 0 open, 1 pressed, 2 touching without pressure.
 
     ``size`` (m,): how far open (mm) or how strongly pressed (MPa).
     """
-    data = contacts.random_quadratic(rng, kind, len(states))
+    data = random_quadratic(rng, kind, len(states))
     u = rng.normal(size=len(data.f))
     pressure = np.where(states == 1, size * rng.uniform(0.5, 2, len(states)), 0.0)
     gap = np.where(states == 0, size * rng.uniform(0.5, 2, len(states)), 0.0) - pressure / epsilon
     f = data.K @ u - data.G.T @ (data.w * pressure)
-    return contacts.Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), u, pressure
+    return Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), u, pressure
 
 
 STATES = {
@@ -102,12 +104,12 @@ STATES = {
 @pytest.mark.parametrize("epsilon", [*EPSILONS, 1e14])
 @pytest.mark.parametrize("states", STATES.values(), ids=STATES)
 @pytest.mark.parametrize("kind", KINDS)
-def test_touching_without_pressure_and_full_contact(contacts, name, epsilon, states, kind) -> None:
+def test_touching_without_pressure_and_full_contact(name, epsilon, states, kind) -> None:
     """Exact touch leaves the set to rounding, full contact leaves no open gap to measure by; neither may matter."""
     for seed in range(20):
         rng = np.random.default_rng(seed)
-        data, u, pressure = manufactured(contacts, rng, kind, np.array(states), epsilon)
-        solution = contacts.solve(name, data.problem(), len(u), epsilon)
+        data, u, pressure = manufactured(rng, kind, np.array(states), epsilon)
+        solution = solve_from_rest(name, data.problem(), len(u), epsilon)
         assert solution.outcome is Outcome.CONVERGED, f"seed {seed}"
         np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
         np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
@@ -117,12 +119,12 @@ def test_touching_without_pressure_and_full_contact(contacts, name, epsilon, sta
 @each_algorithm
 @each_epsilon
 @pytest.mark.parametrize("kind", KINDS)
-def test_almost_touching_is_still_decided(contacts, name, epsilon, kind) -> None:
+def test_almost_touching_is_still_decided(name, epsilon, kind) -> None:
     """Must fail beside must pass: gaps and pressures of 1e-7 are far above rounding, and the set has to see them."""
     states, size = np.array([0, 1, 0, 1, 0, 1]), np.array([1e-7, 1e-7, 1e-7, 1e-7, 1.0, 1.0])
     for seed in range(12):
-        data, _, pressure = manufactured(contacts, np.random.default_rng(seed), kind, states, epsilon, size)
-        solution = contacts.solve(name, data.problem(), len(data.f), epsilon)
+        data, _, pressure = manufactured(np.random.default_rng(seed), kind, states, epsilon, size)
+        solution = solve_from_rest(name, data.problem(), len(data.f), epsilon)
         assert solution.outcome is Outcome.CONVERGED, f"seed {seed}"
         np.testing.assert_array_equal(solution.active, states == 1)
         np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=FINE)
@@ -133,15 +135,15 @@ def test_almost_touching_is_still_decided(contacts, name, epsilon, kind) -> None
 
 @each_algorithm
 @pytest.mark.parametrize("kind", KINDS)
-def test_finite_epsilon_obeys_its_law_and_converges_to_the_constraint(contacts, fitted_order, name, kind) -> None:
+def test_finite_epsilon_obeys_its_law_and_converges_to_the_constraint(name, kind) -> None:
     """p = -epsilon g on the set, 0 elsewhere; penetration falls with 1/epsilon; 1e14 costs no digit."""
-    data = contacts.random_quadratic(np.random.default_rng(1), kind)
+    data = random_quadratic(np.random.default_rng(1), kind)
     problem = data.problem()
-    exact = contacts.solve(name, problem, len(data.f))
+    exact = solve_from_rest(name, problem, len(data.f))
     assert 0 < exact.active.sum() < len(exact.active)
     measured, penetrations = 10.0 ** np.arange(3, 9), []
     for epsilon in (*measured, 1e10, 1e12, 1e14):
-        solution = contacts.solve(name, problem, len(data.f), epsilon)
+        solution = solve_from_rest(name, problem, len(data.f), epsilon)
         assert solution.outcome is Outcome.CONVERGED
         assert np.max(np.abs(solution.pressure - exact.pressure)) <= 100 / epsilon + ROUNDING
         if epsilon in measured:  # later the penetration drowns in the rounding of the gap

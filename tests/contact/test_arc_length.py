@@ -10,6 +10,7 @@ from scipy import sparse
 
 from contact.continuation.arc_length import ArcLength
 from contact.problem import Outcome
+from support.contact_problems import Linear
 
 ON_CURVE = 1e-8
 LIMIT = 1e-4  # of a limit point in displacement: the load is stationary there
@@ -23,31 +24,31 @@ def load_of(u):
     return u * (u - 1) * (u - 2)
 
 
-def truss(contacts):
+def truss():
     """The shallow truss P = u (u - 1)(u - 2): snap-through."""
 
     def linearise(u, memory):
         tangent = sparse.csc_matrix(np.diag(3 * u**2 - 6 * u + 2))
-        return contacts.Linear(load_of(u), tangent, float(np.linalg.norm(load_of(u))))
+        return Linear(load_of(u), tangent, float(np.linalg.norm(load_of(u))))
 
     return linearise, np.ones(1)
 
 
-def truss_behind_a_spring(contacts, k: float = 0.2):
+def truss_behind_a_spring(k: float = 0.2):
     """The same loaded through a soft spring: w = u + P/k goes backwards, snap-back."""
 
     def linearise(x, memory):
         u, w = x
         residual = np.array([load_of(u) - k * (w - u), k * (w - u)])
         tangent = sparse.csc_matrix(np.array([[3 * u**2 - 6 * u + 2 + k, -k], [-k, k]]))
-        return contacts.Linear(residual, tangent, float(np.linalg.norm(residual)))
+        return Linear(residual, tangent, float(np.linalg.norm(residual)))
 
     return linearise, np.array([0.0, 1.0])
 
 
 @pytest.mark.parametrize("first_factor", [0.02, 0.2])
-def test_snap_through(contacts, first_factor) -> None:
-    linearise, load = truss(contacts)
+def test_snap_through(first_factor) -> None:
+    linearise, load = truss()
     trace = ArcLength(first_factor).trace(linearise, load, [0.2, TARGET])
     assert trace.outcome is Outcome.CONVERGED
     for point in trace.points:
@@ -61,8 +62,8 @@ def test_snap_through(contacts, first_factor) -> None:
     assert min(abs(p.factor - 0.2) for p in trace.points) <= ON_CURVE
 
 
-def test_snap_back(contacts) -> None:
-    linearise, load = truss_behind_a_spring(contacts)
+def test_snap_back() -> None:
+    linearise, load = truss_behind_a_spring()
     trace = ArcLength(0.05).trace(linearise, load, [TARGET])
     assert trace.outcome is Outcome.CONVERGED
     limits = [p for p in trace.points if p.limit]
@@ -73,12 +74,12 @@ def test_snap_back(contacts) -> None:
     assert np.all(np.diff([p.u[0] for p in trace.points]) > 0)
 
 
-def test_a_curve_that_never_gets_there_says_so(contacts) -> None:
+def test_a_curve_that_never_gets_there_says_so() -> None:
     """P = u exp(-u) has its maximum 1/e at u = 1 and never reaches 1."""
 
     def linearise(u, memory):
         tangent = sparse.csc_matrix(np.diag((1 - u) * np.exp(-u)))
-        return contacts.Linear(u * np.exp(-u), tangent, float(np.linalg.norm(u * np.exp(-u))))
+        return Linear(u * np.exp(-u), tangent, float(np.linalg.norm(u * np.exp(-u))))
 
     trace = ArcLength(0.05, max_points=40).trace(linearise, np.ones(1), [1.0])
     assert not trace.outcome.converged
@@ -88,8 +89,8 @@ def test_a_curve_that_never_gets_there_says_so(contacts) -> None:
     assert limit.factor == pytest.approx(1 / math.e, abs=LIMIT_LOAD)
 
 
-def test_a_march_without_an_iteration_does_not_leave_rest(contacts) -> None:
-    linearise, load = truss(contacts)
+def test_a_march_without_an_iteration_does_not_leave_rest() -> None:
+    linearise, load = truss()
     trace = ArcLength(0.02, max_iterations=0).trace(linearise, load, [TARGET])
     assert trace.outcome is Outcome.STEP_LIMIT
     assert "arc length after t = 0" in trace.reason

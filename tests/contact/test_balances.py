@@ -18,6 +18,9 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
+from support.contact_problems import Linear
+from support.differences import fitted_order
+from support.shells import PATCHES, make_shell
 
 CLOSED = 1e-11  # a balance of forces or energies that is only rounding
 OPEN = 1e-4
@@ -25,7 +28,7 @@ ORDER = 0.1  # half-width of the interval around the order 8 of Lobatto's rule o
 
 
 @pytest.fixture
-def chain(contacts):
+def chain():
     """Springs k e + c e^3 in a row before walls: a potential of the fourth degree."""
     n, k, c = 6, 2.0, 5.0
     f, walls = np.array([0.5, 1.2, -0.8, 1.5, -0.4, 1.0]), np.full(6, 0.4)
@@ -34,7 +37,7 @@ def chain(contacts):
     def linearise(u, memory):
         e = B @ u
         tangent = sparse.csc_matrix(B.T @ np.diag(k + 3 * c * e**2) @ B)
-        return contacts.Linear(B.T @ (k * e + c * e**3) - f, tangent, float(np.linalg.norm(f)))
+        return Linear(B.T @ (k * e + c * e**3) - f, tangent, float(np.linalg.norm(f)))
 
     def energy(u):
         e = B @ u
@@ -69,20 +72,20 @@ def test_a_potential_that_is_not_that_of_the_forces_is_caught(chain) -> None:
     assert judge(wrong, solution.u, solution.pressure).failures() == ["energy"]
 
 
-def test_other_potentials_are_balanced_up_to_the_eighth_order(contacts, fitted_order) -> None:
+def test_other_potentials_are_balanced_up_to_the_eighth_order() -> None:
     """exp(u): relative error of the eighth order in the length of the way, as long as one panel is enough."""
     lengths, errors = np.array([1.2, 0.9, 0.6]), []
     for length in lengths:
         u = np.array([length])
-        found = judge(exponential(contacts), u, np.exp(u), since=np.zeros(1))  # the pressure is the force at the end
+        found = judge(exponential(), u, np.exp(u), since=np.zeros(1))  # the pressure is the force at the end
         errors.append(found.energy * 2 * np.exp(length / 2) / length)  # over the mean derivative, too
     assert abs(fitted_order(lengths, errors) - 8) <= ORDER
 
 
-def exponential(contacts) -> ContactProblem:
+def exponential() -> ContactProblem:
     """P = exp(u) held by one pressure."""
     return ContactProblem(
-        lambda u, memory: contacts.Linear(np.exp(u), sparse.csc_matrix(np.diag(np.exp(u))), 1.0),
+        lambda u, memory: Linear(np.exp(u), sparse.csc_matrix(np.diag(np.exp(u))), 1.0),
         lambda u: np.ones(1),
         lambda u: sparse.csr_matrix([[1.0]]),
         np.ones(1),
@@ -90,9 +93,9 @@ def exponential(contacts) -> ContactProblem:
     )
 
 
-def test_a_long_way_is_balanced_in_panels_and_still_tells_what_is_wrong(contacts) -> None:
+def test_a_long_way_is_balanced_in_panels_and_still_tells_what_is_wrong() -> None:
     """One panel over exp(8) is off by more than the bound; what is wrong stays wrong whatever the panels."""
-    problem, u = exponential(contacts), np.array([8.0])
+    problem, u = exponential(), np.array([8.0])
     right = judge(problem, u, np.exp(u), since=np.zeros(1))
     assert right.energy <= 1e-8
     too_large = replace(problem, energy=lambda u: 1.0001 * problem.energy(u))
@@ -113,9 +116,9 @@ def test_no_potential_no_balance(chain) -> None:
 # --- shells -------------------------------------------------------------------------------------------------------
 
 
-def pressed(make_shell, patches, name: str, n: int = 6, **options):
+def pressed(name: str, n: int = 6, **options):
     """A clamped patch pushed by its pressure against a drum beside its middle; model, problem, answer."""
-    patch = patches[name]
+    patch = PATCHES[name]
     grid = patch.grid(n, n, 0.5)
     fixed = np.zeros((grid.n_nodes, 6), bool)
     lines = [(axis, grid.nodes[:, axis].min()) for axis in (0, 1)] + [
@@ -148,9 +151,9 @@ def pressed(make_shell, patches, name: str, n: int = 6, **options):
 
 @pytest.mark.parametrize("name", ["plate", "cylinder", "sphere"])
 @pytest.mark.parametrize("measure", MEASURES)
-def test_both_balances_close_on_a_shell(make_shell, patches, name, measure) -> None:
+def test_both_balances_close_on_a_shell(name, measure) -> None:
     interpolation = "isoparametric" if MEASURES[measure].kinematics == FULL else "curvilinear"
-    shell, problem, answer = pressed(make_shell, patches, name, measure=measure, interpolation=interpolation)
+    shell, problem, answer = pressed(name, measure=measure, interpolation=interpolation)
     assert shell.conservative
     verdict = judge(problem, answer.u, answer.pressure)
     assert verdict.energy <= CLOSED
@@ -161,8 +164,8 @@ def test_both_balances_close_on_a_shell(make_shell, patches, name, measure) -> N
         assert verdict.failures() == ["force"]
 
 
-def test_a_missing_support_or_load_leaves_a_force(make_shell, patches) -> None:
-    shell, problem, answer = pressed(make_shell, patches, "sphere", interpolation="isoparametric")
+def test_a_missing_support_or_load_leaves_a_force() -> None:
+    shell, problem, answer = pressed("sphere", interpolation="isoparametric")
     reactions = shell.reactions(answer.u)
     assert np.abs(reactions).max() > OPEN
     held = np.argmax(np.abs(reactions[:, 4]))
@@ -172,20 +175,20 @@ def test_a_missing_support_or_load_leaves_a_force(make_shell, patches) -> None:
     assert judge(lighter, answer.u, answer.pressure).force > OPEN
 
 
-def test_wrong_normals_leave_a_force(make_shell, patches) -> None:
+def test_wrong_normals_leave_a_force() -> None:
     """The pressures act along the gradient of the gap; told otherwise, the resultant does not close."""
-    _, problem, answer = pressed(make_shell, patches, "plate")
+    _, problem, answer = pressed("plate")
     tilted = replace(
         problem, directions=lambda u: problem.directions(u) @ np.array([[1, 0, 0], [0, 1, 0], [0.01, 0, 1]])
     )
     assert judge(tilted, answer.u, answer.pressure).failures() == ["force"]
 
 
-def test_the_papers_interpolation_does_not_translate_a_curved_shell(make_shell, patches) -> None:
+def test_the_papers_interpolation_does_not_translate_a_curved_shell() -> None:
     """Known of the element, and now measured in every contact: the force is lost with the square of the mesh size."""
     found = []
     for n in (6, 12):
-        shell, problem, answer = pressed(make_shell, patches, "sphere", n)
+        shell, problem, answer = pressed("sphere", n)
         verdict = judge(problem, answer.u, answer.pressure)
         assert verdict.energy <= CLOSED
         assert verdict.failures() == ["force"]
@@ -196,14 +199,14 @@ def test_the_papers_interpolation_does_not_translate_a_curved_shell(make_shell, 
     assert found[0] > 2 * found[1]
 
 
-def test_follower_loads_and_unsymmetric_sections_have_no_potential(make_shell, patches, skew_laminate) -> None:
-    shell, problem, answer = pressed(make_shell, patches, "plate", follower=True)
+def test_follower_loads_and_unsymmetric_sections_have_no_potential() -> None:
+    shell, problem, answer = pressed("plate", follower=True)
     assert not shell.conservative
     verdict = judge(problem, answer.u, answer.pressure)
     assert verdict.energy > OPEN  # what the balance would say of the energy of the strains alone
     assert verdict.force <= CLOSED
     assert judge(replace(problem, energy=None), answer.u, answer.pressure).failures() == []
-    plate = patches["plate"]
+    plate = PATCHES["plate"]
     sections = {s: make_shell(plate.surface, plate.grid(2, 2), section=s) for s in ("constant-s33", "nonsymmetric")}
     assert {name: shell.conservative for name, shell in sections.items()} == {
         "constant-s33": True,

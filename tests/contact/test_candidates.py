@@ -14,6 +14,7 @@ from contact.continuation.candidates import solve_within_reach
 from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.solve import resolve, solve
+from support.contact_problems import linear_mechanics
 
 DOWN = np.array([0.0, 0.0, -1.0])
 
@@ -33,7 +34,7 @@ class Watched:
         return self.inner.solve(problem, start)
 
 
-def seesaw(contacts, arm: float, coupling: sparse.csr_matrix | None = None) -> ContactProblem:
+def seesaw(arm: float, coupling: sparse.csr_matrix | None = None) -> ContactProblem:
     """Two points at heights 0 and 3, a floor at 1: lifting the first lowers the second ``arm`` times as far."""
     heights = np.array([0.0, 3.0])
     x = np.array([[0.0, 0.0, z] for z in heights])
@@ -41,14 +42,14 @@ def seesaw(contacts, arm: float, coupling: sparse.csr_matrix | None = None) -> C
     candidates = Candidates(x, on_z, np.ones(2), coupling)
     soft, stiff = np.array([1.0, 0.0]), np.array([arm, 1.0])  # the stiff motion: w + arm v = 0
     K = 0.1 * np.outer(soft, soft) + 1e3 * np.outer(stiff, stiff)
-    return against(contacts.linear_mechanics(K, np.zeros(2)), candidates, RigidPlane(DOWN, -1.0))
+    return against(linear_mechanics(K, np.zeros(2)), candidates, RigidPlane(DOWN, -1.0))
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
 @pytest.mark.parametrize("arm", [1.0, 5.0])
-def test_who_was_left_out_and_penetrates_is_taken_in(contacts, name, arm) -> None:
+def test_who_was_left_out_and_penetrates_is_taken_in(name, arm) -> None:
     """The second point, twice as far off as the foundation has come, is lowered by more than that when arm = 5."""
-    problem, algorithm = seesaw(contacts, arm), Watched(ALGORITHMS[name]())
+    problem, algorithm = seesaw(arm), Watched(ALGORITHMS[name]())
     rest = ContactSolution.at_rest(2, 2)
     near = solve_within_reach(algorithm, problem, rest)
     every = ALGORITHMS[name]().solve(problem, rest)
@@ -61,9 +62,9 @@ def test_who_was_left_out_and_penetrates_is_taken_in(contacts, name, arm) -> Non
     assert near.counters["factorisations"] >= every.counters["factorisations"]
 
 
-def test_consistent_coupling_keeps_every_candidate(contacts) -> None:
+def test_consistent_coupling_keeps_every_candidate() -> None:
     coupling = sparse.csr_matrix(np.array([[2.0, 1.0], [1.0, 2.0]]))
-    problem, algorithm = seesaw(contacts, 1.0, coupling), Watched(Semismooth())
+    problem, algorithm = seesaw(1.0, coupling), Watched(Semismooth())
     solve_within_reach(algorithm, problem, ContactSolution.at_rest(2, 2))
     assert problem.only is None
     assert algorithm.seen == [2]
@@ -71,10 +72,10 @@ def test_consistent_coupling_keeps_every_candidate(contacts) -> None:
         Candidates(np.zeros((2, 3)), sparse.csr_matrix((6, 2)), np.ones(2), coupling).only(np.array([True, False]))
 
 
-def test_the_failure_of_the_few_is_that_of_the_step(contacts) -> None:
+def test_the_failure_of_the_few_is_that_of_the_step() -> None:
     """Nothing resists the first point: singular with or without the second."""
-    problem = seesaw(contacts, 0.0)
-    loose = replace(problem, linearise=contacts.linear_mechanics(np.zeros((2, 2)), np.array([0.0, 1.0])))
+    problem = seesaw(0.0)
+    loose = replace(problem, linearise=linear_mechanics(np.zeros((2, 2)), np.array([0.0, 1.0])))
     found = solve_within_reach(Semismooth(), replace(loose, only=lambda chosen: loose), ContactSolution.at_rest(2, 2))
     assert not found.outcome.converged
 

@@ -14,6 +14,14 @@ from contact.catalogue import ALGORITHMS
 from contact.obstacles.foundation import Candidates, RigidPlane, against_plane
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
+from support.contact_problems import (
+    Linear,
+    Quadratic,
+    dual_by_nnls,
+    linear_mechanics,
+    random_quadratic,
+    solve_from_rest,
+)
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 TOUCH = 1e-9  # a pressure or penetration above this is one
@@ -28,15 +36,15 @@ each_epsilon = pytest.mark.parametrize("epsilon", EPSILONS)
 
 @each_algorithm
 @each_epsilon
-def test_body_on_a_plane_presses_uniformly(contacts, name, epsilon) -> None:
+def test_body_on_a_plane_presses_uniformly(name, epsilon) -> None:
     """Contact patch test: equal columns under a dead pressure, every candidate in contact, pressure = load."""
     k, load, start = 3.0, 0.7, 0.02
     areas = np.array([0.5, 1.0, 1.5, 0.7])
     K, f = sparse.csc_matrix(np.diag(k * areas)), load * areas + k * areas * start
     candidates = Candidates(np.zeros((4, 3)), sparse.csr_matrix(np.kron(np.eye(4), [[0], [0], [1]])), areas)
-    linearise = contacts.linear_mechanics(K, f)
+    linearise = linear_mechanics(K, f)
     problem = against_plane(linearise, candidates, RigidPlane(np.array([0.0, 0.0, 1.0]), start))
-    solution = contacts.solve(name, problem, 4, epsilon)
+    solution = solve_from_rest(name, problem, 4, epsilon)
     assert solution.outcome is Outcome.CONVERGED
     exact = load / (1 + k / epsilon)
     np.testing.assert_allclose(solution.pressure, exact, rtol=ROUNDING)
@@ -46,23 +54,23 @@ def test_body_on_a_plane_presses_uniformly(contacts, name, epsilon) -> None:
 STRING_DATA = 2.0, 1.3, 9.0, 0.25  # length, tension, load, gap
 
 
-def string(contacts, n: int):
+def string(n: int):
     """A string of n elements before a flat obstacle: an M-matrix, which active sets approach from one side."""
     L, T, q, g = STRING_DATA
     h = L / n
     K = T / h * (2 * np.eye(n - 1) - np.eye(n - 1, k=1) - np.eye(n - 1, k=-1))
-    return contacts.Quadratic(K, np.full(n - 1, q * h), -np.eye(n - 1), np.full(n - 1, g), np.full(n - 1, h))
+    return Quadratic(K, np.full(n - 1, q * h), -np.eye(n - 1), np.full(n - 1, g), np.full(n - 1, h))
 
 
 @each_algorithm
 @each_epsilon
-def test_string_over_an_obstacle(contacts, name, epsilon) -> None:
+def test_string_over_an_obstacle(name, epsilon) -> None:
     """Free length l = sqrt(2 T g/q) on three meshes; pressure q under the contact; reaction q (L - 2 l)."""
     L, T, q, g = STRING_DATA
     free_length = math.sqrt(2 * T * g / q)
     for n in (24, 48, 96):
         h = L / n
-        solution = contacts.solve(name, string(contacts, n).problem(), n - 1, epsilon)
+        solution = solve_from_rest(name, string(n).problem(), n - 1, epsilon)
         assert solution.outcome is Outcome.CONVERGED
         touching = np.flatnonzero(solution.active)
         assert abs(h * (touching[0] + 1) - free_length) <= h
@@ -74,13 +82,13 @@ def test_string_over_an_obstacle(contacts, name, epsilon) -> None:
 
 
 @pytest.mark.parametrize(("n", "fewest"), [(384, 41), (768, 82)])
-def test_iterations_that_only_release_do_not_count(contacts, n, fewest) -> None:
+def test_iterations_that_only_release_do_not_count(n, fewest) -> None:
     """The first step closes every node, the others open one on either side: more of them than Newton has iterations.
 
     A finite epsilon lets the rim move by more than a node, and the mesh no longer matters.
     """
-    data = string(contacts, n)
-    exact, soft = (contacts.solve("semismooth", data.problem(), n - 1, epsilon) for epsilon in EPSILONS)
+    data = string(n)
+    exact, soft = (solve_from_rest("semismooth", data.problem(), n - 1, epsilon) for epsilon in EPSILONS)
     assert exact.outcome is soft.outcome is Outcome.CONVERGED
     assert judge(data.problem(), exact.u, exact.pressure).failures() == []
     assert fewest <= exact.counters["newton_iterations"] <= n / 2
@@ -88,31 +96,29 @@ def test_iterations_that_only_release_do_not_count(contacts, n, fewest) -> None:
     for row in exact.history[2:]:
         assert (row["added"], row["removed"]) in ((0, 2), (0, 0))
     # what counts: the free step and the set that it closes, on one linearisation
-    enough, short = (contacts.solve("semismooth", data.problem(), n - 1, max_iterations=k) for k in (1, 0))
+    enough, short = (solve_from_rest("semismooth", data.problem(), n - 1, max_iterations=k) for k in (1, 0))
     assert (enough.outcome, short.outcome) == (Outcome.CONVERGED, Outcome.ITERATION_LIMIT)
 
 
 @each_algorithm
 @each_epsilon
 @pytest.mark.parametrize("normal", [(1.0, 0.0, 0.0), (0.6, 0.0, -0.8), (2 / 7, 3 / 7, 6 / 7)])
-def test_inclined_plane(contacts, rng, name, epsilon, normal) -> None:
+def test_inclined_plane(rng, name, epsilon, normal) -> None:
     """Three unknowns in each gap row, through the foundation; the same as the dual with G = -n."""
     m, normal = 5, np.array(normal)
     x = rng.normal(size=(m, 3))
-    data = contacts.Quadratic(
-        contacts.random_quadratic(rng, "definite", 3 * m - 2).K,
+    data = Quadratic(
+        random_quadratic(rng, "definite", 3 * m - 2).K,
         rng.normal(size=3 * m),
         -np.kron(np.eye(m), normal),
         0.1 - x @ normal,
         rng.uniform(0.5, 2, m),
     )
     candidates = Candidates(x, sparse.eye_array(3 * m, format="csr"), data.w)
-    problem = against_plane(
-        contacts.linear_mechanics(sparse.csc_matrix(data.K), data.f), candidates, RigidPlane(normal, 0.1)
-    )
-    solution = contacts.solve(name, problem, 3 * m, epsilon)
+    problem = against_plane(linear_mechanics(sparse.csc_matrix(data.K), data.f), candidates, RigidPlane(normal, 0.1))
+    solution = solve_from_rest(name, problem, 3 * m, epsilon)
     assert solution.outcome is Outcome.CONVERGED
-    u, pressure = contacts.by_nnls(data, epsilon)
+    u, pressure = dual_by_nnls(data, epsilon)
     assert 0 < np.sum(pressure > TOUCH) < m
     np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
     np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
@@ -120,7 +126,7 @@ def test_inclined_plane(contacts, rng, name, epsilon, normal) -> None:
 
 @each_algorithm
 @each_epsilon
-def test_chain_of_hardening_springs(contacts, name, epsilon) -> None:
+def test_chain_of_hardening_springs(name, epsilon) -> None:
     """Springs k e + c e^3 in a row, walls before some nodes: the only consistent one of all 2^m sets, by scipy."""
     n, k, c = 6, 2.0, 5.0
     f = np.array([0.5, 1.2, -0.8, 1.5, -0.4, 1.0])
@@ -134,7 +140,7 @@ def test_chain_of_hardening_springs(contacts, name, epsilon) -> None:
 
     def linearise(u, memory):
         tangent = sparse.csc_matrix(B.T @ np.diag(k + 3 * c * (B @ u) ** 2) @ B)
-        return contacts.Linear(internal(u) - f, tangent, max(np.linalg.norm(internal(u)), np.linalg.norm(f)))
+        return Linear(internal(u) - f, tangent, max(np.linalg.norm(internal(u)), np.linalg.norm(f)))
 
     problem = ContactProblem(linearise, lambda u: walls + G @ u, lambda u: G, weights)
     consistent = []
@@ -154,7 +160,7 @@ def test_chain_of_hardening_springs(contacts, name, epsilon) -> None:
     assert len(consistent) == 1
     u, p, a = consistent[0]
     assert 0 < a.sum() < 3
-    solution = contacts.solve(name, problem, n, epsilon)
+    solution = solve_from_rest(name, problem, n, epsilon)
     assert solution.outcome is Outcome.CONVERGED
     np.testing.assert_array_equal(solution.active, a)
     np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
@@ -163,7 +169,7 @@ def test_chain_of_hardening_springs(contacts, name, epsilon) -> None:
 
 @each_algorithm
 @each_epsilon
-def test_particle_on_a_round_obstacle(contacts, name, epsilon) -> None:
+def test_particle_on_a_round_obstacle(name, epsilon) -> None:
     """A spring pulls a particle into a ball: it rests above the anchor; the gap is curved and its curvature counts."""
     k, weight, radius = 2.0, 0.8, 1.5
     centre, anchor = np.array([0.2, -0.1, 0.3]), np.array([0.9, 0.4, -0.3])
@@ -181,7 +187,7 @@ def test_particle_on_a_round_obstacle(contacts, name, epsilon) -> None:
         return sparse.csc_matrix(force[0] * (np.eye(3) - np.outer(n, n)) / length)
 
     problem = ContactProblem(
-        contacts.linear_mechanics(sparse.csc_matrix(k * np.eye(3)), np.zeros(3)),
+        linear_mechanics(sparse.csc_matrix(k * np.eye(3)), np.zeros(3)),
         lambda u: np.array([np.linalg.norm(gap_vector(u)) - radius]),
         gap_jacobian,
         np.array([weight]),

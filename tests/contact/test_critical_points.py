@@ -11,17 +11,18 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import MODES, spectrum, why_it_ends
 from contact.continuation.load_stepping import follow
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from support.contact_problems import Linear, Quadratic, random_quadratic
 
 EXACT = 1e-9
 LIMIT = 1e-4  # of the interval, on the limit extrapolated from states within a hundredth of it
 
 
-def pressed(contacts, residual, tangent, sign: float):
+def pressed(residual, tangent, sign: float):
     """problem_at(t): two unknowns, the second held by a plane that has gone to sign t; area 1."""
 
     def at(t: float) -> ContactProblem:
         def linearise(u, memory):
-            return contacts.Linear(residual(*u), sparse.csc_matrix(tangent(*u)), 1.0)
+            return Linear(residual(*u), sparse.csc_matrix(tangent(*u)), 1.0)
 
         G = sparse.csr_matrix([[0.0, sign]])
         return ContactProblem(linearise, lambda u: G @ u - t, lambda u: G, np.ones(1))
@@ -36,7 +37,7 @@ def in_contact(u, p: float) -> ContactSolution:
 H, A, C = 1.0, 2.0, 0.5  # height of the truss, a, spring: C < A H^2, or the plane would take it through
 
 
-def truss(contacts):
+def truss():
     """A shallow truss of energy a/4 ((h + w)^2 - h^2)^2 under a spring c that a plane presses down by t."""
 
     def residual(w, d):
@@ -45,7 +46,7 @@ def truss(contacts):
     def tangent(w, d):
         return np.array([[A * (3 * (H + w) ** 2 - H**2) + C, -C], [-C, C]])
 
-    return pressed(contacts, residual, tangent, -1.0)
+    return pressed(residual, tangent, -1.0)
 
 
 def truss_state(w: float) -> tuple[float, ContactSolution]:
@@ -60,30 +61,30 @@ T_LIMIT = truss_state(W_LIMIT)[0]
 
 
 @pytest.mark.parametrize("nearness", [0.1, 0.05, 0.02])
-def test_a_truss_ends_at_its_limit_point(contacts, nearness) -> None:
+def test_a_truss_ends_at_its_limit_point(nearness) -> None:
     states = [truss_state(W_LIMIT * (1 - part)) for part in (1.0, 3 * nearness, 2 * nearness, nearness)]
-    found = why_it_ends(truss(contacts), states)
+    found = why_it_ends(truss(), states)
     assert found.sentence.startswith("limit point")
     # the next term of the law is of third order in the deflection, of order 3/2 in the parameter
     assert found.limit == pytest.approx(T_LIMIT, abs=3 * nearness**3 * T_LIMIT)
     assert f"{found.limit:.7g}" in found.sentence
 
 
-def test_the_softest_motion_of_the_truss(contacts) -> None:
+def test_the_softest_motion_of_the_truss() -> None:
     t, state = truss_state(-0.2)
-    found = spectrum(truss(contacts)(t), state)
+    found = spectrum(truss()(t), state)
     assert found.eigenvalues == pytest.approx(A * (3 * 0.8**2 - H**2) + C, rel=EXACT)
     assert np.abs(found.modes) == pytest.approx(np.array([[1.0], [0.0]]), abs=EXACT)
     assert found.negative == 0
     t, state = truss_state(-0.8)  # on the way back
-    assert spectrum(truss(contacts)(t), state).negative == 1
+    assert spectrum(truss()(t), state).negative == 1
 
 
 K_LINK, LENGTH, C_LINK = 3.0, 2.0, 5.0
 T_BUCKLING = K_LINK / (C_LINK * LENGTH)
 
 
-def link(contacts):
+def link():
     """An upright link on a spiral spring k, pressed by a plane through a spring c: it buckles at t = k/(c l)."""
 
     def residual(th, d):
@@ -94,29 +95,29 @@ def link(contacts):
         s, N = LENGTH * np.sin(th), C_LINK * (d - LENGTH * (1 - np.cos(th)))
         return np.array([[K_LINK + C_LINK * s**2 - N * LENGTH * np.cos(th), -C_LINK * s], [-C_LINK * s, C_LINK]])
 
-    return pressed(contacts, residual, tangent, 1.0)
+    return pressed(residual, tangent, 1.0)
 
 
-def test_a_link_ends_at_its_bifurcation(contacts) -> None:
+def test_a_link_ends_at_its_bifurcation() -> None:
     times = [part * T_BUCKLING for part in (0.0, 0.9, 0.95, 0.99)]
-    found = why_it_ends(link(contacts), [(t, in_contact([0.0, t], C_LINK * t)) for t in times])
+    found = why_it_ends(link(), [(t, in_contact([0.0, t], C_LINK * t)) for t in times])
     assert found.sentence.startswith("bifurcation near 0.297: ")
     assert "1 % of that at 0," in found.sentence
     assert found.limit is None
 
 
-def test_branches_that_cross_are_no_limit_point_even_along_the_mode(contacts) -> None:
+def test_branches_that_cross_are_no_limit_point_even_along_the_mode() -> None:
     """-x^2 + t x = 0 with a second unknown in contact: on x = t the tangent is -t, and the path moves on at speed 1."""
-    at = pressed(contacts, lambda x, d: np.array([x * (d - x), d + 9]), lambda x, d: [[d - 2 * x, x], [0, 1]], 1.0)
+    at = pressed(lambda x, d: np.array([x * (d - x), d + 9]), lambda x, d: [[d - 2 * x, x], [0, 1]], 1.0)
     states = [(t, in_contact([t, t], t + 9)) for t in (-1.0, -0.03, -0.02, -0.01)]
     found = why_it_ends(at, states)
     assert found.limit is None
     assert found.sentence.startswith("bifurcation near -0.01: ")
 
 
-def test_a_limit_point_is_told_from_a_bifurcation_just_before_it(contacts) -> None:
+def test_a_limit_point_is_told_from_a_bifurcation_just_before_it() -> None:
     """The truss with a third unknown, whose stiffness is gone at w = 0.9 of the limit and negative from there on."""
-    nearly, at_truss = 0.9 * W_LIMIT, truss(contacts)
+    nearly, at_truss = 0.9 * W_LIMIT, truss()
 
     def at(t: float) -> ContactProblem:
         inner = at_truss(t)
@@ -126,7 +127,7 @@ def test_a_limit_point_is_told_from_a_bifurcation_just_before_it(contacts) -> No
             aside = np.array([u[2], 0.0])
             tangent = np.block([[lin.tangent.toarray(), aside[:, None]], [aside[None, :], np.array([[stiff]])]])
             force = np.append(lin.residual + np.array([u[2] ** 2 / 2, 0.0]), stiff * u[2])
-            return contacts.Linear(force, sparse.csc_matrix(tangent), 1.0)
+            return Linear(force, sparse.csc_matrix(tangent), 1.0)
 
         G = sparse.csr_matrix([[0.0, -1.0, 0.0]])
         return ContactProblem(linearise, lambda u: G @ u - t, lambda u: G, np.ones(1))
@@ -138,13 +139,13 @@ def test_a_limit_point_is_told_from_a_bifurcation_just_before_it(contacts) -> No
     assert "1 eigenvalue is negative, none at 0: it has passed branches" in found.sentence
 
 
-def test_a_chain_that_can_carry_no_more_ends_at_its_limit(contacts) -> None:
+def test_a_chain_that_can_carry_no_more_ends_at_its_limit() -> None:
     """Followed by the program: w - w^2/2 carries at most 1/2, and a spring c = 1/2 gives way at w = 1 + c."""
 
     def residual(w, d):
         return np.array([w - w**2 / 2 + C * (w - d), C * (d - w)])
 
-    at = pressed(contacts, residual, lambda w, d: np.array([[1 - w + C, -C], [-C, C]]), 1.0)
+    at = pressed(residual, lambda w, d: np.array([[1 - w + C, -C], [-C, C]]), 1.0)
     limit = 1.5 + (1.5 - 1.5**2 / 2) / C
     points = list(follow(at, 0.0, [1.0, 4.0], ALGORITHMS["semismooth"](settle=1.0), ContactSolution.at_rest(2, 1)))
     assert [point.outcome for point in points] == [Outcome.CONVERGED, Outcome.STEP_LIMIT]
@@ -156,25 +157,25 @@ def test_a_chain_that_can_carry_no_more_ends_at_its_limit(contacts) -> None:
     assert points[1].solution.history[-1]["event"].endswith(end.sentence)
 
 
-def test_a_solver_that_fails_is_not_taken_for_the_end_of_the_path(contacts) -> None:
+def test_a_solver_that_fails_is_not_taken_for_the_end_of_the_path() -> None:
     states = [truss_state(w) for w in (-0.01, -0.05, -0.06, -0.07)]
-    found = why_it_ends(truss(contacts), states)
+    found = why_it_ends(truss(), states)
     assert found.sentence.startswith("no limit point: ")
     assert found.limit is None
 
 
-def test_two_states_tell_nothing(contacts) -> None:
-    assert "too few" in why_it_ends(truss(contacts), [truss_state(w) for w in (-0.1, -0.2)]).sentence
+def test_two_states_tell_nothing() -> None:
+    assert "too few" in why_it_ends(truss(), [truss_state(w) for w in (-0.1, -0.2)]).sentence
 
 
 @pytest.mark.parametrize("epsilon", [np.inf, 10.0])
 @pytest.mark.parametrize("kind", ["obstacle", "definite", "inclined"])
 @pytest.mark.parametrize("shift", [0.0, 0.5])  # takes the lowest eigenvalues below zero
 @pytest.mark.parametrize("m", [4, 25])  # dense and sparse
-def test_the_softest_motion_by_dense_algebra(contacts, epsilon, kind, shift, m) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(m), kind, m)
+def test_the_softest_motion_by_dense_algebra(epsilon, kind, shift, m) -> None:
+    data = random_quadratic(np.random.default_rng(m), kind, m)
     K = data.K - shift * np.eye(len(data.K))
-    problem = contacts.Quadratic(K, data.f, data.G, data.g0, data.w).problem()
+    problem = Quadratic(K, data.f, data.G, data.g0, data.w).problem()
     active = np.arange(m) % 3 == 0
     state = ContactSolution(np.zeros(len(K)), active.astype(float), active, Outcome.CONVERGED)
     G, w = data.G[active], data.w[active]
@@ -188,24 +189,24 @@ def test_the_softest_motion_by_dense_algebra(contacts, epsilon, kind, shift, m) 
     assert found.negative == np.sum(values < 0)
 
 
-def test_an_unsymmetric_tangent_has_an_eigenvalue_but_no_count(contacts) -> None:
+def test_an_unsymmetric_tangent_has_an_eigenvalue_but_no_count() -> None:
     rng = np.random.default_rng(1)
     root = rng.normal(size=(30, 30))
     values = np.append(0.01, np.linspace(1, 2, 29))
     K = root @ np.diag(values) @ np.linalg.inv(root)
-    problem = contacts.Quadratic(K, np.zeros(30), np.eye(30)[:1], np.zeros(1), np.ones(1)).problem()
+    problem = Quadratic(K, np.zeros(30), np.eye(30)[:1], np.zeros(1), np.ones(1)).problem()
     found = spectrum(problem, ContactSolution.at_rest(30, 1))
     assert found.eigenvalues[0] == pytest.approx(0.01, rel=1e-6)
     assert abs(found.modes[:, 0] @ root[:, 0]) == pytest.approx(np.linalg.norm(root[:, 0]), rel=1e-6)
     assert found.negative is None
 
 
-def test_nothing_is_free_to_move(contacts) -> None:
-    problem = contacts.Quadratic(np.eye(1), np.zeros(1), np.eye(1), np.zeros(1), np.ones(1)).problem()
+def test_nothing_is_free_to_move() -> None:
+    problem = Quadratic(np.eye(1), np.zeros(1), np.eye(1), np.zeros(1), np.ones(1)).problem()
     assert len(spectrum(problem, in_contact([0.0], 0.0)).eigenvalues) == 0
 
 
-def test_a_state_beyond_the_path_is_no_state_of_it(contacts) -> None:
+def test_a_state_beyond_the_path_is_no_state_of_it() -> None:
     """r = u - u^3/3 ends at u = 1, r = 2/3; above it Newton finds u < -2, where the tangent 1 - u^2 is negative.
 
     Beside it a spring that a load of 1 presses on a wall at 0.5.
@@ -214,7 +215,7 @@ def test_a_state_beyond_the_path_is_no_state_of_it(contacts) -> None:
     def at(load: float) -> ContactProblem:
         def linearise(u, memory):
             residual = np.array([u[0] - u[0] ** 3 / 3 - load, u[1] - 1.0])
-            return contacts.Linear(residual, sparse.csc_matrix(np.diag([1.0 - u[0] ** 2, 1.0])), 1.0)
+            return Linear(residual, sparse.csc_matrix(np.diag([1.0 - u[0] ** 2, 1.0])), 1.0)
 
         G = sparse.csr_matrix([[0.0, -1.0]])
         return ContactProblem(linearise, lambda u: 0.5 + G @ u, lambda u: G, np.ones(1))

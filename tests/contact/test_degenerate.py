@@ -17,6 +17,7 @@ from contact.problem import ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import LcpError, by_nnls, lemke
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
+from support.contact_problems import Quadratic, definite, dual_by_nnls, random_quadratic
 
 NNLS = 1e-9  # all quantities are of the order one
 BY_BACKEND = 1e-6  # of what a backend alone finds with tolerances of 1e-8
@@ -42,23 +43,23 @@ each_way = pytest.mark.parametrize(
 OPEN, PRESSED, TOUCHING = range(3)
 
 
-def with_states(contacts, seed: int, kind: str, states: np.ndarray):
+def with_states(seed: int, kind: str, states: np.ndarray):
     """A problem whose only solution is built in, with gaps and pressures of exactly zero at the touching nodes."""
     rng = np.random.default_rng(seed)
-    data = contacts.random_quadratic(rng, kind, len(states))
+    data = random_quadratic(rng, kind, len(states))
     u = rng.normal(size=len(data.f))
     pressure = np.where(states == PRESSED, rng.uniform(0.5, 2, len(states)), 0.0)
     gap = np.where(states == OPEN, rng.uniform(0.5, 2, len(states)), 0.0)
     f = data.K @ u - data.G.T @ (data.w * pressure)
-    return contacts.Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), (u, pressure)
+    return Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), (u, pressure)
 
 
-def agrees(contacts, way: str, data, built_in=None) -> None:
+def agrees(way: str, data, built_in=None) -> None:
     """With what is built in, or else with nnls, whose answer the judge has passed."""
     problem = data.problem()
     solution = WAYS[way].solve(problem, ContactSolution.at_rest(len(data.f), len(data.w)))
     assert solution.outcome is Outcome.CONVERGED
-    u, pressure = built_in or contacts.by_nnls(data, math.inf)
+    u, pressure = built_in or dual_by_nnls(data, math.inf)
     assert judge(problem, u, np.maximum(pressure, 0)).failures() == []
     np.testing.assert_allclose(solution.u, u, rtol=0, atol=NNLS)
     np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=NNLS)
@@ -72,51 +73,51 @@ def agrees(contacts, way: str, data, built_in=None) -> None:
     states=st.lists(st.sampled_from([OPEN, PRESSED, TOUCHING]), min_size=1, max_size=12),
 )
 @settings(deadline=None, derandomize=True, max_examples=100)
-def test_any_mixture_of_open_pressed_and_touching(contacts, way, seed, kind, states) -> None:
-    agrees(contacts, way, *with_states(contacts, seed, kind, np.array(states)))
+def test_any_mixture_of_open_pressed_and_touching(way, seed, kind, states) -> None:
+    agrees(way, *with_states(seed, kind, np.array(states)))
 
 
 @each_way
 @given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(["obstacle", "definite", "inclined"]))
 @settings(deadline=None, derandomize=True, max_examples=100)
-def test_random(contacts, way, seed, kind) -> None:
-    agrees(contacts, way, contacts.random_quadratic(np.random.default_rng(seed), kind, 8))
+def test_random(way, seed, kind) -> None:
+    agrees(way, random_quadratic(np.random.default_rng(seed), kind, 8))
 
 
 @each_way
 @pytest.mark.parametrize("m", [5, 20, 60])
-def test_flattened_patch_without_pressure(contacts, way, m) -> None:
+def test_flattened_patch_without_pressure(way, m) -> None:
     """A beam bent flat against a wall: the rim carries all, the patch between nothing, as in the nonlinear theory."""
     states = np.full(m, TOUCHING)
     states[[0, -1]] = PRESSED
-    agrees(contacts, way, *with_states(contacts, m, "definite", states))
+    agrees(way, *with_states(m, "definite", states))
 
 
 @pytest.mark.parametrize("seed", range(40))
-def test_nnls_itself_is_right_or_corrected(contacts, seed) -> None:
+def test_nnls_itself_is_right_or_corrected(seed) -> None:
     """Gaps of exactly zero mislead scipy's nnls now and then; what we make of it is right each time."""
     states = np.array([OPEN, TOUCHING, PRESSED, TOUCHING, OPEN, TOUCHING, TOUCHING, PRESSED])
-    data, (_, pressure) = with_states(contacts, seed, "definite", states)
+    data, (_, pressure) = with_states(seed, "definite", states)
     S = data.G @ np.linalg.solve(data.K, data.G.T)
     found = by_nnls(S, data.g0 + data.G @ np.linalg.solve(data.K, data.f))
     np.testing.assert_allclose(found.z, data.w * pressure, rtol=0, atol=NNLS)
 
 
-def test_nnls_alone_is_no_oracle_of_exact_touch(contacts) -> None:
+def test_nnls_alone_is_no_oracle_of_exact_touch() -> None:
     """Must fail beside must pass, a published solver: nodes that just touch, everything else open, nothing presses."""
     wrong = 0
     for seed in range(300):
-        data, (u, pressure) = with_states(contacts, seed, "definite", np.array([0, 0, 0, 2, 0, 2, 0, 2, 0, 0]))
-        if np.max(np.abs(contacts.by_nnls(data, math.inf)[1] - pressure)) > 1e-3:
+        data, (u, pressure) = with_states(seed, "definite", np.array([0, 0, 0, 2, 0, 2, 0, 2, 0, 0]))
+        if np.max(np.abs(dual_by_nnls(data, math.inf)[1] - pressure)) > 1e-3:
             wrong += 1
-            agrees(contacts, "lcp, nnls", data, (u, pressure))
+            agrees("lcp, nnls", data, (u, pressure))
     assert wrong > 0
 
 
-def test_nnls_is_refused_without_symmetry_and_pivots_are_not(contacts, rng) -> None:
-    data = contacts.random_quadratic(rng, "definite", 6)
+def test_nnls_is_refused_without_symmetry_and_pivots_are_not(rng) -> None:
+    data = random_quadratic(rng, "definite", 6)
     skew = rng.normal(size=data.K.shape)
-    data = contacts.Quadratic(data.K + 0.3 * (skew - skew.T), data.f, data.G, data.g0, data.w)
+    data = Quadratic(data.K + 0.3 * (skew - skew.T), data.f, data.G, data.g0, data.w)
     problem, rest = data.problem(), ContactSolution.at_rest(len(data.f), 6)
     for algorithm in (Lcp(method="nnls"), Qp()):
         refused = algorithm.solve(problem, rest)
@@ -130,19 +131,19 @@ def test_nnls_is_refused_without_symmetry_and_pivots_are_not(contacts, rng) -> N
 
 
 @each_backend
-def test_a_tangent_that_is_not_convex_is_shifted_and_told(contacts, backend) -> None:
+def test_a_tangent_that_is_not_convex_is_shifted_and_told(backend) -> None:
     """The unknown that the foundation holds has no stiffness of its own but a negative one: K is indefinite."""
     K = np.diag([-0.5, 2.0, 3.0]) + 0.1
-    data = contacts.Quadratic(K, np.array([1.0, 1.0, 0.5]), -np.eye(3)[:2], np.array([0.2, 5.0]), np.ones(2))
+    data = Quadratic(K, np.array([1.0, 1.0, 0.5]), -np.eye(3)[:2], np.array([0.2, 5.0]), np.ones(2))
     solution = Qp(backend=backend).solve(data.problem(), ContactSolution.at_rest(3, 2))
     assert solution.outcome is Outcome.CONVERGED
     assert any("not convex" in row.get("event", "") for row in solution.history)
     assert judge(data.problem(), solution.u, solution.pressure).failures() == []
 
 
-def programme(contacts, rng, n: int, m: int) -> tuple[Programme, np.ndarray, np.ndarray]:
+def programme(rng, n: int, m: int) -> tuple[Programme, np.ndarray, np.ndarray]:
     """With its answer x, y: every other row holds, with a multiplier."""
-    P, A, x = contacts.definite(rng, n), rng.normal(size=(m, n)), rng.normal(size=n)
+    P, A, x = definite(rng, n), rng.normal(size=(m, n)), rng.normal(size=n)
     holds = np.arange(m) % 2 == 0
     y, slack = np.where(holds, rng.uniform(0.5, 2, m), 0.0), np.where(holds, 0.0, rng.uniform(0.5, 2, m))
     return Programme(sparse.csc_matrix(P), A.T @ y - P @ x, sparse.csc_matrix(A), A @ x - slack), x, y
@@ -150,8 +151,8 @@ def programme(contacts, rng, n: int, m: int) -> tuple[Programme, np.ndarray, np.
 
 @each_backend
 @pytest.mark.parametrize(("n", "m"), [(1, 1), (5, 1), (8, 3), (20, 12), (4, 0)])
-def test_backends_have_the_signs_and_rows_that_they_should(contacts, rng, backend, n, m) -> None:
-    whole, x, y = programme(contacts, rng, n, m)
+def test_backends_have_the_signs_and_rows_that_they_should(rng, backend, n, m) -> None:
+    whole, x, y = programme(rng, n, m)
     answer = ask(backend, whole, 1e-8, True)
     assert answer.claimed, answer.status
     np.testing.assert_allclose(answer.x, x, rtol=0, atol=BY_BACKEND)
@@ -160,8 +161,8 @@ def test_backends_have_the_signs_and_rows_that_they_should(contacts, rng, backen
 
 @each_backend
 @pytest.mark.parametrize("spoilt", ["infeasible", "unbounded", "NaN in P", "NaN in q", "infinite b"])
-def test_what_has_no_answer_is_not_claimed(contacts, rng, backend, spoilt) -> None:
-    good, _, _ = programme(contacts, rng, 4, 2)
+def test_what_has_no_answer_is_not_claimed(rng, backend, spoilt) -> None:
+    good, _, _ = programme(rng, 4, 2)
     bad = {
         "infeasible": replace(good, A=sparse.csc_matrix([[1.0, 0, 0, 0], [-1.0, 0, 0, 0]]), b=np.ones(2)),
         "unbounded": replace(good, P=sparse.csc_matrix((4, 4))),
@@ -175,12 +176,12 @@ def test_what_has_no_answer_is_not_claimed(contacts, rng, backend, spoilt) -> No
 
 
 @pytest.mark.parametrize("failure", [RuntimeError("out of memory"), type("Panic", (BaseException,), {})("unwrap")])
-def test_a_backend_that_raises_is_told_and_exact_steps_go_on(contacts, rng, monkeypatch, failure) -> None:
+def test_a_backend_that_raises_is_told_and_exact_steps_go_on(rng, monkeypatch, failure) -> None:
     def fail(*_: object) -> None:
         raise failure
 
     monkeypatch.setitem(BACKENDS, "osqp", fail)
-    data = contacts.random_quadratic(rng, "obstacle")
+    data = random_quadratic(rng, "obstacle")
     solution = Qp().solve(data.problem(), ContactSolution.at_rest(len(data.f), len(data.w)))
     assert solution.outcome is Outcome.CONVERGED
     assert str(failure) in " ".join(row.get("event", "") for row in solution.history)
@@ -188,11 +189,11 @@ def test_a_backend_that_raises_is_told_and_exact_steps_go_on(contacts, rng, monk
 
 
 @each_backend
-def test_a_far_candidate_that_the_near_one_pushes_in_is_handed_over(contacts, backend) -> None:
+def test_a_far_candidate_that_the_near_one_pushes_in_is_handed_over(backend) -> None:
     """The near one alone would press; what it leaves goes through the far wall, which then lifts it off its own."""
     flexible, free, walls = np.array([[1.0, 0.5], [0.5, 1.0]]), np.array([-1.0, -4.0]), np.array([0.0, 1.0])
     K = np.linalg.inv(flexible)
-    data = contacts.Quadratic(K, K @ free, np.eye(2), walls, np.ones(2))
+    data = Quadratic(K, K @ free, np.eye(2), walls, np.ones(2))
     solution = Qp(backend=backend).solve(data.problem(), ContactSolution.at_rest(2, 2))
     assert solution.outcome is Outcome.CONVERGED
     np.testing.assert_allclose(solution.u, [0.5, -1.0], rtol=0, atol=NNLS)
@@ -200,8 +201,8 @@ def test_a_far_candidate_that_the_near_one_pushes_in_is_handed_over(contacts, ba
     assert not any("corrected" in row.get("event", "") for row in solution.history)  # a second programme knew both
 
 
-def test_osqp_is_quiet_where_nothing_presses(contacts, rng, capfd) -> None:
-    data, _ = with_states(contacts, 3, "definite", np.array([OPEN, OPEN, OPEN]))
+def test_osqp_is_quiet_where_nothing_presses(rng, capfd) -> None:
+    data, _ = with_states(3, "definite", np.array([OPEN, OPEN, OPEN]))
     solution = Qp().solve(data.problem(), ContactSolution.at_rest(len(data.f), 3))
     assert solution.outcome is Outcome.CONVERGED
     assert not solution.active.any()
@@ -222,5 +223,5 @@ def test_no_solution_is_said() -> None:
         (Qp(backend="magic"), "osqp, clarabel"),
     ],
 )
-def test_unknown_methods_are_refused_with_the_choices(contacts, rng, algorithm, hint) -> None:
-    assert hint in algorithm.supports(contacts.random_quadratic(rng, "definite").problem())
+def test_unknown_methods_are_refused_with_the_choices(rng, algorithm, hint) -> None:
+    assert hint in algorithm.supports(random_quadratic(rng, "definite").problem())

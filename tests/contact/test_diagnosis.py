@@ -21,6 +21,8 @@ from contact.verify import judge
 from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
+from support.contact_problems import linear_mechanics
+from support.shells import PATCHES, make_shell
 
 UP = np.array([0.0, 0.0, 1.0])
 EPSILON = 1e4
@@ -48,7 +50,7 @@ class Case:
         return point.solution
 
 
-def grid_case(contacts, n1: int, n2: int) -> Case:
+def grid_case(n1: int, n2: int) -> Case:
     """A net of strings with unequal areas and two faces, coupled across the thickness by springs; load along z."""
     m = n1 * n2
     number = np.arange(m).reshape(n1, n2)
@@ -74,14 +76,14 @@ def grid_case(contacts, n1: int, n2: int) -> Case:
         return Candidates(x + (face - 1) * 0.2 * UP, operator, weights)
 
     def mechanics(load: float):
-        return contacts.linear_mechanics(both, load * f)
+        return linear_mechanics(both, load * f)
 
     return Case(mechanics, (candidates(0), candidates(1)), RigidPlane(UP, 0.6))
 
 
-def shell_case(make_shell, patches, foundation: Foundation, coupling: bool = False, epsilon: float = math.inf) -> Case:
+def shell_case(foundation: Foundation, coupling: bool = False, epsilon: float = math.inf) -> Case:
     """A clamped plate of two unequal divisions lifted against a foundation by a pressure."""
-    grid = patches["plate"].grid(10, 4)
+    grid = PATCHES["plate"].grid(10, 4)
     fixed = np.zeros((grid.n_nodes, 6), bool)
     edges = np.concatenate([grid.on_line(0, -1.0), grid.on_line(0, 1.0)])
     fixed[edges] = True
@@ -99,12 +101,12 @@ def shell_case(make_shell, patches, foundation: Foundation, coupling: bool = Fal
 PLANE = RigidPlane(UP, 0.1)
 DRUM = Drum(np.array([0.0, 1.0, 1.6]), np.array([0.0, 1.0, 0.0]), 1.5)
 CASES = {
-    "chain": lambda contacts, *shell: grid_case(contacts, 12, 1),
-    "membrane": lambda contacts, *shell: grid_case(contacts, 7, 6),
-    "shell": lambda contacts, *shell: shell_case(*shell, PLANE),
-    "shell on a drum": lambda contacts, *shell: shell_case(*shell, DRUM),
-    "shell, consistent": lambda contacts, *shell: shell_case(*shell, PLANE, coupling=True),
-    "shell, regularised": lambda contacts, *shell: shell_case(*shell, PLANE, epsilon=EPSILON),
+    "chain": lambda: grid_case(12, 1),
+    "membrane": lambda: grid_case(7, 6),
+    "shell": lambda: shell_case(PLANE),
+    "shell on a drum": lambda: shell_case(DRUM),
+    "shell, consistent": lambda: shell_case(PLANE, coupling=True),
+    "shell, regularised": lambda: shell_case(PLANE, epsilon=EPSILON),
 }
 
 
@@ -114,10 +116,10 @@ def solved() -> dict[str, tuple[Case, ContactSolution, ContactSolution]]:
 
 
 @pytest.fixture(params=CASES)
-def sound(request, contacts, make_shell, patches, solved):
+def sound(request, solved):
     """A case, its answer, and its answer under 0.9 of the load; each is solved once."""
     if request.param not in solved:
-        case = CASES[request.param](contacts, make_shell, patches)
+        case = CASES[request.param]()
         solved[request.param] = case, case.solve(), case.solve(0.9)
     case, answer, before = solved[request.param]
     assert 3 < answer.active.sum() < len(answer.active)
@@ -204,8 +206,8 @@ def test_a_corruption_is_caught_and_named(sound, spoil) -> None:
 
 
 @pytest.fixture
-def chain(contacts):
-    case = grid_case(contacts, 12, 1)
+def chain():
+    case = grid_case(12, 1)
     return case, case.solve()
 
 

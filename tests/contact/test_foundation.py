@@ -9,6 +9,7 @@ import pytest
 from scipy import sparse
 
 from contact.obstacles.foundation import Candidates, RigidPlane, against_plane
+from support.contact_problems import linear_mechanics
 
 ROUNDING = 1e-13
 NORMALS = [np.array([1.0, 0, 0]), np.array([0, 0.6, -0.8]), np.array([2, 3, 6]) / 7]
@@ -31,13 +32,13 @@ def test_gap_is_the_distance_positive_when_open(normal, rng) -> None:
 
 @pytest.mark.parametrize("normal", NORMALS)
 @pytest.mark.parametrize("coupling", [False, True])
-def test_problem_against_a_plane(contacts, rng, normal, coupling) -> None:
+def test_problem_against_a_plane(rng, normal, coupling) -> None:
     """Gap of the moved points, its derivative by differences, and a force W p against the normal on every point."""
     m, n = 3, 7
     operator, x, w = rng.normal(size=(3 * m, n)), rng.normal(size=(m, 3)), rng.uniform(0.5, 2, m)
     W = np.diag(w) + (0.1 if coupling else 0.0) * np.ones((m, m))
     candidates = Candidates(x, sparse.csr_matrix(operator), w, sparse.csr_matrix(W) if coupling else None)
-    problem = against_plane(contacts.linear_mechanics(np.eye(n), np.zeros(n)), candidates, RigidPlane(normal, 0.4))
+    problem = against_plane(linear_mechanics(np.eye(n), np.zeros(n)), candidates, RigidPlane(normal, 0.4))
     u, du, p = rng.normal(size=n), rng.normal(size=n), rng.uniform(0, 1, m)
     moved = x + (operator @ u).reshape(m, 3)
     np.testing.assert_allclose(problem.gap(u), 0.4 - moved @ normal, rtol=0, atol=10 * ROUNDING)

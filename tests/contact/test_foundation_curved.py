@@ -13,6 +13,8 @@ from scipy import sparse
 from contact.obstacles.cleat import Arc, Line, Profile, cleat, rounded, step
 from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, Foundation, RigidPlane, against
+from support.contact_problems import linear_mechanics
+from support.differences import central_difference
 
 ROUNDING = 1e-12
 BRUTE = 1e-9  # of distances of the order one, by a search that narrows to 1e-6 (an error of its square)
@@ -167,7 +169,7 @@ def smooth_points(foundation: Foundation, rng: np.random.Generator) -> np.ndarra
 
 
 @each_foundation
-def test_gradient_and_curvature_by_differences(name, rng, central_difference) -> None:
+def test_gradient_and_curvature_by_differences(name, rng) -> None:
     foundation = FOUNDATIONS[name]
     x = smooth_points(foundation, rng)
     assert len(x) > 60
@@ -251,7 +253,7 @@ def test_pieces_meet_with_one_tangent() -> None:
 
 @pytest.mark.parametrize("name", [name for name in FOUNDATIONS if name != "plane"])
 @pytest.mark.parametrize("coupling", [False, True])
-def test_tangent_of_a_whole_problem(contacts, name, coupling, rng, central_difference) -> None:
+def test_tangent_of_a_whole_problem(name, coupling, rng) -> None:
     """d(r - G^T W p)/du = K - gap_curvature(u, W p) at arbitrary pressures, by differences."""
     foundation = FOUNDATIONS[name]
     x = smooth_points(foundation, rng)
@@ -262,7 +264,7 @@ def test_tangent_of_a_whole_problem(contacts, name, coupling, rng, central_diffe
     W = np.diag(rng.uniform(0.5, 2, m)) + (0.2 * np.eye(m, k=1) if coupling else 0)
     candidates = Candidates(x, A, np.diag(W).copy(), sparse.csr_matrix(W) if coupling else None)
     K = rng.normal(size=(3 * m, 3 * m))
-    problem = against(contacts.linear_mechanics(K, np.zeros(3 * m)), candidates, foundation)
+    problem = against(linear_mechanics(K, np.zeros(3 * m)), candidates, foundation)
     u, p = np.zeros(3 * m), np.where(np.arange(m) % 4 == 1, 0.0, rng.uniform(0.5, 2, m))
     du = rng.normal(size=3 * m)
     du *= 0.3 / np.linalg.norm(A @ du)

@@ -17,14 +17,16 @@ from contact.obstacles.drum_sphere import Sphere
 from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactSolution, Outcome
 from contact.verify import judge
+from support.contact_problems import dual_by_nnls, linear_mechanics, random_quadratic
+from support.differences import central_difference
 
 ROUNDING = 1e-12
 ORACLE = 1e-7
 
 
 @pytest.fixture
-def step(contacts, rng) -> FrozenStep:
-    data = contacts.random_quadratic(rng, "inclined")
+def step(rng) -> FrozenStep:
+    data = random_quadratic(rng, "inclined")
     n = len(data.f)
     return freeze(data.problem(), np.zeros(n), np.zeros(6), {"scene": "made up", "load": 2.5})
 
@@ -40,12 +42,12 @@ def same(a: FrozenStep, b: FrozenStep) -> bool:
     )
 
 
-def test_a_frozen_step_is_one_newton_step(contacts, rng, central_difference) -> None:
+def test_a_frozen_step_is_one_newton_step(rng) -> None:
     """K is the derivative of r - G^T W p at fixed pressures, the curvature of the gap included; G that of the gap."""
     m = 4
     x, w = rng.normal(size=(m, 3)), rng.uniform(0.5, 2, m)
     K = rng.normal(size=(3 * m, 3 * m))
-    mechanics = contacts.linear_mechanics(K, rng.normal(size=3 * m))
+    mechanics = linear_mechanics(K, rng.normal(size=3 * m))
     problem = against(mechanics, Candidates(x, sparse.csr_matrix(np.eye(3 * m)), w), Sphere(np.zeros(3), 0.3))
     u, p, du = 0.1 * rng.normal(size=3 * m), rng.uniform(0, 1, m), rng.normal(size=3 * m)
     step = freeze(problem, u, p, {})
@@ -86,11 +88,11 @@ def test_the_container_is_what_is_documented(step, tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in ALGORITHMS if name != "regularised"])  # which is never exact
-def test_a_step_is_solved_alone(contacts, name, tmp_path) -> None:
+def test_a_step_is_solved_alone(name, tmp_path) -> None:
     """Frozen at the answer it asks for no displacement and the same pressures; frozen before, for the whole way."""
-    data = contacts.random_quadratic(np.random.default_rng(1), "definite")
+    data = random_quadratic(np.random.default_rng(1), "definite")
     problem, n = data.problem(), len(data.f)
-    u, p = contacts.by_nnls(data, math.inf)
+    u, p = dual_by_nnls(data, math.inf)
     for start, pressure in ((u, p), (np.zeros(n), np.zeros(6)), (np.linspace(-1, 1, n), np.ones(6))):
         path = tmp_path / "step.npz"
         freeze(problem, start, pressure, {}).write(path)

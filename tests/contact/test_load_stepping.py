@@ -12,18 +12,17 @@ from scipy import sparse
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import SMALLEST, follow
 from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
+from support.contact_problems import Linear, Quadratic
 
 EXACT = 1e-9
 
 
 @pytest.fixture
-def tracking(contacts):
+def tracking():
     """problem_at(t): one spring whose solution is u = t, with a wall at 1 that presses from there on."""
 
     def at(t: float) -> ContactProblem:
-        return contacts.Quadratic(
-            np.eye(1), np.array([t]), -np.ones((1, 1)), np.array([1.0]), np.array([2.0])
-        ).problem()
+        return Quadratic(np.eye(1), np.array([t]), -np.ones((1, 1)), np.array([1.0]), np.array([2.0])).problem()
 
     return at
 
@@ -167,12 +166,12 @@ def test_a_target_already_reached_costs_nothing(tracking) -> None:
 
 @pytest.mark.parametrize("name", ALGORITHMS)
 @pytest.mark.parametrize("direct", [True, False])
-def test_a_path_that_newton_cannot_take_in_one_step(contacts, name, direct) -> None:
+def test_a_path_that_newton_cannot_take_in_one_step(name, direct) -> None:
     """A softening spring P = atan u, unloaded from 1.4 to -1: Newton overshoots and diverges, cut steps arrive."""
 
     def at(load: float) -> ContactProblem:
         def linearise(u, memory):
-            return contacts.Linear(np.arctan(u) - load, sparse.csc_matrix(np.diag(np.cos(np.arctan(u)) ** 2)), 1.0)
+            return Linear(np.arctan(u) - load, sparse.csc_matrix(np.diag(np.cos(np.arctan(u)) ** 2)), 1.0)
 
         return without_contact(linearise, 1)
 
@@ -204,12 +203,12 @@ def test_an_algorithm_without_a_history_is_cut_and_told_about_all_the_same(track
     assert Outcome.STEP_LIMIT.value in events(dead)[-1][1]
 
 
-def test_a_refusal_ends_the_path_at_once(contacts) -> None:
+def test_a_refusal_ends_the_path_at_once() -> None:
     """No smaller step makes a tangent symmetric: one attempt, its reason in the last row, the start kept."""
 
     def at(load: float) -> ContactProblem:
         K = np.array([[2.0, 1.0], [-1.0, 2.0]])
-        return contacts.Quadratic(K, np.full(2, load), -np.eye(2), np.full(2, 0.1), np.ones(2)).problem()
+        return Quadratic(K, np.full(2, load), -np.eye(2), np.full(2, 0.1), np.ones(2)).problem()
 
     (point,) = follow(at, 0.0, [1.0, 2.0], ALGORITHMS["qp"](), ContactSolution.at_rest(2, 2))
     assert (point.outcome, point.reached, point.substeps) == (Outcome.REFUSED, 0.0, 0)

@@ -15,13 +15,14 @@ from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
+from support.contact_problems import Linear, linear_mechanics
 
 
 class Rope:
     """Linear springs in a row between two supports, at full geometry: tension k (l - l0), a dead load along z."""
 
-    def __init__(self, contacts, ends: np.ndarray, n: int, k: float, l0: float, lift: float = 0.0) -> None:
-        self.contacts, self.n, self.k, self.l0, self.lift = contacts, n, k, l0, lift
+    def __init__(self, ends: np.ndarray, n: int, k: float, l0: float, lift: float = 0.0) -> None:
+        self.n, self.k, self.l0, self.lift = n, k, l0, lift
         self.rest = ends[0] + np.linspace(0, 1, n + 1)[:, None] * (ends[1] - ends[0])
 
     def positions(self, u: np.ndarray) -> np.ndarray:
@@ -43,7 +44,7 @@ class Rope:
             K[own, own] += np.kron([[1, -1], [-1, 1]], block)
         inner = slice(3, -3)
         r[:, 2] -= self.lift
-        return self.contacts.Linear(r[1:-1].ravel(), sparse.csc_matrix(K[inner, inner]), self.k * self.l0)
+        return Linear(r[1:-1].ravel(), sparse.csc_matrix(K[inner, inner]), self.k * self.l0)
 
     def candidates(self, weights: np.ndarray) -> Candidates:
         return Candidates(self.rest[1:-1], sparse.csr_matrix(np.eye(3 * self.n - 3)), weights)
@@ -73,13 +74,13 @@ def resultant(candidates: Candidates, foundation: Foundation, solution: ContactS
     return f @ foundation.gradient(candidates.positions(solution.u))
 
 
-def test_rope_over_a_drum_has_one_tension(contacts) -> None:
+def test_rope_over_a_drum_has_one_tension() -> None:
     """Chords on the drum turn by b, have one tension T and press with 2 T sin(b/2): the discrete form of p = T/R.
 
     At the rim the drum pushes along its radius: what the free chord and the first on the drum pull sideways is equal.
     """
     R, n, w = 2.0, 40, 0.7
-    rope = Rope(contacts, np.array([[-3.0, 0, 0], [3.0, 0, 0]]), n, 10.0 * n / 6, 0.8 * 6 / n)
+    rope = Rope(np.array([[-3.0, 0, 0], [3.0, 0, 0]]), n, 10.0 * n / 6, 0.8 * 6 / n)
     drums = [Drum(np.array([0, 0, z - R]), np.array([0, 1.0, 0]), R) for z in np.linspace(0.1, 1.3, 8)]
     candidates = rope.candidates(np.full(n - 1, w))
     solution = solve_path([against(rope.linearise, candidates, drum) for drum in drums], 3 * n - 3)
@@ -103,13 +104,13 @@ def test_rope_over_a_drum_has_one_tension(contacts) -> None:
 
 
 @pytest.mark.parametrize("hollow", [False, True])
-def test_the_curvature_makes_newton_quadratic(contacts, hollow, rng) -> None:
+def test_the_curvature_makes_newton_quadratic(hollow, rng) -> None:
     """From a state pushed aside on the same set: residuals fall quadratically, and linearly without the curvature."""
     m, k, R = 6, 1.0, 1.5
     x = np.column_stack([np.linspace(-0.4, 0.4, m), rng.normal(size=m), np.full(m, 1.4 if not hollow else -1.6)])
     candidates = Candidates(x, sparse.csr_matrix(np.eye(3 * m)), np.ones(m))
     problem = against(
-        contacts.linear_mechanics(k * np.eye(3 * m), np.zeros(3 * m)),
+        linear_mechanics(k * np.eye(3 * m), np.zeros(3 * m)),
         candidates,
         Drum(np.zeros(3), np.array([0, 1.0, 0]), R, hollow),
     )
@@ -125,7 +126,7 @@ def test_the_curvature_makes_newton_quadratic(contacts, hollow, rng) -> None:
     assert linear >= 8
 
 
-def test_rope_lifted_into_a_hollow_drum(contacts) -> None:
+def test_rope_lifted_into_a_hollow_drum() -> None:
     """A dead load P a node lifts it against the concave wall: p = P cos(theta) - T b there; off it by h^2.
 
     Without friction T^2/(2 k) + l0 T + P z stays the same all along, on the wall and off it.
@@ -133,7 +134,7 @@ def test_rope_lifted_into_a_hollow_drum(contacts) -> None:
     R, errors = 2.0, []
     for n in (24, 48):
         P, w = 24.0 / n, 1.3
-        rope = Rope(contacts, np.array([[-1.0, 0, 0], [1.0, 0, 0]]), n, 10.0 * n / 2, 1.6 / n, lift=P)
+        rope = Rope(np.array([[-1.0, 0, 0], [1.0, 0, 0]]), n, 10.0 * n / 2, 1.6 / n, lift=P)
         candidates = rope.candidates(np.full(n - 1, w))
         tops = [Drum(np.array([0, 0, z - R]), np.array([0, 1.0, 0]), R, hollow=True) for z in np.linspace(0.8, 0.4, 6)]
         solution = solve_path([against(rope.linearise, candidates, top) for top in tops], 3 * n - 3)
@@ -152,10 +153,10 @@ def test_rope_lifted_into_a_hollow_drum(contacts) -> None:
 
 
 @pytest.mark.parametrize("kind", ["cleat", "step"])
-def test_rope_over_an_obstacle_on_a_plane(contacts, kind) -> None:
+def test_rope_over_an_obstacle_on_a_plane(kind) -> None:
     """Only the rounded edges turn it and carry; on the level top it lies with no pressure, its tension the same."""
     n, w, high = 80, 0.5, 0.4 if kind == "cleat" else 0.75
-    rope = Rope(contacts, np.array([[-2.0, 0, 0.4], [2.0, 0, high]]), n, 10.0 * n / 4, 0.8 * 4 / n)
+    rope = Rope(np.array([[-2.0, 0, 0.4], [2.0, 0, high]]), n, 10.0 * n / 4, 0.8 * 4 / n)
     pieces = cleat(0.3, 0.8, 60.0, 0.1) if kind == "cleat" else step(0.3, 60.0, 0.1)
     down, along = np.array([0, 0, -1.0]), np.array([1.0, 0, 0])
     grounds = [Profile(down, -z, along, 0.0, pieces) for z in np.linspace(0.12, 0.36, 9)]

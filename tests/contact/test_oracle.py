@@ -13,6 +13,7 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.interchange.oracle import OracleError, confirm, minimise, positive_definite, refusal
+from support.contact_problems import Quadratic, dual_by_nnls, random_quadratic
 
 EXACT = 1e-9  # of quantities of the order one
 KINDS = ("obstacle", "definite", "inclined")
@@ -25,18 +26,18 @@ def frozen(data) -> FrozenStep:
 @pytest.mark.parametrize("epsilon", [math.inf, 1e4])
 @given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(KINDS))
 @settings(deadline=None, derandomize=True, max_examples=25)
-def test_it_is_right_where_nnls_is(contacts, epsilon, seed, kind) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(seed), kind)
-    u, pressure = contacts.by_nnls(data, epsilon)
+def test_it_is_right_where_nnls_is(epsilon, seed, kind) -> None:
+    data = random_quadratic(np.random.default_rng(seed), kind)
+    u, pressure = dual_by_nnls(data, epsilon)
     found = confirm(frozen(data), u, pressure, epsilon)
     np.testing.assert_allclose(found.du, u, rtol=0, atol=EXACT)
     np.testing.assert_allclose(found.pressure, pressure, rtol=0, atol=EXACT)
     assert found.agrees
 
 
-def test_touching_without_pressure_is_no_difference(contacts, rng) -> None:
+def test_touching_without_pressure_is_no_difference(rng) -> None:
     """Strict complementarity fails at three of five candidates; whichever set, the pressures are the same."""
-    data = contacts.random_quadratic(rng, "definite", 5)
+    data = random_quadratic(rng, "definite", 5)
     u, p = rng.normal(size=len(data.f)), np.array([0, 0, 0, 1.5, 0])
     gap = np.array([0, 0, 0, 0, 1.0])
     data = replace(data, f=data.K @ u - data.G.T @ (data.w * p), g0=gap - data.G @ u)
@@ -45,22 +46,22 @@ def test_touching_without_pressure_is_no_difference(contacts, rng) -> None:
     np.testing.assert_allclose(found.pressure, p, rtol=0, atol=EXACT)
 
 
-def test_badly_scaled_steps(contacts, rng) -> None:
+def test_badly_scaled_steps(rng) -> None:
     """Stiffnesses over twelve decades, as in thin shells; forces of 1e-6 N and of 1e6 N."""
     for force in (1e-6, 1e6):
-        data = contacts.random_quadratic(rng, "definite")
+        data = random_quadratic(rng, "definite")
         unit = 10 ** rng.uniform(-3, 3, len(data.f))
         G = data.G / unit[None, :]
-        scaled = contacts.Quadratic(data.K / np.outer(unit, unit), force * data.f / unit, G, force * data.g0, data.w)
-        u, p = contacts.by_nnls(data, math.inf)
+        scaled = Quadratic(data.K / np.outer(unit, unit), force * data.f / unit, G, force * data.g0, data.w)
+        u, p = dual_by_nnls(data, math.inf)
         found = minimise(frozen(scaled))
         np.testing.assert_allclose(found[1] / force, p, rtol=0, atol=1e-7)
         np.testing.assert_allclose(found[0] / unit / force, u, rtol=0, atol=1e-7)
 
 
-def test_a_spoilt_answer_is_contradicted(contacts) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(5), "inclined")
-    u, p = contacts.by_nnls(data, math.inf)
+def test_a_spoilt_answer_is_contradicted() -> None:
+    data = random_quadratic(np.random.default_rng(5), "inclined")
+    u, p = dual_by_nnls(data, math.inf)
     step, pressed = frozen(data), int(np.argmax(p))
     assert confirm(step, u, p).agrees
     assert not confirm(step, u + 1e-5, p).agrees
@@ -72,8 +73,8 @@ def test_a_spoilt_answer_is_contradicted(contacts) -> None:
     np.testing.assert_array_equal(confirm(step, u, without).differing, [pressed])
 
 
-def test_no_programme_no_answer(contacts, rng) -> None:
-    step = frozen(contacts.random_quadratic(rng, "definite"))
+def test_no_programme_no_answer(rng) -> None:
+    step = frozen(random_quadratic(rng, "definite"))
     n = len(step.r)
     assert refusal(step) is None
     skew = sparse.csc_matrix(step.K.toarray() + 1e-3 * np.triu(np.ones((n, n)), 1))
@@ -91,9 +92,9 @@ def test_no_programme_no_answer(contacts, rng) -> None:
     assert refusal(replace(step, K=flat)) is not None
 
 
-def test_contradicting_constraints_have_no_answer(contacts) -> None:
+def test_contradicting_constraints_have_no_answer() -> None:
     """u <= -1 and u >= 1."""
-    data = contacts.Quadratic(np.eye(1), np.zeros(1), np.array([[1.0], [-1.0]]), np.array([-1.0, -1.0]), np.ones(2))
+    data = Quadratic(np.eye(1), np.zeros(1), np.array([[1.0], [-1.0]]), np.array([-1.0, -1.0]), np.ones(2))
     with pytest.raises(OracleError):
         minimise(frozen(data))
 
@@ -109,9 +110,9 @@ def test_definiteness_is_that_of_the_eigenvalues(seed) -> None:
         assert positive_definite(sparse.csc_matrix(K - shift * smallest * np.eye(n))) == definite
 
 
-def test_no_candidate_is_a_linear_system(contacts, rng) -> None:
-    data = contacts.random_quadratic(rng, "definite")
-    step = frozen(contacts.Quadratic(data.K, data.f, data.G[:0], data.g0[:0], data.w[:0]))
+def test_no_candidate_is_a_linear_system(rng) -> None:
+    data = random_quadratic(rng, "definite")
+    step = frozen(Quadratic(data.K, data.f, data.G[:0], data.g0[:0], data.w[:0]))
     du, pressure = minimise(step)
     np.testing.assert_allclose(du, np.linalg.solve(data.K, data.f), rtol=0, atol=EXACT)
     assert pressure.shape == (0,)

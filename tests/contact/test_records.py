@@ -11,6 +11,7 @@ from scipy.optimize import nnls
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, Outcome
 from contact.verify import judge
+from support.contact_problems import Linear, Quadratic, random_quadratic, solve_from_rest
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 ROUNDING = 1e-10
@@ -24,9 +25,9 @@ CYCLING_M = np.array([[4.0, 5.0, -5.0], [5.0, 9.0, -5.0], [-5.0, -5.0, 7.0]])
 CYCLING_C = np.array([-2.0, -1.0, 3.0])
 
 
-def cycling(contacts):
+def cycling():
     """min x.M.x/2 + c.x, x >= 0: the gap of each candidate is its x, the contact holds x = 0."""
-    return contacts.Quadratic(CYCLING_M, -CYCLING_C, np.eye(3), np.zeros(3), np.ones(3))
+    return Quadratic(CYCLING_M, -CYCLING_C, np.eye(3), np.zeros(3), np.ones(3))
 
 
 @pytest.mark.parametrize("start", [[True] * 3, [False] * 3])
@@ -43,9 +44,9 @@ def test_plain_set_swapping_cycles_on_the_example(start) -> None:
     assert len(set(seen[1:4])) == 3
 
 
-def test_trial_and_error_detects_the_cycle_and_still_converges(contacts) -> None:
-    data = cycling(contacts)
-    solution = contacts.solve("trial-and-error", data.problem(), 3)
+def test_trial_and_error_detects_the_cycle_and_still_converges() -> None:
+    data = cycling()
+    solution = solve_from_rest("trial-and-error", data.problem(), 3)
     assert solution.outcome is Outcome.CONVERGED
     events = [row["event"] for row in solution.history if "event" in row]
     assert len(events) == 1
@@ -58,10 +59,10 @@ def test_trial_and_error_detects_the_cycle_and_still_converges(contacts) -> None
 
 
 @each_algorithm
-def test_a_cycle_is_solved_or_reported(contacts, name) -> None:
+def test_a_cycle_is_solved_or_reported(name) -> None:
     """Who fails says so, and who says that it has converged is right."""
-    data = cycling(contacts)
-    solution = contacts.solve(name, data.problem(), 3)
+    data = cycling()
+    solution = solve_from_rest(name, data.problem(), 3)
     verdict = judge(data.problem(), solution.u, solution.pressure)
     if solution.outcome.converged:
         assert verdict.failures() == []
@@ -70,14 +71,14 @@ def test_a_cycle_is_solved_or_reported(contacts, name) -> None:
         assert set(verdict.failures()) & {"penetration", "tension"}
 
 
-def test_semismooth_cycles_unless_it_settles_its_set(contacts) -> None:
+def test_semismooth_cycles_unless_it_settles_its_set() -> None:
     """Must fail beside must pass: the textbook's method goes round until its limit; settled, it notices and ends."""
-    data = cycling(contacts)
-    textbook = contacts.solve("semismooth", data.problem(), 3, settle=1.0)
+    data = cycling()
+    textbook = solve_from_rest("semismooth", data.problem(), 3, settle=1.0)
     assert textbook.outcome is Outcome.ITERATION_LIMIT
     sizes = [row["contact_nodes"] for row in textbook.history]
     assert sizes[3:6] == sizes[6:9]
-    settled = contacts.solve("semismooth", data.problem(), 3)
+    settled = solve_from_rest("semismooth", data.problem(), 3)
     assert settled.outcome is Outcome.CONVERGED
     assert any("cycle detected" in row.get("event", "") for row in settled.history)
 
@@ -86,8 +87,8 @@ def test_semismooth_cycles_unless_it_settles_its_set(contacts) -> None:
 
 
 @each_algorithm
-def test_counters_and_history_are_those_of_the_run(contacts, name) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(3), "obstacle")
+def test_counters_and_history_are_those_of_the_run(name) -> None:
+    data = random_quadratic(np.random.default_rng(3), "obstacle")
     calls = []
     problem = data.problem()
     counted = ContactProblem(
@@ -96,7 +97,7 @@ def test_counters_and_history_are_those_of_the_run(contacts, name) -> None:
         problem.gap_jacobian,
         problem.weights,
     )
-    solution = contacts.solve(name, counted, len(data.f))
+    solution = solve_from_rest(name, counted, len(data.f))
     assert solution.counters["assemblies"] == len(calls) == len(solution.history)
     assert solution.counters["factorisations"] >= solution.counters["newton_iterations"] > 0
     last = solution.history[-1]
@@ -105,9 +106,9 @@ def test_counters_and_history_are_those_of_the_run(contacts, name) -> None:
 
 
 @each_algorithm
-def test_restarting_from_the_answer_takes_no_step(contacts, name) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(3), "inclined")
-    first = contacts.solve(name, data.problem(), len(data.f))
+def test_restarting_from_the_answer_takes_no_step(name) -> None:
+    data = random_quadratic(np.random.default_rng(3), "inclined")
+    first = solve_from_rest(name, data.problem(), len(data.f))
     again = ALGORITHMS[name](epsilon=math.inf).solve(data.problem(), first)
     assert again.outcome is Outcome.CONVERGED
     assert again.counters["newton_iterations"] <= 1  # one where rounding has pushed a closed gap to -1e-17
@@ -115,12 +116,12 @@ def test_restarting_from_the_answer_takes_no_step(contacts, name) -> None:
 
 
 @each_algorithm
-def test_memory_is_passed_on_and_forgotten_with_the_solve(contacts, name) -> None:
+def test_memory_is_passed_on_and_forgotten_with_the_solve(name) -> None:
     """Each linearisation gets what the last step remembered, or None at the start of a Newton."""
-    data = contacts.random_quadratic(np.random.default_rng(2), "obstacle")
+    data = random_quadratic(np.random.default_rng(2), "obstacle")
     problem, seen, given = data.problem(), [], []
 
-    class Remembering(contacts.Linear):
+    class Remembering(Linear):
         def remember(self, du):
             given.append(len(given))
             return given[-1]
@@ -130,7 +131,7 @@ def test_memory_is_passed_on_and_forgotten_with_the_solve(contacts, name) -> Non
         lin = problem.linearise(u, memory)
         return Remembering(lin.residual, lin.tangent, lin.scale)
 
-    solution = contacts.solve(
+    solution = solve_from_rest(
         name, ContactProblem(linearise, problem.gap, problem.gap_jacobian, problem.weights), len(data.f)
     )
     assert solution.outcome is Outcome.CONVERGED
@@ -143,10 +144,10 @@ def test_memory_is_passed_on_and_forgotten_with_the_solve(contacts, name) -> Non
     ("K", "outcome"),
     [(np.zeros((2, 2)), Outcome.SINGULAR), (np.array([[1.0, -1.0], [-1.0, 1.0]]), Outcome.SINGULAR)],
 )
-def test_singular_mechanics_is_an_outcome(contacts, name, K, outcome) -> None:
+def test_singular_mechanics_is_an_outcome(name, K, outcome) -> None:
     """The foundation would hold both unknowns, and a programme needs no stiffness to find that."""
-    data = contacts.Quadratic(K, np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
-    solution = contacts.solve(name, data.problem(), 2)
+    data = Quadratic(K, np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    solution = solve_from_rest(name, data.problem(), 2)
     if name == "qp":
         assert solution.outcome is Outcome.CONVERGED
         assert judge(data.problem(), solution.u, solution.pressure).failures() == []
@@ -155,15 +156,15 @@ def test_singular_mechanics_is_an_outcome(contacts, name, K, outcome) -> None:
 
 
 @each_algorithm
-def test_nan_is_divergence(contacts, name) -> None:
-    data = contacts.Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
-    assert contacts.solve(name, data.problem(), 2).outcome is Outcome.DIVERGED
+def test_nan_is_divergence(name) -> None:
+    data = Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    assert solve_from_rest(name, data.problem(), 2).outcome is Outcome.DIVERGED
 
 
 @each_algorithm
-def test_iteration_limit_is_an_outcome(contacts, name) -> None:
-    data = contacts.random_quadratic(np.random.default_rng(0), "obstacle")
-    limited = contacts.solve(name, data.problem(), len(data.f), ALGORITHMS[name]().epsilon, max_iterations=0)
+def test_iteration_limit_is_an_outcome(name) -> None:
+    data = random_quadratic(np.random.default_rng(0), "obstacle")
+    limited = solve_from_rest(name, data.problem(), len(data.f), ALGORITHMS[name]().epsilon, max_iterations=0)
     assert limited.outcome is Outcome.ITERATION_LIMIT
 
 

@@ -11,6 +11,7 @@ from scipy import sparse
 from contact.catalogue import ALGORITHMS
 from contact.problem import NEGLIGIBLE, ROUNDING_ALONE, ContactProblem, Outcome
 from contact.verify import judge
+from support.contact_problems import Linear, random_quadratic, solve_from_rest
 
 STIFF = 1e12  # of a pair of faces, over the stiffness 1 of everything else: S |u| eps is 1e-4 of the load
 PAIRS = 8
@@ -27,10 +28,10 @@ class Faces:
     whose rounding is in balance with nothing.
     """
 
-    def __init__(self, contacts, rng, by_pairs: bool) -> None:
+    def __init__(self, rng, by_pairs: bool) -> None:
         self.ground, self.load = rng.uniform(0.5, 2, 2 * PAIRS), rng.uniform(0.2, 1, 2 * PAIRS)
         spring = np.kron(np.eye(PAIRS), STIFF * np.array([[1.0, -1.0], [-1.0, 1.0]]))
-        self.K, self.by_pairs, self.Linear = np.diag(self.ground) + spring, by_pairs, contacts.Linear
+        self.K, self.by_pairs, self.Linear = np.diag(self.ground) + spring, by_pairs, Linear
 
     def linearise(self, u, memory):
         internal = self.K @ u
@@ -55,10 +56,10 @@ class Faces:
 
 @each_algorithm
 @each_kind
-def test_forces_that_move_nothing_are_no_obstacle(contacts, rng, name, wall) -> None:
-    faces = Faces(contacts, rng, by_pairs=True)
+def test_forces_that_move_nothing_are_no_obstacle(rng, name, wall) -> None:
+    faces = Faces(rng, by_pairs=True)
     problem = faces.problem(wall)
-    solution = contacts.solve(name, problem, 2 * PAIRS)
+    solution = solve_from_rest(name, problem, 2 * PAIRS)
     assert solution.outcome is Outcome.CONVERGED
     assert solution.counters["newton_iterations"] <= MOST[name]
     verdict = judge(problem, solution.u, solution.pressure)
@@ -72,9 +73,9 @@ def test_forces_that_move_nothing_are_no_obstacle(contacts, rng, name, wall) -> 
 
 @each_algorithm
 @each_kind
-def test_forces_that_do_move_are_an_outcome(contacts, rng, name, wall) -> None:
-    problem = Faces(contacts, rng, by_pairs=False).problem(wall)
-    solution = contacts.solve(name, problem, 2 * PAIRS)
+def test_forces_that_do_move_are_an_outcome(rng, name, wall) -> None:
+    problem = Faces(rng, by_pairs=False).problem(wall)
+    solution = solve_from_rest(name, problem, 2 * PAIRS)
     assert solution.outcome is Outcome.ROUNDING
     assert solution.counters["newton_iterations"] <= MOST[name]
     verdict = judge(problem, solution.u, solution.pressure)
@@ -83,9 +84,9 @@ def test_forces_that_do_move_are_an_outcome(contacts, rng, name, wall) -> None:
     assert "equilibrium" in verdict.failures()
 
 
-def test_correction_is_the_displacement_still_asked_for(contacts, rng) -> None:
+def test_correction_is_the_displacement_still_asked_for(rng) -> None:
     """Against a dense solve for the two directions that matter: each pair as one, the pressed ones held."""
-    faces = Faces(contacts, rng, by_pairs=False)
+    faces = Faces(rng, by_pairs=False)
     problem, u = faces.problem(0.5), np.repeat(rng.uniform(0.3, 0.5, PAIRS), 2)
     u[1::2] += 1e-5 / STIFF
     pressure = np.where(np.arange(PAIRS) < 3, 0.1, 0.0)
@@ -99,8 +100,8 @@ def test_correction_is_the_displacement_still_asked_for(contacts, rng) -> None:
     assert verdict.correction == pytest.approx(np.linalg.norm(np.repeat(mean, 2)) / np.linalg.norm(u), rel=1e-2)
 
 
-def test_nothing_is_solved_where_nothing_is_to_be_decided(contacts, rng) -> None:
-    data = contacts.random_quadratic(rng, "definite")
+def test_nothing_is_solved_where_nothing_is_to_be_decided(rng) -> None:
+    data = random_quadratic(rng, "definite")
     u = np.linalg.solve(data.K, data.f)
     for state in (u, 1.001 * u):
         assert math.isinf(judge(data.problem(), state, np.zeros(6)).correction)

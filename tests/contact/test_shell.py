@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -18,6 +16,7 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.scenes.contact.base import outer_face
+from support.shells import make_shell
 
 ROUNDING = 1e-10
 RIM = 0.05  # error of a reaction, in loads of a row of nodes: the rim wanders within its element
@@ -64,7 +63,7 @@ def patch_on_a_plane() -> tuple[Grid, Supports, Laminate]:
 @pytest.mark.parametrize("name", ["trial-and-error", "semismooth"])
 @on_symmetric_and_other_sections
 @by_measure
-def test_signorini_patch(make_shell, name, section, measure) -> None:
+def test_signorini_patch(name, section, measure) -> None:
     """Uniform pressure on one face of a plate that lies on the other: every node carries its area times p."""
     p = 0.3
     grid, supports, laminate = patch_on_a_plane()
@@ -87,7 +86,7 @@ def test_signorini_patch(make_shell, name, section, measure) -> None:
 @pytest.mark.parametrize("name", ALGORITHMS)
 @on_symmetric_and_other_sections
 @by_measure
-def test_signorini_patch_pressed_by_a_stamp(make_shell, name, section, measure) -> None:
+def test_signorini_patch_pressed_by_a_stamp(name, section, measure) -> None:
     """The other face moved by d: beta = -d/h, p = E_oed d/h, with exact strains -(1 + beta) E_oed (beta + beta^2/2)."""
     d = 0.02
     grid, supports, laminate = patch_on_a_plane()
@@ -115,7 +114,7 @@ def held_as_a_membrane(grid: Grid, end: float) -> Supports:
     return Supports.none(grid).hold(nodes, (2,)).hinged(nodes, (0,))
 
 
-def membrane(make_shell: Callable, surface, grid: Grid, supports: Supports, load: float) -> ShellModel:
+def membrane(surface, grid: Grid, supports: Supports, load: float) -> ShellModel:
     """A shell so soft that the tension T it starts with carries the load."""
     fixed, hinged = supports.masks
     initial = np.zeros(11)
@@ -126,7 +125,7 @@ def membrane(make_shell: Callable, surface, grid: Grid, supports: Supports, load
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_string_of_shell_elements_over_an_obstacle(make_shell, name) -> None:
+def test_string_of_shell_elements_over_an_obstacle(name) -> None:
     """Free length l = sqrt(2 T g/q) of a string; the reaction is what the string does not carry to its end."""
     L, free = 100.0, 38.0
     q = 2 * TENSION * GAP / free**2
@@ -135,7 +134,7 @@ def test_string_of_shell_elements_over_an_obstacle(make_shell, name) -> None:
         supports = held_as_a_membrane(grid, 0.0).symmetric(grid.on_line(0, L), 0)
         for side in (0.0, 10.0):
             supports = supports.symmetric(grid.on_line(1, side), 1)
-        shell = membrane(make_shell, Plate(), grid, supports, q)
+        shell = membrane(Plate(), grid, supports, q)
         nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(0, 0.0))
         problem, solution = touching(name, shell, nodes, RigidPlane(UP, SOFT.d_plus + GAP))
         force = problem.nodal_forces(solution.pressure).sum() / 10.0
@@ -147,7 +146,7 @@ def test_string_of_shell_elements_over_an_obstacle(make_shell, name) -> None:
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_circular_membrane_over_an_obstacle(make_shell, name) -> None:
+def test_circular_membrane_over_an_obstacle(name) -> None:
     """Disc of radius a: q a^2/(T g) = 4/(1 - x^2 - 2 x^2 ln(1/x)), x = c/a; no line force, F = q pi c^2."""
     a, hole, x = 100.0, 1.0, 0.3
     load = 4 / (1 - x**2 - 2 * x**2 * np.log(1 / x))
@@ -159,7 +158,7 @@ def test_circular_membrane_over_an_obstacle(make_shell, name) -> None:
         supports = held_as_a_membrane(grid, a).symmetric(grid.on_line(0, hole), 0)
         for side in (0.0, 0.3):
             supports = supports.symmetric(grid.on_line(1, side), 1)
-        shell = membrane(make_shell, annulus(), grid, supports, q)
+        shell = membrane(annulus(), grid, supports, q)
         nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(0, a))
         problem, solution = touching(name, shell, nodes, RigidPlane(-UP, SOFT.d_plus + GAP))
         force = problem.nodal_forces(solution.pressure).sum() * 2 * np.pi / 0.3

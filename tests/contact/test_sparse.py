@@ -11,6 +11,7 @@ from scipy import sparse
 
 from contact.newton.step import NewtonRun
 from contact.solvers.sparse import SOLVERS, UNLIKE, SingularMatrixError, checked_solve, factor_flops, factorise
+from support.contact_problems import Quadratic, random_quadratic
 
 BACKWARD = 1e-13
 DENSE = 1e-9  # agreement of the pivot substitution with the dense saddle-point solve
@@ -147,15 +148,15 @@ def dense_step(data, W, u, active, epsilon, K):
 @pytest.mark.parametrize("coupling", ["lumped", "consistent"])
 @pytest.mark.parametrize("kind", ["obstacle", "definite", "inclined"])
 @pytest.mark.parametrize("symmetric", [True, False])
-def test_step_is_that_of_the_dense_saddle_point(contacts, solver, epsilon, coupling, kind, symmetric) -> None:
+def test_step_is_that_of_the_dense_saddle_point(solver, epsilon, coupling, kind, symmetric) -> None:
     """For one and for three unknowns in a gap row, any epsilon, symmetric and non-symmetric mechanics, several sets."""
     for seed in range(4):
         rng = np.random.default_rng(seed)
-        data = contacts.random_quadratic(rng, kind)
+        data = random_quadratic(rng, kind)
         n, m = data.G.shape[1], len(data.w)
         if not symmetric:
             K = data.K + 0.3 * rng.normal(size=(n, n))
-            data = contacts.Quadratic(K, data.f, data.G, data.g0, data.w)
+            data = Quadratic(K, data.f, data.G, data.g0, data.w)
         W = np.diag(data.w) if coupling == "lumped" else coupling_matrix(rng, data.w)
         problem = data.problem(None if coupling == "lumped" else W)
         u, old_pressure = rng.normal(size=n), rng.uniform(0, 1, m)
@@ -170,14 +171,14 @@ def test_step_is_that_of_the_dense_saddle_point(contacts, solver, epsilon, coupl
 
 
 @pytest.mark.parametrize("epsilon", EPSILONS)
-def test_stiff_and_soft_directions_lose_no_digit(contacts, rng, epsilon) -> None:
+def test_stiff_and_soft_directions_lose_no_digit(rng, epsilon) -> None:
     """Stiffnesses over six decades, as a thin shell has them: the answer stays that of the scaled dense solve."""
-    data = contacts.random_quadratic(rng, "inclined")
+    data = random_quadratic(rng, "inclined")
     n = data.G.shape[1]
     stiff = 10 ** rng.uniform(-3, 3, n)
     K = np.diag(stiff) + 0.1 * np.sqrt(np.outer(stiff, stiff)) * np.tri(n, k=-1) / n
     K = (K + K.T) / 2
-    data = contacts.Quadratic(K, data.f, data.G, data.g0, data.w)
+    data = Quadratic(K, data.f, data.G, data.g0, data.w)
     run = NewtonRun(data.problem(), epsilon)
     u, active = np.zeros(n), np.array([True, False, True, True, False, True])
     du, pressure = run.step(run.linearise(u, None), u, np.zeros(6), active)
@@ -186,8 +187,8 @@ def test_stiff_and_soft_directions_lose_no_digit(contacts, rng, epsilon) -> None
     np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * np.max(np.abs(exact_pressure)))
 
 
-def test_candidates_that_share_an_unknown_are_refused(contacts, rng) -> None:
-    data = contacts.random_quadratic(rng, "definite")
+def test_candidates_that_share_an_unknown_are_refused(rng) -> None:
+    data = random_quadratic(rng, "definite")
     data.G[1] += data.G[0]
     run, u = NewtonRun(data.problem()), np.zeros(len(data.f))
     lin = run.linearise(u, None)
@@ -197,9 +198,9 @@ def test_candidates_that_share_an_unknown_are_refused(contacts, rng) -> None:
 
 
 @pytest.mark.parametrize("others", [[], [0]])
-def test_a_candidate_without_an_unknown_is_refused_by_name(contacts, rng, others) -> None:
+def test_a_candidate_without_an_unknown_is_refused_by_name(rng, others) -> None:
     """A node held by its supports that the foundation reaches: a clear sentence, not a division by zero."""
-    data = contacts.random_quadratic(rng, "inclined")
+    data = random_quadratic(rng, "inclined")
     data.G[2] = 0.0
     run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.zeros(6, bool)
     active[[2, *others]] = True
@@ -209,11 +210,11 @@ def test_a_candidate_without_an_unknown_is_refused_by_name(contacts, rng, others
 
 @pytest.mark.parametrize("epsilon", [1e2, 1e4, math.inf])
 @pytest.mark.parametrize("held", ["nothing", "only to others", "by minus the foundation"])
-def test_a_pivot_that_the_mechanics_does_not_hold(contacts, solver, epsilon, held) -> None:
+def test_a_pivot_that_the_mechanics_does_not_hold(solver, epsilon, held) -> None:
     """K_kk = 0, a whole row and column of zeros, K_kk = -epsilon G_k^2 w: regular saddle points, solved like others."""
     for seed in range(4):
         rng = np.random.default_rng(seed)
-        data = contacts.random_quadratic(rng, "definite")
+        data = random_quadratic(rng, "definite")
         k = np.flatnonzero(data.G[0])[0]
         K = data.K.copy()
         if held == "nothing":
@@ -221,7 +222,7 @@ def test_a_pivot_that_the_mechanics_does_not_hold(contacts, solver, epsilon, hel
         K[k, k] = 0.0
         if held == "by minus the foundation":
             K[k, k] = -min(epsilon, 1e4) * data.G[0, k] ** 2 * data.w[0]
-        data = contacts.Quadratic(K, data.f, data.G, data.g0, data.w)
+        data = Quadratic(K, data.f, data.G, data.g0, data.w)
         run, u = NewtonRun(data.problem(), epsilon, solver), rng.normal(size=len(data.f))
         for pressed in (1, 3):
             active = np.arange(6) < pressed
@@ -232,9 +233,9 @@ def test_a_pivot_that_the_mechanics_does_not_hold(contacts, solver, epsilon, hel
             np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
 
 
-def test_a_pressure_that_acts_on_nothing_is_singular(contacts, rng) -> None:
+def test_a_pressure_that_acts_on_nothing_is_singular(rng) -> None:
     """Must fail beside must pass: no stiffness and no contact area, so neither du_k nor p is determined."""
-    data = contacts.random_quadratic(rng, "obstacle")
+    data = random_quadratic(rng, "obstacle")
     data.w[0] = 0.0
     run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.array([True] + 5 * [False])
     with pytest.raises(SingularMatrixError):

@@ -11,14 +11,15 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution, Outcome, rounding_floor, without_contact
 from contact.verify import Verdict, judge
+from support.contact_problems import Quadratic, linear_mechanics, random_quadratic
 
 ROUNDING = 1e-12
 
 
 @pytest.fixture
-def case(contacts):
+def case():
     """A problem with open and pressed candidates and its answer, converged at epsilon = infinity."""
-    data = contacts.random_quadratic(np.random.default_rng(5), "inclined")
+    data = random_quadratic(np.random.default_rng(5), "inclined")
     problem = data.problem()
     solution = ALGORITHMS["trial-and-error"](epsilon=math.inf).solve(
         problem, ContactSolution.at_rest(len(data.f), len(data.w))
@@ -111,9 +112,9 @@ def test_a_spoilt_answer_is_caught_and_named(case, spoil) -> None:
     assert not absent & names
 
 
-def test_residuals_are_those_of_the_definition(contacts, rng) -> None:
+def test_residuals_are_those_of_the_definition(rng) -> None:
     """Against the formulas written out densely, at an arbitrary state."""
-    data = contacts.random_quadratic(rng, "inclined")
+    data = random_quadratic(rng, "inclined")
     u, p = rng.normal(size=len(data.f)), rng.normal(size=len(data.w))
     gap, force = data.g0 + data.G @ u, data.G.T @ (data.w * p)
     forces = [np.linalg.norm(x) for x in (data.K @ u, data.f, force)]
@@ -124,8 +125,8 @@ def test_residuals_are_those_of_the_definition(contacts, rng) -> None:
     assert verdict.complementarity == pytest.approx(np.abs(p * gap).max(), rel=ROUNDING)
 
 
-def test_consistent_coupling_is_judged_by_its_own_matrix(contacts, rng) -> None:
-    data = contacts.random_quadratic(rng, "definite")
+def test_consistent_coupling_is_judged_by_its_own_matrix(rng) -> None:
+    data = random_quadratic(rng, "definite")
     W = np.diag(data.w) + 0.2 * np.eye(6, k=1) + 0.2 * np.eye(6, k=-1)
     u, p = rng.normal(size=len(data.f)), rng.uniform(0, 1, 6)
     balanced = replace(data, f=data.K @ u - data.G.T @ W @ p)
@@ -157,22 +158,22 @@ def test_rounding_above_its_cap_is_excused_by_what_it_moves() -> None:
     assert Verdict(equilibrium=2e-6, rounding=1e-5, correction=math.nan, **clean).failures() == ["equilibrium"]
 
 
-def test_rounding_floor_bounds_the_rounding_of_a_stiff_residual(contacts, rng) -> None:
+def test_rounding_floor_bounds_the_rounding_of_a_stiff_residual(rng) -> None:
     """K u evaluated in double against extended precision: within the floor, and the floor is no blank cheque."""
     if np.finfo(np.longdouble).eps >= np.finfo(float).eps:
         pytest.skip("no extended precision here")
     n = 60
     stiff = 10 ** rng.uniform(-4, 4, n)
     K, u = np.sqrt(np.outer(stiff, stiff)) * rng.normal(size=(n, n)), rng.normal(size=n)
-    lin = contacts.linear_mechanics(K, np.zeros(n))(u, None)
+    lin = linear_mechanics(K, np.zeros(n))(u, None)
     exact = K.astype(np.longdouble) @ u.astype(np.longdouble)
     error = float(np.linalg.norm(lin.residual - exact))
     assert 0 < error <= rounding_floor(lin, u) <= 1e4 * error
 
 
-def test_problem_without_contact_is_plain_equilibrium(contacts, rng) -> None:
-    data = contacts.random_quadratic(rng, "definite")
-    problem = without_contact(contacts.linear_mechanics(data.K, data.f), len(data.f))
+def test_problem_without_contact_is_plain_equilibrium(rng) -> None:
+    data = random_quadratic(rng, "definite")
+    problem = without_contact(linear_mechanics(data.K, data.f), len(data.f))
     u = np.linalg.solve(data.K, data.f)
     assert judge(problem, u, np.zeros(0)).failures() == []
     assert judge(problem, 1.001 * u, np.zeros(0)).failures() == ["equilibrium"]
@@ -182,7 +183,7 @@ def test_problem_without_contact_is_plain_equilibrium(contacts, rng) -> None:
         np.testing.assert_allclose(solution.u, u, rtol=0, atol=1e-10)
 
 
-def test_a_body_at_rest_without_load_is_not_divided_by_zero(contacts) -> None:
-    data = contacts.Quadratic(np.eye(2), np.zeros(2), np.eye(2), np.ones(2), np.ones(2))
+def test_a_body_at_rest_without_load_is_not_divided_by_zero() -> None:
+    data = Quadratic(np.eye(2), np.zeros(2), np.eye(2), np.ones(2), np.ones(2))
     verdict = judge(data.problem(), np.zeros(2), np.zeros(2))
     assert verdict.failures() == []

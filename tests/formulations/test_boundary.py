@@ -16,6 +16,7 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation, ShellModel
 from formulations.strains.catalogue import MEASURES
+from support.shells import make_shell
 
 ROUNDING = 1e-12  # relative
 CLOSED = 1e-9  # relative error of a solution that the element can represent
@@ -233,7 +234,7 @@ def test_strip_stretched_by_its_end(newton, stretch) -> None:
     assert model.linearise(u).scale > abs(force) / 10  # a scale that vanished would never let Newton end
 
 
-def test_prescribed_displacements_scale_and_must_be_held(curved_patch, rng, make_shell) -> None:
+def test_prescribed_displacements_scale_and_must_be_held(curved_patch, rng) -> None:
     """Half of them is half of them; the residual is that of the whole shell at expand(u) + prescribed."""
     grid = curved_patch.grid(2, 3)
     fixed = rng.random((grid.n_nodes, 6)) < 0.3
@@ -257,7 +258,7 @@ def test_prescribed_displacements_scale_and_must_be_held(curved_patch, rng, make
         make_shell(curved_patch.surface, grid, fixed=fixed, prescribed=np.ones_like(given))
 
 
-def test_reactions_balance_pressure_and_dead_pressure_is_counted(make_shell) -> None:
+def test_reactions_balance_pressure_and_dead_pressure_is_counted() -> None:
     """A clamped square under its pressure, dead or following: the supports carry it all."""
     grid = Grid.tensor(np.linspace(0, 1, 5), np.linspace(0, 1, 5))
     edges = np.unique(np.concatenate([grid.on_line(axis, line) for axis in (0, 1) for line in (0.0, 1.0)]))

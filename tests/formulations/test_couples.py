@@ -12,6 +12,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
+from support.differences import central_difference, fitted_order
+from support.shells import SKEW_LAMINATE, make_shell
 
 ROUNDING = 1e-12  # relative
 DIFFERENCE = 1e-9  # of the 8th-order difference of a smooth function
@@ -20,13 +22,13 @@ TIP = 6e-3  # error of the tip over the length on the finest mesh
 
 
 @pytest.fixture
-def coupled(patch, make_shell, rng, skew_laminate):
+def coupled(patch, rng):
     """A loose shell with couples on some nodes, the same without, and a deformed state."""
     grid = patch.grid(2, 3)
     nodes = rng.permutation(grid.n_nodes)[:5]
     axes = rng.normal(size=(5, 3))
     axes /= np.linalg.norm(axes, axis=1, keepdims=True)
-    couples = Couples(nodes, rng.normal(size=5), axes, skew_laminate.thickness)
+    couples = Couples(nodes, rng.normal(size=5), axes, SKEW_LAMINATE.thickness)
     with_them, without = (make_shell(patch.surface, grid, couples=c) for c in (couples, None))
     return couples, with_them, without, 0.02 * rng.normal(size=with_them.discretisation.n_free)
 
@@ -48,7 +50,7 @@ def test_opposite_forces_turn_the_deformed_director(coupled) -> None:
         assert abs(outer @ d) <= 100 * ROUNDING * size
 
 
-def test_tangent_is_the_derivative(coupled, rng, central_difference) -> None:
+def test_tangent_is_the_derivative(coupled, rng) -> None:
     _, with_them, without, u = coupled
     du = 0.02 * rng.normal(size=len(u))
     slope = central_difference(lambda t: with_them.linearise(u + t * du).residual, 0.05)
@@ -66,7 +68,7 @@ def test_scaling(coupled) -> None:
 
 
 @pytest.mark.parametrize("turn", [math.pi / 2, 1.5 * math.pi])
-def test_strip_bent_to_an_arc(make_shell, fitted_order, turn) -> None:
+def test_strip_bent_to_an_arc(turn) -> None:
     """M = D turn/L at the end gives a circle of radius L/turn: its tip is at R sin(turn), -R (1 - cos(turn)).
 
     The axis is +e2, which turns e3 towards e1 and the tip downwards; D is that of plane strain, nu = 0.3.

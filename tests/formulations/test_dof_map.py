@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from formulations.conditions.dof_map import DofMap
+from support.shells import make_shell
 
 ROUNDING = 1e-12  # relative
 
@@ -53,7 +54,7 @@ def test_impossible_supports_are_refused() -> None:
         DofMap.build(np.ones((3, 6), bool))
 
 
-def test_a_hinged_shell_is_the_loose_shell_on_the_map(curved_patch, rng, make_shell) -> None:
+def test_a_hinged_shell_is_the_loose_shell_on_the_map(curved_patch, rng) -> None:
     """Residual T^T r(T u) and tangent T^T K(T u) T, through the sparse pattern with its signs."""
     grid = curved_patch.grid(3, 2)
     fixed, hinged = random_supports(rng, grid.n_nodes)

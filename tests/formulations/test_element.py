@@ -14,6 +14,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS
 from formulations.strains.quantities import N_E
+from support.differences import fitted_order, rotation
+from support.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
 ELEMENT_ERROR = (1.8, 2.3)  # order of the element's own error under rigid motion
@@ -60,9 +62,7 @@ def plate_element_strains(v: np.ndarray, sides: np.ndarray, h: float, points: np
 
 @each_section
 @pytest.mark.parametrize("measure", ["linear", "exact"])
-def test_energy_of_a_plate_element_is_that_of_its_projected_strains(
-    make_shell, skew_laminate, rng, measure, section
-) -> None:
+def test_energy_of_a_plate_element_is_that_of_its_projected_strains(rng, measure, section) -> None:
     """1/2 int E.D.E of the strains projected on the modes of the paper, all by a 5 x 5 quadrature of its own."""
     sides = np.array([0.7, 0.4])
     shell = make_shell(Plate(), Grid.tensor([0.0, 0.7], [0.0, 0.4]), measure=measure, section=section)
@@ -70,21 +70,21 @@ def test_energy_of_a_plate_element_is_that_of_its_projected_strains(
     t, weight = np.polynomial.legendre.leggauss(5)
     points = np.stack(np.meshgrid(t, t, indexing="ij"), axis=-1).reshape(-1, 2)
     weights = np.outer(weight, weight).ravel() / 4
-    strains = plate_element_strains(v, sides, skew_laminate.thickness, points, measure)
+    strains = plate_element_strains(v, sides, SKEW_LAMINATE.thickness, points, measure)
     projected = np.zeros_like(strains)
     for (r1, r2), rows in PAPER_MODES.items():
         mode = points[:, 0] ** r1 * points[:, 1] ** r2
         share = (weights * mode) @ strains[:, rows] / (weights @ mode**2)
         projected[:, rows] += mode[:, None] * share
-    density = np.einsum("pi,ij,pj->p", projected, skew_laminate.stiffness(section), projected) / 2
+    density = np.einsum("pi,ij,pj->p", projected, SKEW_LAMINATE.stiffness(section), projected) / 2
     assert shell.energy(v.ravel()) == pytest.approx(sides.prod() * weights @ density, rel=ROUNDING)
 
 
-def test_relaxed_membrane_shrinks_the_face_mean_of_two_modes_only(curved_patch, make_shell, skew_laminate, rng) -> None:
+def test_relaxed_membrane_shrinks_the_face_mean_of_two_modes_only(curved_patch, rng) -> None:
     """E11 on xi2 and E22 on xi1: the mean over the faces by sqrt(s_a), s_a = 1/(1 + (k_a l_a^2/h)^2), nothing else."""
     grid = curved_patch.grid(1, 1, 0.5)
     u = 0.1 * rng.normal(size=24)
-    D = skew_laminate.stiffness()
+    D = SKEW_LAMINATE.stiffness()
     strains = {}
     for membrane in MEMBRANES:
         H = make_shell(curved_patch.surface, grid, membrane=membrane).resultants(u)[0]
@@ -95,7 +95,7 @@ def test_relaxed_membrane_shrinks_the_face_mean_of_two_modes_only(curved_patch, 
         strains[membrane] = pieces
     geometry = curved_patch.surface.geometry(*grid.centre.T)
     length = 2 * grid.half[0] * geometry.A[0]
-    share = 1 / np.sqrt(1 + (geometry.k[0] * length**2 / skew_laminate.thickness) ** 2)
+    share = 1 / np.sqrt(1 + (geometry.k[0] * length**2 / SKEW_LAMINATE.thickness) ** 2)
     for mode, rows in PAPER_MODES.items():
         expected = strains["compatible"][mode].copy()
         direction = {(0, 1): 0, (1, 0): 1}.get(mode)
@@ -108,59 +108,53 @@ def test_relaxed_membrane_shrinks_the_face_mean_of_two_modes_only(curved_patch, 
 # --- rigid motion -------------------------------------------------------------------------------------------------
 
 
-def rigidly(rotation, axis, angle: float, shift):
+def rigidly(axis, angle: float, shift):
     """Displacement field of a rigid motion."""
     R = rotation(np.asarray(axis, float), angle)
     return lambda x: x @ (R - np.eye(3)).T + shift
 
 
-def test_element_error_under_rigid_rotation_is_of_second_order(
-    curved_patch, make_shell, nodal_components, skew_laminate, rotation, fitted_order
-) -> None:
+def test_element_error_under_rigid_rotation_is_of_second_order(curved_patch) -> None:
     """The measure is exact, the interpolation of components in a turning frame is not."""
-    motion = rigidly(rotation, [0.3, -0.7, 0.5], 1.0, [0.1, 0.2, 0.3])
+    motion = rigidly([0.3, -0.7, 0.5], 1.0, [0.1, 0.2, 0.3])
     counts, errors = np.array([4, 8, 16]), []
     for n in counts:
         grid = curved_patch.grid(n, n, graded=False)
-        u = nodal_components(curved_patch.surface, grid, skew_laminate, motion)
+        u = nodal_components(curved_patch.surface, grid, SKEW_LAMINATE, motion)
         errors.append(largest(make_shell(curved_patch.surface, grid).resultants(u)[:, :N_E]))
     assert ELEMENT_ERROR[0] <= fitted_order(1 / counts, errors) <= ELEMENT_ERROR[1]
 
 
 @each_element
 @pytest.mark.parametrize("angle", [0.5, 2.0, math.pi])
-def test_elements_that_turn_without_strain(
-    patches, make_shell, nodal_components, skew_laminate, rotation, angle, element
-) -> None:
+def test_elements_that_turn_without_strain(angle, element) -> None:
     """Flat ones, and the isoparametric ones of every surface: resultants and forces vanish to rounding."""
-    size = largest(skew_laminate.stiffness())
-    for patch in patches.values() if element["interpolation"] == "isoparametric" else [patches["plate"]]:
+    size = largest(SKEW_LAMINATE.stiffness())
+    for patch in PATCHES.values() if element["interpolation"] == "isoparametric" else [PATCHES["plate"]]:
         grid = patch.grid(3, 4)
         shell = make_shell(patch.surface, grid, **element)
-        motion = rigidly(rotation, [0.3, -0.7, 0.5], angle, [1.0, 2.0, 3.0])
-        u = nodal_components(patch.surface, grid, skew_laminate, motion)
+        motion = rigidly([0.3, -0.7, 0.5], angle, [1.0, 2.0, 3.0])
+        u = nodal_components(patch.surface, grid, SKEW_LAMINATE, motion)
         assert largest(shell.resultants(u)) <= ROUNDING * size
         assert largest(shell.linearise(u).residual) <= ROUNDING * size
 
 
 @pytest.mark.parametrize("angle", [0.5, 2.0, math.pi])
-def test_linear_plate_elements_strain_as_the_linear_law_says(
-    patches, make_shell, nodal_components, skew_laminate, rotation, angle
-) -> None:
+def test_linear_plate_elements_strain_as_the_linear_law_says(angle) -> None:
     """Must fail beside must pass: the mean resultants are those of the strain sym(R - I)."""
-    grid = patches["plate"].grid(3, 4)
+    grid = PATCHES["plate"].grid(3, 4)
     R = rotation(np.array([0.3, -0.7, 0.5]), angle)
-    u = nodal_components(Plate(), grid, skew_laminate, lambda x: x @ (R - np.eye(3)).T)
+    u = nodal_components(Plate(), grid, SKEW_LAMINATE, lambda x: x @ (R - np.eye(3)).T)
     e = R + R.T - 2 * np.eye(3)
     strain = np.array([*[e[0, 0] / 2] * 2, *[e[1, 1] / 2] * 2, *[e[0, 1]] * 2, *[e[0, 2]] * 2, *[e[1, 2]] * 2])
-    expected = skew_laminate.stiffness() @ np.append(strain, e[2, 2] / 2)
+    expected = SKEW_LAMINATE.stiffness() @ np.append(strain, e[2, 2] / 2)
     found = make_shell(Plate(), grid, measure="linear").resultants(u)[:, :N_E]
     np.testing.assert_allclose(found, np.broadcast_to(expected, found.shape), rtol=0, atol=ROUNDING * largest(expected))
 
 
-def test_internal_forces_of_a_strained_plate_turn_with_it(patches, rng, make_shell, rotation, skew_laminate) -> None:
+def test_internal_forces_of_a_strained_plate_turn_with_it(rng) -> None:
     """Objectivity: f(R(x + u) - x) = R f(u) and the energy stays, at strains of order one."""
-    grid = patches["plate"].grid(3, 2)
+    grid = PATCHES["plate"].grid(3, 2)
     shell = make_shell(Plate(), grid)
     x = np.stack(shell.discretisation.positions(), axis=1)  # (N, face, 3)
     u = 0.2 * rng.normal(size=x.shape)
@@ -181,7 +175,7 @@ def test_internal_forces_of_a_strained_plate_turn_with_it(patches, rng, make_she
 
 @each_section
 @each_element
-def test_one_free_element_has_exactly_six_zero_modes(patch, make_shell, section, element) -> None:
+def test_one_free_element_has_exactly_six_zero_modes(patch, section, element) -> None:
     shell = make_shell(patch.surface, patch.grid(1, 1, size=0.3), section=section, **element)
     values = np.linalg.svd(shell.linearise(np.zeros(24)).tangent.toarray(), compute_uv=False)
     assert values[17] > GAP * values[18]
@@ -189,9 +183,7 @@ def test_one_free_element_has_exactly_six_zero_modes(patch, make_shell, section,
 
 
 @pytest.mark.parametrize("interpolation", INTERPOLATIONS)
-def test_zero_modes_are_the_rigid_motions(
-    patch, make_shell, nodal_components, skew_laminate, fitted_order, interpolation
-) -> None:
+def test_zero_modes_are_the_rigid_motions(patch, interpolation) -> None:
     """To rounding on the plate and for isoparametric elements; else the angle between the spaces falls as size^2."""
     basis = np.eye(3)
     motions = [lambda x, c=c: np.broadcast_to(c, x.shape) for c in basis]
@@ -199,7 +191,7 @@ def test_zero_modes_are_the_rigid_motions(
     sizes, angles = (0.4, 0.2, 0.1, 0.05), []
     for size in sizes:
         grid = patch.grid(1, 1, size)
-        rigid = [nodal_components(patch.surface, grid, skew_laminate, motion) for motion in motions]
+        rigid = [nodal_components(patch.surface, grid, SKEW_LAMINATE, motion) for motion in motions]
         tangent = make_shell(patch.surface, grid, interpolation=interpolation).linearise(np.zeros(24)).tangent.toarray()
         angles.append(np.sin(subspace_angles(null_space(tangent), np.stack(rigid, axis=1))).max())
     if interpolation == "isoparametric" or isinstance(patch.surface, Plate):

@@ -12,6 +12,8 @@ from formulations.geometry.grid import CORNERS, Grid, graded_lines
 from formulations.geometry.surfaces import Plate, cylinder, sphere, torus
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation
+from support.differences import fitted_order
+from support.shells import SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-13  # relative
 SLOPE = (1.9, 2.1)  # of the error of the areas: one point per element
@@ -97,7 +99,7 @@ DISTANCES = {"mid": (THICK.d_minus + THICK.d_plus) / 2, "outer": THICK.d_plus}
 
 @pytest.mark.parametrize("name", SURFACES)
 @pytest.mark.parametrize("face", DISTANCES)
-def test_nodal_areas_sum_to_the_area_of_the_surface(name, face, fitted_order) -> None:
+def test_nodal_areas_sum_to_the_area_of_the_surface(name, face) -> None:
     """Exactly where the area is constant over an element, to second order elsewhere."""
     exact, sizes, errors = closed_areas(DISTANCES[face])[name], [], []
     for n in (1, 2, 4):
@@ -131,27 +133,27 @@ def test_nodal_mass_of_a_plate_is_that_of_scikit_fem() -> None:
     np.testing.assert_allclose(mass[np.ix_(ours, ours)], theirs, rtol=0, atol=ROUNDING)
 
 
-def test_a_translation_is_the_same_vector_everywhere(patch, rng, make_shell, nodal_components, skew_laminate) -> None:
+def test_a_translation_is_the_same_vector_everywhere(patch, rng) -> None:
     """Through ``cartesian`` and through ``displacement_operator``, on both faces; and positions lie on the normal."""
     grid, c = patch.grid(3, 4), rng.normal(size=3)
     shell = make_shell(patch.surface, grid).discretisation
-    u = nodal_components(patch.surface, grid, skew_laminate, lambda x: np.broadcast_to(c, x.shape))
+    u = nodal_components(patch.surface, grid, SKEW_LAMINATE, lambda x: np.broadcast_to(c, x.shape))
     nodes = rng.permutation(grid.n_nodes)[:5]
     for face, found in enumerate(shell.cartesian(u)):
         np.testing.assert_allclose(found, np.broadcast_to(c, found.shape), rtol=0, atol=10 * ROUNDING)
         at_nodes = shell.displacement_operator(nodes, face) @ u
         np.testing.assert_allclose(at_nodes.reshape(-1, 3), found[nodes], rtol=0, atol=10 * ROUNDING)
     inner, outer = shell.positions()
-    np.testing.assert_allclose(np.linalg.norm(outer - inner, axis=1), skew_laminate.thickness, rtol=10 * ROUNDING)
-    middle = inner + (outer - inner) * (-skew_laminate.d_minus / skew_laminate.thickness)
+    np.testing.assert_allclose(np.linalg.norm(outer - inner, axis=1), SKEW_LAMINATE.thickness, rtol=10 * ROUNDING)
+    middle = inner + (outer - inner) * (-SKEW_LAMINATE.d_minus / SKEW_LAMINATE.thickness)
     np.testing.assert_allclose(middle, patch.surface.position(*grid.nodes.T), rtol=0, atol=10 * ROUNDING)
 
 
-def test_displacements_with_supports(curved_patch, rng, skew_laminate) -> None:
+def test_displacements_with_supports(curved_patch, rng) -> None:
     """Held displacements are zero, the operator knows only the free ones, and both ways to space agree."""
     grid = curved_patch.grid(3, 2)
     fixed = rng.random((grid.n_nodes, 6)) < 0.3
-    shell = Discretisation.build(curved_patch.surface, grid, skew_laminate, fixed)
+    shell = Discretisation.build(curved_patch.surface, grid, SKEW_LAMINATE, fixed)
     u = rng.normal(size=shell.n_free)
     v = shell.expand(u)
     assert shell.n_free == np.sum(~fixed)
@@ -165,10 +167,10 @@ def test_displacements_with_supports(curved_patch, rng, skew_laminate) -> None:
         np.testing.assert_allclose(by_operator, by_hand, rtol=0, atol=10 * ROUNDING)
 
 
-def test_holding_everything_is_refused(skew_laminate) -> None:
+def test_holding_everything_is_refused() -> None:
     grid = Grid.tensor(LINES1, LINES2)
     with pytest.raises(ValueError, match="every displacement is held"):
-        Discretisation.build(Plate(), grid, skew_laminate, np.ones((grid.n_nodes, 6), bool))
+        Discretisation.build(Plate(), grid, SKEW_LAMINATE, np.ones((grid.n_nodes, 6), bool))
 
 
 def test_assembly_is_the_sum_over_elements_and_skips_held_rows(rng) -> None:

@@ -12,6 +12,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.quantities import N_E
+from support.differences import rotation
+from support.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
 DEFLECTION = 5e-4  # of the tensioned strip, see its test
@@ -23,22 +25,20 @@ def largest(array) -> float:
     return float(np.max(np.abs(array)))
 
 
-def test_initial_resultants_are_in_balance_at_rest(patch, make_shell) -> None:
+def test_initial_resultants_are_in_balance_at_rest(patch) -> None:
     shell = make_shell(patch.surface, patch.grid(2, 3), initial=INITIAL)
     rest = np.zeros(shell.discretisation.n_free)
     assert largest(shell.linearise(rest).residual) <= ROUNDING
 
 
-def test_dead_forces_that_balance_H0_do_not_turn_with_the_body(
-    patches, make_shell, nodal_components, skew_laminate, rotation
-) -> None:
+def test_dead_forces_that_balance_H0_do_not_turn_with_the_body() -> None:
     """A prestressed plate turned rigidly: the edge a1 = max carries (R - I)(N11 e1 + N12 e2) times its width."""
     N11, N12 = 2.0, -0.7
     initial = np.zeros(N_E)
     initial[0:2], initial[4:6] = N11 / 2, N12 / 2
-    grid = patches["plate"].grid(3, 2)
+    grid = PATCHES["plate"].grid(3, 2)
     R = rotation(np.array([0.3, -0.7, 0.5]), 1.1)
-    u = nodal_components(Plate(), grid, skew_laminate, lambda x: x @ (R - np.eye(3)).T)
+    u = nodal_components(Plate(), grid, SKEW_LAMINATE, lambda x: x @ (R - np.eye(3)).T)
     residual = make_shell(Plate(), grid, initial=initial).linearise(u).residual.reshape(-1, 3, 2).sum(axis=2)
     width = np.ptp(grid.nodes[:, 1])
     residual = residual.reshape(*grid.node_shape, 3)
@@ -52,7 +52,7 @@ STRIP, WIDTH, THIN, MODULUS, NU = 10.0, 1.0, 0.1, 1e4, 0.3
 BENDING = MODULUS * THIN**3 / (12 * (1 - NU**2))
 
 
-def strip_tangent(make_shell, n: int, N0: float):
+def strip_tangent(n: int, N0: float):
     """Tangent at rest of a simply supported strip under N11 = N0 in cylindrical bending, with its grid and freedoms."""
     grid = Grid.tensor(np.linspace(0, STRIP, n + 1), np.linspace(0, WIDTH, 2))
     fixed = np.zeros((grid.n_nodes, 6), bool)
@@ -67,7 +67,7 @@ def strip_tangent(make_shell, n: int, N0: float):
 
 
 @pytest.mark.parametrize("stiffness", [5.0, 20.0, 200.0])
-def test_tensioned_strip_deflects_as_a_string_with_bending(make_shell, stiffness) -> None:
+def test_tensioned_strip_deflects_as_a_string_with_bending(stiffness) -> None:
     """D w,1111 - N w,11 = q: w(L/2) = q L^2/8N - (q D/N^2)(1 - 1/cosh(kL/2)), k^2 = N/D; ``stiffness`` is k L.
 
     Bending takes 37, 2 and 0.02 % of the deflection of a string. What remains is 2 (h/L)^2 = 2e-4 by theory: the
@@ -75,7 +75,7 @@ def test_tensioned_strip_deflects_as_a_string_with_bending(make_shell, stiffness
     """
     N0, n = BENDING * (stiffness / STRIP) ** 2, 80
     exact = STRIP**2 / (8 * N0) - BENDING / N0**2 * (1 - 1 / math.cosh(stiffness / 2))
-    tangent, grid, fixed = strip_tangent(make_shell, n, N0)
+    tangent, grid, fixed = strip_tangent(n, N0)
     forces = np.zeros((grid.n_nodes, 6))
     forces[:, 4:] = WIDTH * STRIP / n / 4  # q = 1 per area: two nodes across, two faces
     u = np.zeros(fixed.size)
@@ -84,10 +84,10 @@ def test_tensioned_strip_deflects_as_a_string_with_bending(make_shell, stiffness
     assert w == pytest.approx([exact, exact], rel=DEFLECTION)
 
 
-def test_compressed_strip_buckles_at_the_euler_load(make_shell) -> None:
+def test_compressed_strip_buckles_at_the_euler_load() -> None:
     """The smallest eigenvalue of the tangent changes sign at N = -pi^2 D/L^2, within the shear and mesh correction."""
     euler, smallest = math.pi**2 * BENDING / STRIP**2, []
     for factor in (1 - EULER, 1 + EULER):
-        tangent, _, _ = strip_tangent(make_shell, 32, -factor * euler)
+        tangent, _, _ = strip_tangent(32, -factor * euler)
         smallest.append(np.linalg.eigvalsh(tangent.toarray()).min())
     assert smallest[0] > 0 > smallest[1]

@@ -24,6 +24,7 @@ from formulations.strains.quantities import (
     gradient_coefficients,
     shear_row_factors,
 )
+from support.differences import central_difference, fitted_order, rotation
 
 STEP = 0.015  # of the 8th-order differences, see the tests of the surfaces
 RIGID = 1e-12  # the acceptance of THEORY for the exact measure
@@ -38,7 +39,7 @@ each_measure = pytest.mark.parametrize("measure", MEASURES.values(), ids=MEASURE
 
 
 @pytest.fixture
-def quantities(patch, rng, central_difference):
+def quantities(patch, rng):
     """q (n, 15), row factors (n, 11) and frames (n, 3, 3) of u(x) = (F - I) x + c at random points of the patch."""
     a1, a2 = patch.points(rng, 6)
 
@@ -79,7 +80,7 @@ def local_strains(tensor: np.ndarray, frame: np.ndarray, k: np.ndarray, d: tuple
     return strains
 
 
-def random_rotations(rng, rotation, n: int) -> list[np.ndarray]:
+def random_rotations(rng, n: int) -> list[np.ndarray]:
     """Rotations about random axes by angles up to pi, and one by pi itself."""
     angles = [*rng.uniform(0.1, math.pi, n - 1), math.pi]
     return [rotation(rng.normal(size=3), angle) for angle in angles]
@@ -87,8 +88,8 @@ def random_rotations(rng, rotation, n: int) -> list[np.ndarray]:
 
 @thickness
 @pytest.mark.parametrize("name", ["exact", "elongation"])
-def test_exact_measures_vanish_under_rigid_motions(quantities, rng, rotation, d, name) -> None:
-    for R in random_rotations(rng, rotation, 5):
+def test_exact_measures_vanish_under_rigid_motions(quantities, rng, d, name) -> None:
+    for R in random_rotations(rng, 5):
         q, factors, _ = quantities(R, rng.normal(size=3), d)
         assert np.max(np.abs(MEASURES[name].strain(q) * factors)) <= RIGID
 
@@ -114,7 +115,7 @@ def test_linear_measure_is_the_symmetric_gradient(patch, quantities, rng, d) -> 
 THETAS = [0.3, 1.7, math.pi, 5.0, 2 * math.pi]
 
 
-def residual_strain(measure, surface, point, R, c, d, central_difference) -> np.ndarray:
+def residual_strain(measure, surface, point, R, c, d) -> np.ndarray:
     """The 11 strains that the motion x -> R x + c of a surface leaves at one point."""
     a1, a2 = (np.array([value]) for value in point)
 
@@ -139,30 +140,30 @@ def residual_strain(measure, surface, point, R, c, d, central_difference) -> np.
 
 @each_measure
 @pytest.mark.parametrize("theta", THETAS)
-def test_law_of_a_plate_under_rotation(measure, theta, rotation, central_difference) -> None:
+def test_law_of_a_plate_under_rotation(measure, theta) -> None:
     law, d, point, still = measure.rigid_body_law, (-0.04, 0.16), (0.3, -0.2), np.zeros(3)
     for a, axis in ((0, [0, 1, 0]), (1, [1, 0, 0])):
-        E = residual_strain(measure, Plate(), point, rotation(np.array(axis), theta), still, d, central_difference)
+        E = residual_strain(measure, Plate(), point, rotation(np.array(axis), theta), still, d)
         np.testing.assert_allclose(E[2 * a : 2 * a + 2], law.out_of_plane(theta, 1.0), rtol=0, atol=ROUNDING)
-    E = residual_strain(measure, Plate(), point, rotation(np.array([0, 0, 1.0]), theta), still, d, central_difference)
+    E = residual_strain(measure, Plate(), point, rotation(np.array([0, 0, 1.0]), theta), still, d)
     np.testing.assert_allclose(E[:4], law.drilling(theta, 1.0), rtol=0, atol=ROUNDING)
 
 
 @each_measure
 @pytest.mark.parametrize("theta", THETAS)
-def test_law_of_a_cylinder_turned_about_its_axis(measure, theta, rotation, central_difference) -> None:
+def test_law_of_a_cylinder_turned_about_its_axis(measure, theta) -> None:
     R, d = 2.0, (-0.1, 0.3)
     turn = rotation(np.array([0, 0, 1.0]), theta)
-    E = residual_strain(measure, cylinder(R), (0.4, 0.7), turn, np.zeros(3), d, central_difference)
+    E = residual_strain(measure, cylinder(R), (0.4, 0.7), turn, np.zeros(3), d)
     expected = [measure.rigid_body_law.axis(theta, 1 + offset / R) for offset in d]
     np.testing.assert_allclose(E[2:4], expected, rtol=0, atol=ROUNDING)
 
 
 @each_measure
-def test_law_of_a_translated_cylinder(measure, central_difference) -> None:
+def test_law_of_a_translated_cylinder(measure) -> None:
     R, U, phi, d = 2.0, 0.6, 0.7, (-0.1, 0.3)
     c = U * np.array([1.0, 0, 0])
-    E = residual_strain(measure, cylinder(R), (0.4, phi), np.eye(3), c, d, central_difference)
+    E = residual_strain(measure, cylinder(R), (0.4, phi), np.eye(3), c, d)
     amount = -U * np.sin(phi) / R
     expected = [measure.rigid_body_law.translation(amount, 1 + offset / R) for offset in d]
     np.testing.assert_allclose(E[2:4], expected, rtol=0, atol=ROUNDING)
@@ -170,14 +171,14 @@ def test_law_of_a_translated_cylinder(measure, central_difference) -> None:
 
 @each_measure
 @pytest.mark.parametrize("surface", [cylinder(2.0), sphere(1.5), torus(3.0, 1.0)], ids=["cylinder", "sphere", "torus"])
-def test_only_a_shallow_measure_strains_under_translation(measure, surface, rng, central_difference) -> None:
-    E = residual_strain(measure, surface, (0.4, 0.7), np.eye(3), rng.normal(size=3), (-0.1, 0.3), central_difference)
+def test_only_a_shallow_measure_strains_under_translation(measure, surface, rng) -> None:
+    E = residual_strain(measure, surface, (0.4, 0.7), np.eye(3), rng.normal(size=3), (-0.1, 0.3))
     assert (np.max(np.abs(E)) > 1e-3) == measure.kinematics.shallow
     if not measure.kinematics.shallow:
         assert np.max(np.abs(E)) <= RIGID
 
 
-def test_linear_measure_strains_in_every_direction_normal_to_the_axis(quantities, rotation) -> None:
+def test_linear_measure_strains_in_every_direction_normal_to_the_axis(quantities) -> None:
     """The law cos(theta) - 1 is that of drilling, too: the rotation about e3 leaves it in E11 and in E22."""
     theta = 0.8
     frames = quantities(np.eye(3), np.zeros(3), (-0.1, 0.1))[2]
@@ -189,7 +190,7 @@ def test_linear_measure_strains_in_every_direction_normal_to_the_axis(quantities
 
 
 @each_measure
-def test_derivatives_agree_with_differences(measure, rng, central_difference) -> None:
+def test_derivatives_agree_with_differences(measure, rng) -> None:
     q, dq, H = rng.normal(size=(4, N_Q)), rng.normal(size=(4, N_Q)), rng.normal(size=(4, N_E))
     if not isinstance(measure, QuadraticMeasure):  # stretches must stay positive, and differences are not exact
         q, dq = 0.05 * q, 0.05 * dq
@@ -202,7 +203,7 @@ def test_derivatives_agree_with_differences(measure, rng, central_difference) ->
 
 
 @each_measure
-def test_remainder_of_the_linearisation_has_slope_two(measure, rng, fitted_order) -> None:
+def test_remainder_of_the_linearisation_has_slope_two(measure, rng) -> None:
     """E(q + t dq) - E(q) - t dE/dq dq = c t^2 exactly for a quadratic measure, and 0 for a linear one."""
     if not isinstance(measure, QuadraticMeasure):
         return

@@ -15,6 +15,7 @@ from formulations.conditions.dof_map import DofMap, Images
 from formulations.geometry.nested_dissection import dissection
 from studies.scenes.tyre.scene import Tyre, TyreModel
 from studies.solve import resolve
+from support.shells import make_shell
 
 ROUNDING = 1e-9  # relative: what another order of elimination leaves of a solution
 MOST_FILL = 1.15  # of minimum degree's, where the two are close
@@ -107,7 +108,7 @@ def test_a_part_with_images_fills_no_more_than_a_ring() -> None:
     assert fill(K, "NATURAL") < fill(sparse.csc_matrix(K[order][:, order]), "NATURAL")
 
 
-def test_scenes_are_ordered_and_tell_their_problems(curved_patch, make_shell) -> None:
+def test_scenes_are_ordered_and_tell_their_problems(curved_patch) -> None:
     model = built("12x12", "half")
     column, _, press = model.stages()
     assert model.shell.ordered

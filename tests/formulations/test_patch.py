@@ -13,6 +13,7 @@ from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.strains.quantities import N_E
+from support.shells import SKEW_LAMINATE, make_shell
 
 E, NU, H = 210.0, 0.3, 0.25
 PATCH = 1e-10  # relative error of a patch test: rounding times the condition number
@@ -56,13 +57,13 @@ def plate_field(grid: Grid, state, h: float, stretch: float) -> np.ndarray:
 @pytest.mark.parametrize("skew", [False, True])
 @pytest.mark.parametrize("section", SECTIONS)
 @pytest.mark.parametrize("state", STATES.values(), ids=STATES)
-def test_linear_patch(make_shell, skew_laminate, skew, section, state, thickness_strain) -> None:
+def test_linear_patch(skew, section, state, thickness_strain) -> None:
     """Edge values of the state given, the inside is found; strains and resultants are the state's in every element.
 
     The thickness stretch is the one that leaves E33 without a resultant.
     """
     grid = Grid.tensor(*LINES)
-    laminate = skew_laminate if skew else ISOTROPIC
+    laminate = SKEW_LAMINATE if skew else ISOTROPIC
     shell = make_shell(Plate(), grid, laminate, measure="linear", section=section, thickness_strain=thickness_strain)
     D = laminate.stiffness(section)
     tangential = face_strains(state, laminate.thickness)
@@ -83,7 +84,7 @@ def test_linear_patch(make_shell, skew_laminate, skew, section, state, thickness
 
 
 @pytest.mark.parametrize("gamma", [0.0, 0.5])
-def test_cylindrical_bending_energy(make_shell, gamma) -> None:
+def test_cylindrical_bending_energy(gamma) -> None:
     """1/2 E h^3/12(1 - nu^2) k^2 per area, about an axis turned by gamma against the grid; w = -k (x.m)^2/2."""
     k, m = 0.03, np.array([math.cos(gamma), math.sin(gamma)])
     state = ((0, 0, 0), (k * m[0] ** 2, k * m[1] ** 2, 2 * k * m[0] * m[1]))
@@ -98,7 +99,7 @@ def test_cylindrical_bending_energy(make_shell, gamma) -> None:
 @pytest.mark.parametrize("section", SECTIONS)
 @pytest.mark.parametrize("newton", ["plain", "mixed"])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_uniaxial_stretch_of_saint_venant_kirchhoff(make_shell, section, newton, axis) -> None:
+def test_uniaxial_stretch_of_saint_venant_kirchhoff(section, newton, axis) -> None:
     """Dead edge force N = lambda E h (lambda^2 - 1)/2 per width; across and through, 1 - nu (lambda^2 - 1) squared."""
     stretch = 1.4
     across = math.sqrt(1 - NU * (stretch**2 - 1))

@@ -13,6 +13,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, cylinder, sphere
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
+from support.differences import fitted_order, rotation
+from support.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative
 SECOND_ORDER = (1.8, 2.3)
@@ -24,7 +26,7 @@ each_area = pytest.mark.parametrize("area", PRESSURE_AREAS)
 
 
 def pressure_forces(
-    make_shell, surface, grid: Grid, u: np.ndarray | None = None, interpolation: str = "curvilinear", **pressure
+    surface, grid: Grid, u: np.ndarray | None = None, interpolation: str = "curvilinear", **pressure
 ) -> np.ndarray:
     """Local nodal forces (N, 6) of a pressure alone: the difference of two residuals."""
     loaded = make_shell(surface, grid, interpolation=interpolation, pressure=Pressure(**pressure))
@@ -48,15 +50,13 @@ def closed_areas(patch_low, patch_high, name: str, d: float) -> float:
 @each_area
 @pytest.mark.parametrize("follower", [False, True])
 @pytest.mark.parametrize("name", ["plate", "cylinder", "sphere", "torus"])
-def test_pressure_at_rest_carries_the_area(
-    make_shell, patches, skew_laminate, fitted_order, area, follower, name
-) -> None:
+def test_pressure_at_rest_carries_the_area(area, follower, name) -> None:
     """Sum of the forces along e3 = p times the area of the middle surface or of the inner face, by closed form."""
-    patch, p = patches[name], 0.7
-    d = skew_laminate.d_minus if area == "face" else (skew_laminate.d_minus + skew_laminate.d_plus) / 2
+    patch, p = PATCHES[name], 0.7
+    d = SKEW_LAMINATE.d_minus if area == "face" else (SKEW_LAMINATE.d_minus + SKEW_LAMINATE.d_plus) / 2
     errors, counts = [], np.array([3, 6, 12])
     for n in counts:
-        force = pressure_forces(make_shell, patch.surface, patch.grid(n, n), value=p, area=area, follower=follower)
+        force = pressure_forces(patch.surface, patch.grid(n, n), value=p, area=area, follower=follower)
         assert np.max(np.abs(force[:, [0, 1, 2, 3, 5]])) <= ROUNDING  # inner face only, along e3 only
         errors.append(abs(force[:, 4].sum() / p / closed_areas(patch.low, patch.high, name, d) - 1))
     if name in ("plate", "cylinder"):
@@ -66,16 +66,14 @@ def test_pressure_at_rest_carries_the_area(
 
 
 @each_area
-def test_follower_pressure_on_a_homogeneously_deformed_plate(
-    make_shell, patches, nodal_components, skew_laminate, rotation, rng, area
-) -> None:
+def test_follower_pressure_on_a_homogeneously_deformed_plate(rng, area) -> None:
     """Nanson: every node of the inner face carries p N_r dA times F e1 x F e2; a rotation turns the dead force."""
-    grid, p = patches["plate"].grid(3, 2), -0.7
+    grid, p = PATCHES["plate"].grid(3, 2), -0.7
     turn = rotation(np.array([0.3, -0.7, 0.5]), 2.5)
     for F in (turn, np.eye(3) + 0.5 * rng.normal(size=(3, 3))):
-        u = nodal_components(Plate(), grid, skew_laminate, lambda x, F=F: x @ (F - np.eye(3)).T)
-        force = pressure_forces(make_shell, Plate(), grid, u, value=p, follower=True, area=area)
-        dead = pressure_forces(make_shell, Plate(), grid, value=p, area=area)
+        u = nodal_components(Plate(), grid, SKEW_LAMINATE, lambda x, F=F: x @ (F - np.eye(3)).T)
+        force = pressure_forces(Plate(), grid, u, value=p, follower=True, area=area)
+        dead = pressure_forces(Plate(), grid, value=p, area=area)
         expected = dead[:, [4]] * np.cross(F[:, 0], F[:, 1])
         np.testing.assert_allclose(force[:, 0::2], expected, rtol=0, atol=10 * ROUNDING)
         assert np.all(force[:, 1::2] == 0)
@@ -109,17 +107,15 @@ def vector_area(patch, d: float, field) -> np.ndarray:
 
 
 @pytest.mark.parametrize("interpolation", INTERPOLATIONS)
-def test_follower_pressure_on_a_deformed_patch_has_the_resultant_of_its_boundary(
-    patch, make_shell, nodal_components, skew_laminate, fitted_order, interpolation
-) -> None:
+def test_follower_pressure_on_a_deformed_patch_has_the_resultant_of_its_boundary(patch, interpolation) -> None:
     """The resultant of p n dA depends on the edge of the deformed face alone; the error falls with h^2."""
     p, counts, errors = 0.7, np.array([4, 8, 16]), []
-    exact = p * vector_area(patch, skew_laminate.d_minus, swirl)
+    exact = p * vector_area(patch, SKEW_LAMINATE.d_minus, swirl)
     for n in counts:
         grid = patch.grid(n, n, graded=False)
-        u = nodal_components(patch.surface, grid, skew_laminate, swirl)
+        u = nodal_components(patch.surface, grid, SKEW_LAMINATE, swirl)
         pressure = {"value": p, "follower": True, "area": "face"}
-        force = pressure_forces(make_shell, patch.surface, grid, u, interpolation, **pressure)
+        force = pressure_forces(patch.surface, grid, u, interpolation, **pressure)
         resultant = np.einsum("ni,nix->x", force[:, 0::2], patch.surface.frame(*grid.nodes.T))
         errors.append(np.linalg.norm(resultant - exact) / np.linalg.norm(exact))
     assert errors[-1] < 0.02
@@ -136,9 +132,7 @@ def test_unknown_area_is_refused_with_the_choices() -> None:
 SHAPES = {"sphere": sphere, "cylinder": cylinder, "open cylinder": cylinder}
 
 
-def inflate(
-    make_shell, shape: str, ply: Ply, d_minus: float, radius: float, mesh: tuple[int, int], **model
-) -> np.ndarray:
+def inflate(shape: str, ply: Ply, d_minus: float, radius: float, mesh: tuple[int, int], **model) -> np.ndarray:
     """Radial displacements (N, 2) of both faces of a symmetric sector; edges slide, an open cylinder is free ahead."""
     grid = Grid.tensor(np.linspace(0, 1.0, mesh[0] + 1), np.linspace(0, 0.6, mesh[1] + 1))
     fixed = np.zeros((grid.n_nodes, 6), bool)
@@ -159,14 +153,14 @@ def inflate(
 @pytest.mark.parametrize(
     ("shape", "growth"), [("sphere", (1 - NU) / 2), ("cylinder", 1 - NU**2), ("open cylinder", 1.0)]
 )
-def test_linear_inflation_of_thin_shells(make_shell, fitted_order, shape, growth) -> None:
+def test_linear_inflation_of_thin_shells(shape, growth) -> None:
     """w = pR^2/(E h) times (1 - nu)/2, 1 - nu^2 or 1, with an error of the order h/R."""
     ratios, errors = np.array([0.04, 0.02, 0.01]), []
     for ratio in ratios:
         h = ratio * R
         p = 1e-3 * E * h / R
         ply = Ply.isotropic(E, NU, h)
-        w = inflate(make_shell, shape, ply, -h / 2, R, (16, 2), measure="linear", pressure=Pressure(p))
+        w = inflate(shape, ply, -h / 2, R, (16, 2), measure="linear", pressure=Pressure(p))
         errors.append(np.max(np.abs(w.mean(axis=1) / (growth * p * R**2 / (E * h)) - 1)))
     assert errors[-1] <= THIN
     assert FIRST_ORDER[0] <= fitted_order(ratios, errors) <= FIRST_ORDER[1]
@@ -181,15 +175,13 @@ def test_linear_inflation_of_thin_shells(make_shell, fitted_order, shape, growth
     ],
 )
 @pytest.mark.parametrize("stretch", [1.1, 1.25])
-def test_nonlinear_inflation_of_saint_venant_kirchhoff_membranes(
-    make_shell, fitted_order, shape, factor, stretch
-) -> None:
+def test_nonlinear_inflation_of_saint_venant_kirchhoff_membranes(shape, factor, stretch) -> None:
     """Follower pressure p = E h/R factor(lambda) gives r = lambda R, with an error of the order h/R."""
     ratios, errors = np.array([0.04, 0.02, 0.01]), []
     for ratio in ratios:
         h = ratio * R
         pressure = Pressure(E * ratio * factor(stretch), follower=True)
-        w = inflate(make_shell, shape, Ply.isotropic(E, NU, h), -h / 2, R, (16, 2), pressure=pressure)
+        w = inflate(shape, Ply.isotropic(E, NU, h), -h / 2, R, (16, 2), pressure=pressure)
         errors.append(np.max(np.abs((1 + w.mean(axis=1) / R) / stretch - 1)))
     assert errors[-1] <= THIN
     assert FIRST_ORDER[0] <= fitted_order(ratios, errors) <= FIRST_ORDER[1]
@@ -214,7 +206,7 @@ def lame(shape: str, a: float, b: float, p: float) -> np.ndarray:
         ("nonsymmetric", "face", FIRST_ORDER),
     ],
 )
-def test_thick_walls_against_lame(make_shell, fitted_order, shape, offset, section, area, order) -> None:
+def test_thick_walls_against_lame(shape, offset, section, area, order) -> None:
     """Both faces and the change of thickness: of second order in h/R with the true area of the inner face and a
     symmetric section; the area of the middle surface or the nonsymmetric section leave an error of first order."""
     ratios, errors = np.array([0.1, 0.05, 0.025]), []
@@ -222,7 +214,7 @@ def test_thick_walls_against_lame(make_shell, fitted_order, shape, offset, secti
         h = ratio * R
         a, p = R + offset * h, 1.0
         model = {"measure": "linear", "section": section, "pressure": Pressure(p, area=area)}
-        w = inflate(make_shell, shape, Ply.isotropic(E, NU, h), offset * h, R, (32, 1), **model)
+        w = inflate(shape, Ply.isotropic(E, NU, h), offset * h, R, (32, 1), **model)
         exact = lame(shape, a, a + h, p)
         faces = np.max(np.abs(w / exact - 1))
         thinning = np.max(np.abs((w[:, 1] - w[:, 0]) / (exact[1] - exact[0]) - 1))

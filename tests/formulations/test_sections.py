@@ -14,6 +14,8 @@ from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.section.monoclinic import MonoclinicPly
 from formulations.solid import SolidMesh, SolidModel
+from support.differences import rotation
+from support.shells import SKEW_LAMINATE, make_shell
 
 ROUNDING = 1e-12  # relative
 EXTRAPOLATED = 2e-4  # of a value of second order extrapolated from 8 x 8 and 16 x 16 elements, 1.9 and 0.4 % off
@@ -32,7 +34,7 @@ def monoclinic(rng: np.random.Generator) -> np.ndarray:
 # --- plies --------------------------------------------------------------------------------------------------------
 
 
-def test_orthotropic_ply_is_the_turned_tensor(rotation) -> None:
+def test_orthotropic_ply_is_the_turned_tensor() -> None:
     """C_ijkl = R_ia R_jb R_kc R_ld C_abcd, and the compliances that the constants say."""
     voigt = {(0, 0): 0, (1, 1): 1, (0, 1): 2, (2, 2): 3, (0, 2): 4, (1, 2): 5}
 
@@ -60,7 +62,7 @@ def test_transversely_isotropic_ply_is_a_monoclinic_one(section) -> None:
     )
 
 
-def test_shell_of_a_monoclinic_ply_agrees_with_the_solid(rng, make_shell) -> None:
+def test_shell_of_a_monoclinic_ply_agrees_with_the_solid(rng) -> None:
     """A block under homogeneous gradients, all 13 constants at work: equal energy, so equal forces in every direction.
 
     full-3d: the section that drops nothing. u = (F - I) x is in both spaces, the law is that of St. Venant-Kirchhoff.
@@ -142,10 +144,10 @@ def test_thickness_and_immutability() -> None:
 # --- initial stress -----------------------------------------------------------------------------------------------
 
 
-def test_initial_resultants_have_the_force_and_the_moment_of_the_stresses(skew_laminate) -> None:
+def test_initial_resultants_have_the_force_and_the_moment_of_the_stresses() -> None:
     """H- + H+ = int S da3, (H+ - H-) h/2 = int S z da3 about mid-height, for plies of 0.11 and 0.07."""
     S = np.array([[3.0, -1.0, 0.5], [-2.0, 4.0, 1.5]])
-    H0 = skew_laminate.initial_resultants(S)
+    H0 = SKEW_LAMINATE.initial_resultants(S)
     faces = H0[:6].reshape(3, 2)
     assert faces.sum(axis=1) == pytest.approx(0.11 * S[0] + 0.07 * S[1], rel=ROUNDING)
     moment = 0.11 * S[0] * (0.055 - 0.09) + 0.07 * S[1] * (0.145 - 0.09)
@@ -154,15 +156,15 @@ def test_initial_resultants_have_the_force_and_the_moment_of_the_stresses(skew_l
 
 
 @pytest.mark.parametrize("stresses", [[(1, 2, 3)], [(1, 2), (3, 4)], [(1, 2, 3), (1, math.nan, 3)]])
-def test_wrong_initial_stresses_are_refused(skew_laminate, stresses) -> None:
+def test_wrong_initial_stresses_are_refused(stresses) -> None:
     with pytest.raises(ValueError, match="of 2 plies"):
-        skew_laminate.initial_resultants(stresses)
+        SKEW_LAMINATE.initial_resultants(stresses)
 
 
 SIDE, MODULUS, NU = 10.0, 1e4, 0.3
 
 
-def prestressed_square(make_shell, n: int, h: float, stress: tuple[float, float, float]):
+def prestressed_square(n: int, h: float, stress: tuple[float, float, float]):
     """Tangents at rest with and without the stress of a simply supported square, its grid and what is held."""
     lines = np.linspace(0, SIDE, n + 1)
     grid = Grid.tensor(lines, lines)
@@ -181,11 +183,11 @@ def prestressed_square(make_shell, n: int, h: float, stress: tuple[float, float,
     return *tangents, grid, fixed
 
 
-def test_work_of_initial_stress_on_a_slope(make_shell, skew_laminate) -> None:
+def test_work_of_initial_stress_on_a_slope() -> None:
     """A plate that tilts by (a, b): u.(K - K0).u = N11 a^2 + 2 N12 a b + N22 b^2 per area, whatever the elasticity."""
     S = np.array([[3.0, -1.0, 0.5], [-2.0, 4.0, 1.5]])
     grid = Grid.tensor(np.array([0.0, 0.7, 2.0]), np.array([-0.5, 0.1, 0.9]))
-    shells = [make_shell(Plate(), grid, initial=initial) for initial in (None, skew_laminate.initial_resultants(S))]
+    shells = [make_shell(Plate(), grid, initial=initial) for initial in (None, SKEW_LAMINATE.initial_resultants(S))]
     none, full = (shell.linearise(np.zeros(6 * grid.n_nodes)).tangent for shell in shells)
     N = 0.11 * S[0] + 0.07 * S[1]
     a, b = 0.3, -0.8
@@ -200,7 +202,7 @@ def extrapolated(value) -> float:
     return fine + (fine - coarse) / 3
 
 
-def test_square_membrane_under_tension_and_pressure(make_shell) -> None:
+def test_square_membrane_under_tension_and_pressure() -> None:
     """N (w,11 + w,22) = -q on a square: w(centre) = (16 q L^2/pi^4 N) sum of (-1)^... /(m n (m^2 + n^2)), m, n odd.
 
     h = 1e-3 L and N = 2e5 D/L^2: bending takes 4e-5 of the deflection.
@@ -208,7 +210,7 @@ def test_square_membrane_under_tension_and_pressure(make_shell) -> None:
     h, S = 0.01, 200.0
 
     def deflection(n: int) -> float:
-        _, tangent, grid, fixed = prestressed_square(make_shell, n, h, (S, S, 0.0))
+        _, tangent, grid, fixed = prestressed_square(n, h, (S, S, 0.0))
         forces = np.zeros((grid.n_nodes, 6))
         forces[:, 4:] = (SIDE / n) ** 2 / 2  # q = 1; held nodes drop out
         u = np.zeros(fixed.size)
@@ -222,7 +224,7 @@ def test_square_membrane_under_tension_and_pressure(make_shell) -> None:
 
 
 @pytest.mark.parametrize(("stress", "factor"), [((-1.0, 0.0, 0.0), 4.0), ((-1.0, -1.0, 0.0), 2.0)])
-def test_square_plate_buckles_at_its_classical_load(make_shell, stress, factor) -> None:
+def test_square_plate_buckles_at_its_classical_load(stress, factor) -> None:
     """Smallest eigenvalue of K + s K_S: s h = 4 pi^2 D/L^2 under one-sided, 2 under two-sided compression.
 
     With k^2 = 2 pi^2/L^2 of the mode, shear divides it by 1 + D k^2/Gh, the h^2/4 of H0 by 1 + k^2 h^2/4: 0.05 % each.
@@ -231,7 +233,7 @@ def test_square_plate_buckles_at_its_classical_load(make_shell, stress, factor) 
     D, k2, S = MODULUS * h**3 / (12 * (1 - NU**2)), 2 * (math.pi / SIDE) ** 2, MODULUS * h / (2 * (1 + NU))
 
     def load(n: int) -> float:
-        elastic, stressed, _, _ = prestressed_square(make_shell, n, h, stress)
+        elastic, stressed, _, _ = prestressed_square(n, h, stress)
         K, K_S = elastic.toarray(), (stressed - elastic).toarray()
         last = len(K) - 1
         return h / eigh(-K_S, K, eigvals_only=True, subset_by_index=[last, last])[0]

@@ -16,6 +16,8 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.quantities import N_E, N_Q
+from support.differences import central_difference, fitted_order
+from support.shells import PATCHES, make_shell
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
 DIFFERENCE = 1e-10  # relative error of a difference without truncation error
@@ -66,7 +68,7 @@ def amplitude(measure: str) -> float:
     return 0.1 if isinstance(MEASURES[measure], QuadraticMeasure) else 1e-3
 
 
-def assert_central_error(errors: np.ndarray, size: float, curved: bool, fitted_order) -> None:
+def assert_central_error(errors: np.ndarray, size: float, curved: bool) -> None:
     """Exactly c t^2 where the function is curved, rounding where it is not."""
     if curved:
         assert max(errors) > 1e3 * DIFFERENCE * size  # there is something to fit
@@ -80,9 +82,7 @@ def largest(array) -> float:
 
 
 @pytest.mark.parametrize("model", POTENTIALS.values(), ids=POTENTIALS)
-def test_residual_is_the_gradient_of_the_energy(
-    patch, rng, make_shell, central_difference, fitted_order, model
-) -> None:
+def test_residual_is_the_gradient_of_the_energy(patch, rng, model) -> None:
     """With dead pressure and forces, at a large displacement.
 
     A difference of 8th order has no truncation error for a quadratic measure; that of 2nd order has exactly c t^2.
@@ -94,13 +94,11 @@ def test_residual_is_the_gradient_of_the_energy(
     exact = shell.linearise(u).residual @ du
     assert central_difference(lambda t: shell.energy(u + t * du), 0.25) == pytest.approx(exact, rel=DIFFERENCE)
     errors = [abs((shell.energy(u + t * du) - shell.energy(u - t * du)) / (2 * t) - exact) for t in LARGE_STEPS]
-    assert_central_error(errors, abs(exact) + shell.energy(u), quadratic(measure), fitted_order)
+    assert_central_error(errors, abs(exact) + shell.energy(u), quadratic(measure))
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-def test_tangent_is_the_derivative_of_the_residual(
-    patch, rng, make_shell, central_difference, fitted_order, model
-) -> None:
+def test_tangent_is_the_derivative_of_the_residual(patch, rng, model) -> None:
     """For every section, follower pressure and initial resultants; without memory mixed and plain tangent are one."""
     measure = model.get("measure", "exact")
     shell = make_shell(patch.surface, patch.grid(2, 3), **model)
@@ -112,11 +110,11 @@ def test_tangent_is_the_derivative_of_the_residual(
         np.linalg.norm((shell.linearise(u + t * du).residual - shell.linearise(u - t * du).residual) / (2 * t) - exact)
         for t in LARGE_STEPS
     ]
-    assert_central_error(errors, np.linalg.norm(exact), quadratic(measure), fitted_order)
+    assert_central_error(errors, np.linalg.norm(exact), quadratic(measure))
 
 
 @pytest.mark.parametrize("model", MODELS.values(), ids=MODELS)
-def test_residual_alone_is_that_of_the_linearisation(patch, rng, make_shell, model) -> None:
+def test_residual_alone_is_that_of_the_linearisation(patch, rng, model) -> None:
     shell = make_shell(patch.surface, patch.grid(2, 3), **model)
     u, du = amplitude(model.get("measure", "exact")) * rng.normal(size=(2, shell.discretisation.n_free))
     lin = shell.linearise(u, shell.linearise(u - du).remember(du))
@@ -125,7 +123,7 @@ def test_residual_alone_is_that_of_the_linearisation(patch, rng, make_shell, mod
 
 @each_section
 @pytest.mark.parametrize("load", LOADS)
-def test_tangent_is_symmetric_where_a_potential_exists(patch, rng, make_shell, section, load) -> None:
+def test_tangent_is_symmetric_where_a_potential_exists(patch, rng, section, load) -> None:
     shell = make_shell(patch.surface, patch.grid(2, 3), section=section, **LOADS[load])
     tangent = shell.linearise(0.1 * rng.normal(size=shell.discretisation.n_free)).tangent
     asymmetry = abs(tangent - tangent.T).max() / abs(tangent).max()
@@ -136,7 +134,7 @@ def test_tangent_is_symmetric_where_a_potential_exists(patch, rng, make_shell, s
         assert asymmetry > ASYMMETRY
 
 
-def test_supports_only_drop_rows_and_columns(curved_patch, rng, make_shell) -> None:
+def test_supports_only_drop_rows_and_columns(curved_patch, rng) -> None:
     grid = curved_patch.grid(3, 2)
     fixed = rng.random((grid.n_nodes, 6)) < 0.3
     free = ~fixed.ravel()
@@ -149,7 +147,7 @@ def test_supports_only_drop_rows_and_columns(curved_patch, rng, make_shell) -> N
     assert abs(difference).max() <= ROUNDING * abs(everything.tangent).max()
 
 
-def test_scaled_shell_scales_its_loads_only(curved_patch, rng, make_shell) -> None:
+def test_scaled_shell_scales_its_loads_only(curved_patch, rng) -> None:
     grid = curved_patch.grid(2, 2)
     forces = rng.normal(size=6 * grid.n_nodes)
     u = 0.1 * rng.normal(size=forces.size)
@@ -177,7 +175,7 @@ def equilibrium(shell, most: int = 40, tolerance: float = 1e-8) -> tuple[np.ndar
 
 
 @pytest.fixture
-def cantilever(make_shell):
+def cantilever():
     """A strip clamped at a1 = 0 under a dead shear of 2 EI/L^2 at its end, in Sze's units but with nu = 0.3."""
 
     def build(newton: str):
@@ -200,7 +198,7 @@ def test_mixed_and_plain_newton_reach_the_same_answer_mixed_sooner(cantilever) -
     assert few <= 10 < many < 40
 
 
-def test_mixed_newton_changes_only_the_tangent_and_only_with_a_memory(curved_patch, rng, make_shell) -> None:
+def test_mixed_newton_changes_only_the_tangent_and_only_with_a_memory(curved_patch, rng) -> None:
     mixed, plain = (
         make_shell(curved_patch.surface, curved_patch.grid(2, 3), newton=newton, **LOADS["all"])
         for newton in ("mixed", "plain")
@@ -217,9 +215,7 @@ def test_mixed_newton_changes_only_the_tangent_and_only_with_a_memory(curved_pat
     np.testing.assert_array_equal(predicted.residual, mixed.linearise(u).residual)
 
 
-def test_mixed_newton_remembers_the_linear_prediction_of_the_resultants(
-    curved_patch, rng, make_shell, fitted_order
-) -> None:
+def test_mixed_newton_remembers_the_linear_prediction_of_the_resultants(curved_patch, rng) -> None:
     """H* = D (E + B du) misses D E(u + du) by exactly c |du|^2."""
     shell = make_shell(curved_patch.surface, curved_patch.grid(2, 3))
     u, du = 0.1 * rng.normal(size=(2, shell.discretisation.n_free))
@@ -228,6 +224,6 @@ def test_mixed_newton_remembers_the_linear_prediction_of_the_resultants(
     assert abs(fitted_order(LARGE_STEPS, misses) - 2) <= SLOPE
 
 
-def test_unknown_newton_is_refused_with_the_choices(patches, make_shell) -> None:
+def test_unknown_newton_is_refused_with_the_choices() -> None:
     with pytest.raises(ValueError, match="'quasi' is not one of " + ", ".join(NEWTONS)):
-        make_shell(Plate(), patches["plate"].grid(1, 1), newton="quasi")
+        make_shell(Plate(), PATCHES["plate"].grid(1, 1), newton="quasi")

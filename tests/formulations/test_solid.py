@@ -9,6 +9,7 @@ from formulations.geometry.surfaces import cylinder, sphere, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidMesh, SolidModel
+from support.differences import fitted_order, rotation
 
 ROUNDING = 1e-11
 SKEW = Laminate(
@@ -21,7 +22,7 @@ def small_body(laminate: Laminate = SKEW, pressure: Pressure | None = None) -> S
     return SolidModel(mesh, laminate, np.zeros((len(mesh.x), 3), bool), pressure)
 
 
-def test_rigid_motion_leaves_no_force(rng, rotation) -> None:
+def test_rigid_motion_leaves_no_force(rng) -> None:
     body = small_body()
     R, c = rotation(rng.normal(size=3), 2.0), rng.normal(size=3)
     moved = (body.mesh.x @ (R - np.eye(3)).T + c).ravel()
@@ -30,7 +31,7 @@ def test_rigid_motion_leaves_no_force(rng, rotation) -> None:
 
 
 @pytest.mark.parametrize("follower", [False, True])
-def test_tangent_is_the_derivative_of_the_residual(rng, fitted_order, follower) -> None:
+def test_tangent_is_the_derivative_of_the_residual(rng, follower) -> None:
     body = small_body(pressure=Pressure(0.7, follower=follower, area="face"))
     u, du = 0.03 * rng.normal(size=(2, body.n_free))
     exact = body.linearise(u).tangent @ du

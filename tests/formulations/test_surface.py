@@ -7,12 +7,14 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from support.differences import central_difference
+
 STEP = 0.015  # of the 8th-order differences: truncation and rounding both below 1e-12 where lengths are about 1
 DERIVATIVE = 1e-11  # numerical against closed derivatives, all lengths are about 1
 ORTHONORMAL = 1e-14
 
 
-def along(patch, rng, quantity: Callable, direction: int, central_difference: Callable) -> np.ndarray:
+def along(patch, rng, quantity: Callable, direction: int) -> np.ndarray:
     """Derivative by a_direction of quantity(a1, a2) at random points."""
     shift = np.eye(2)[direction]
     a1, a2 = patch.points(rng, 7)
@@ -20,24 +22,24 @@ def along(patch, rng, quantity: Callable, direction: int, central_difference: Ca
 
 
 @pytest.mark.parametrize("direction", [0, 1])
-def test_lame_parameters_and_tangents_are_the_derivative_of_position(patch, rng, central_difference, direction) -> None:
-    slope, a1, a2 = along(patch, rng, patch.surface.position, direction, central_difference)
+def test_lame_parameters_and_tangents_are_the_derivative_of_position(patch, rng, direction) -> None:
+    slope, a1, a2 = along(patch, rng, patch.surface.position, direction)
     geometry, frame = patch.surface.geometry(a1, a2), patch.surface.frame(a1, a2)
     np.testing.assert_allclose(slope, geometry.A[:, [direction]] * frame[:, direction], rtol=0, atol=DERIVATIVE)
 
 
 @pytest.mark.parametrize("direction", [0, 1])
-def test_curvatures_are_the_derivative_of_the_normal(patch, rng, central_difference, direction) -> None:
+def test_curvatures_are_the_derivative_of_the_normal(patch, rng, direction) -> None:
     """de3/(A_a da_a) = k_a e_a: the vector equation also says that the coordinates are principal."""
-    slope, a1, a2 = along(patch, rng, lambda *a: patch.surface.frame(*a)[:, 2], direction, central_difference)
+    slope, a1, a2 = along(patch, rng, lambda *a: patch.surface.frame(*a)[:, 2], direction)
     geometry, frame = patch.surface.geometry(a1, a2), patch.surface.frame(a1, a2)
     expected = (geometry.A * geometry.k)[:, [direction]] * frame[:, direction]
     np.testing.assert_allclose(slope, expected, rtol=0, atol=DERIVATIVE)
 
 
 @pytest.mark.parametrize("direction", [0, 1])
-def test_B_is_the_derivative_of_the_other_lame_parameter(patch, rng, central_difference, direction) -> None:
-    slope, a1, a2 = along(patch, rng, lambda *a: patch.surface.geometry(*a).A, direction, central_difference)
+def test_B_is_the_derivative_of_the_other_lame_parameter(patch, rng, direction) -> None:
+    slope, a1, a2 = along(patch, rng, lambda *a: patch.surface.geometry(*a).A, direction)
     geometry = patch.surface.geometry(a1, a2)
     expected = slope[:, 1 - direction] / geometry.A.prod(axis=-1)
     np.testing.assert_allclose(geometry.B[:, direction], expected, rtol=0, atol=DERIVATIVE)

@@ -25,6 +25,7 @@ from formulations.geometry.surfaces import (
     through_points,
     torus,
 )
+from support.differences import fitted_order
 
 SYMBOLIC = 1e-12  # two evaluations of the same formula, lengths about 1
 ORDER = 0.15  # half-width around the expected order of an interpolation
@@ -213,7 +214,7 @@ def circle_points(n: int, closed: bool) -> np.ndarray:
 
 
 @pytest.mark.parametrize("closed", [True, False])
-def test_points_on_a_circle_converge_to_the_torus(closed: bool, fitted_order) -> None:
+def test_points_on_a_circle_converge_to_the_torus(closed: bool) -> None:
     """Orders of the interpolation: position 4, tangent (k2, B1) 3, curvature (k1) 2; compared at the same angle."""
     numbers = np.array([32, 64, 128, 256])
     errors: dict[str, list[float]] = {"position": [], "k1": [], "k2": [], "B1": []}

@@ -21,6 +21,7 @@ from formulations.strains.catalogue import EXACT, LINEAR, MEASURES, SANDERS
 from formulations.strains.measure import EXACT_LAW, StrainMeasure
 from formulations.strains.quantities import FULL
 from studies.experiments.conformance import ELEMENTS, Element, claims_objectivity, conformance, conformance_table, layup
+from support.differences import fitted_order, rotation
 
 PAIRS = [(m, e) for m in MEASURES for e in ELEMENTS if e.suits(MEASURES[m])]
 
@@ -176,7 +177,7 @@ def test_wrong_gradients_of_an_element_fail_the_ring(error, laws) -> None:
 
 
 @pytest.mark.parametrize("element", [e for e in ELEMENTS if e.interpolation == "curvilinear"], ids=name)
-def test_a_curvilinear_element_is_objective_to_second_order(rotation, fitted_order, element) -> None:
+def test_a_curvilinear_element_is_objective_to_second_order(element) -> None:
     """Components interpolated in a turning frame: the strain energy of a turned, smoothly strained cap tends to that
     of the cap before it was turned, as the square of the mesh size."""
     R, sizes, errors = rotation(np.array([1.0, 2.0, 0.5]), 1.0), [], []

@@ -9,6 +9,7 @@ from scipy import sparse
 
 from contact.problem import ContactSolution, Outcome
 from studies.experiments import epsilon as study
+from support.contact_problems import Quadratic, dual_by_nnls, random_quadratic
 
 
 @pytest.fixture(scope="module")
@@ -26,14 +27,14 @@ def test_condition_of_a_known_matrix(rng) -> None:
     assert study.condition(sparse.csc_matrix(np.diag([1.0, 0.0]))) == np.inf
 
 
-def test_both_forms_solve_the_same_equations(contacts, rng) -> None:
+def test_both_forms_solve_the_same_equations(rng) -> None:
     """Against the dual by nnls, on problems without a shell."""
     for kind in ("obstacle", "definite"):
-        data = contacts.random_quadratic(rng, kind)
+        data = random_quadratic(rng, kind)
         n, m = len(data.f), len(data.w)
         start = ContactSolution.at_rest(n, m)
         for epsilon in (1.0, 1e3):
-            u, pressure = contacts.by_nnls(data, epsilon)
+            u, pressure = dual_by_nnls(data, epsilon)
             found = study.by_displacements(data.problem(), start, epsilon)
             assert found.outcome is Outcome.CONVERGED
             np.testing.assert_allclose(found.u, u, atol=1e-7)
@@ -68,9 +69,9 @@ def test_displacement_form_must_break_down(strip: pd.DataFrame) -> None:
     assert abs(own["force_error"][1e13]) > 0.01
 
 
-def test_rounding_stops_the_displacement_form(contacts) -> None:
+def test_rounding_stops_the_displacement_form() -> None:
     """Gaps of the order 1 mm: epsilon times their rounding is more than the load."""
-    data = contacts.Quadratic(np.eye(2), np.array([1.0, 2.0]), -np.eye(2), np.array([0.3, 0.6]), np.ones(2))
+    data = Quadratic(np.eye(2), np.array([1.0, 2.0]), -np.eye(2), np.array([0.3, 0.6]), np.ones(2))
     problem, start = data.problem(), ContactSolution.at_rest(2, 2)
     assert study.by_displacements(problem, start, 1e3).outcome is Outcome.CONVERGED
     assert not study.by_displacements(problem, start, 1e17).outcome.converged

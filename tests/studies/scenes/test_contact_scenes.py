@@ -11,6 +11,7 @@ from studies.scenes.closed_forms.beams_on_planes import flattened_ring, lifted_s
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
 from studies.solve import Result, resolve, solve
+from support.differences import fitted_order
 
 DIGITS = 6e-7  # of the tables, relative: they have eight
 GAP = 1e-12  # mm
@@ -114,7 +115,7 @@ SIZES = (4.0, 2.0, 1.0)
 
 
 @pytest.mark.parametrize(("lam", "ratio"), [(0.1, 5.0), (0.05, 10.0), (0.2, 2.0)])
-def test_clamped_strip_converges_to_timoshenko(fitted_order, lam, ratio) -> None:
+def test_clamped_strip_converges_to_timoshenko(lam, ratio) -> None:
     exact = strip_contact(24 * ratio, lam)
     values = {name: getattr(exact, name) for name in ("half_force", "free_length", "edge_pressure")}
     found = errors("strip-contact", STRIP, values, lam_over_a=f"{lam}", load_fraction=f"{ratio}")
@@ -126,7 +127,7 @@ def test_clamped_strip_converges_to_timoshenko(fitted_order, lam, ratio) -> None
     assert np.all(np.array(found["edge_pressure"]) <= layer**2)
 
 
-def test_clamped_strip_without_shear_is_euler_bernoullis(fitted_order) -> None:
+def test_clamped_strip_without_shear_is_euler_bernoullis() -> None:
     for ratio in ("5", "20"):
         exact = {"half_force": strip_contact(24 * float(ratio), 0.0).half_force}
         settings = {"lam_over_a": "0.001", "load_fraction": ratio}
@@ -160,7 +161,7 @@ def test_a_strip_with_shear_touches_in_a_zone_one_without_in_a_point() -> None:
 
 
 @pytest.mark.parametrize("lam", [0.2, 0.5])
-def test_heavy_strip_converges(fitted_order, lam) -> None:
+def test_heavy_strip_converges(lam) -> None:
     length, force = lifted_strip(lam)
     exact = {"free_length": length, "lift_force": force}
     found = errors("heavy-strip", STRIP, exact, lam_over_unit=f"{lam}")
@@ -183,7 +184,7 @@ def test_lifting_twice_as_high_follows_the_scaling_of_the_beam() -> None:
 
 
 @pytest.mark.parametrize(("fraction", "order", "cap"), [(2.0, 1.5, 5e-4), (5.0, 1.5, 3e-4), (20.0, 1.5, 1e-4)])
-def test_circular_plate_converges(fitted_order, fraction, order, cap) -> None:
+def test_circular_plate_converges(fraction, order, cap) -> None:
     radius, force = plate_contact(64 * fraction)
     found = errors("plate-contact", ("32x1", "64x1", "128x1"), {"contact_force": force}, load_fraction=f"{fraction}")
     assert fitted_order(SIZES, found["contact_force"]) >= order
@@ -202,7 +203,7 @@ def test_hole_of_the_plate_costs_nothing_that_counts() -> None:
 # --- ring -------------------------------------------------------------------------------------------------------
 
 
-def test_flattened_ring_converges_to_the_elastica(fitted_order) -> None:
+def test_flattened_ring_converges_to_the_elastica() -> None:
     """P H^2/EI = 5.742160 for every distance of the plates, and the load stands on the ends of the flat part."""
     load, flat = flattened_ring(0.5)
     exact = {"P_R2_over_EI": load, "P_H2_over_EI": 5.742160, "flat_half_length": flat}

@@ -24,6 +24,7 @@ from studies.scenes.benchmarks import scordelis_lo as linear_roof
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.data import DATA, read_reference
 from studies.solve import resolve, solve
+from support.differences import fitted_order
 
 PUBLISHED = 0.005  # extrapolated against published, unless a line says otherwise
 SAME = 1e-6  # two ways to the same number; the condition of thin shells eats the rest of the digits
@@ -292,7 +293,7 @@ def test_a_plate_has_no_membrane_to_relax() -> None:
     assert run("pagano", 8, "w_bar", membrane="relaxed") == run("pagano", 8, "w_bar")
 
 
-def test_area_load_along_the_normal_is_the_dead_pressure(make_shell) -> None:
+def test_area_load_along_the_normal_is_the_dead_pressure() -> None:
     """The same force as that of loads.pressure, which knows no frame; here on a torus, split between the faces."""
     grid = Grid.tensor(graded_lines([-0.5, 0.2, 1.0], [2, 3]), np.linspace(0, 0.7, 4))
     laminate = Laminate((Ply.isotropic(1.0, 0.3, 0.1),), -0.02)
@@ -306,7 +307,7 @@ def test_area_load_along_the_normal_is_the_dead_pressure(make_shell) -> None:
     np.testing.assert_allclose(forces[:, :4], 0, atol=1e-14)
 
 
-def test_weight_of_the_roof_is_all_there(fitted_order) -> None:
+def test_weight_of_the_roof_is_all_there() -> None:
     """Sum of the vertical nodal forces against weight times area; the frames of nodes and Gauss points differ."""
     meshes = np.array([4, 8, 16])
     exact = linear_roof.WEIGHT * linear_roof.RADIUS * linear_roof.HALF_ANGLE * linear_roof.LENGTH / 2

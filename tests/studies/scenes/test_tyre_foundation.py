@@ -10,6 +10,7 @@ import pytest
 from studies.scene import UsageError
 from studies.scenes.tyre.foundation import PARAMETERS
 from studies.solve import Result, resolve, solve
+from support.differences import fitted_order
 
 FIRST_ORDER = 0.02  # half-width of the interval around the exponent -1 of force difference over radius
 MIRROR = 0.02  # relative difference of what a drum takes and a hollow one adds
@@ -35,7 +36,7 @@ def test_forces_grow_from_sphere_to_hollow_drum() -> None:
         assert np.all(more > 1.02 * less)
 
 
-def test_large_drums_become_the_plane(fitted_order) -> None:
+def test_large_drums_become_the_plane() -> None:
     """From both sides alike, with 1/R while the contact set stays: sign and size of the curvature in whole tyres."""
     flat, radii = forces(pressed("plane")), (1e5, 3e5, 1e6)
     outside = [flat - forces(pressed("drum", foundation_radius_mm=f"{R:g}")) for R in radii]

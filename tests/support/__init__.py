@@ -1,0 +1,1 @@
+"""Functions that the tests share; they are imported, fixtures stay in conftest.py."""

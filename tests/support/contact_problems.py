@@ -1,0 +1,105 @@
+"""Small contact problems, and a second way to solve them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy import sparse
+from scipy.optimize import nnls
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactProblem, ContactSolution
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """A linearisation as the contact package asks for it."""
+
+    residual: np.ndarray
+    tangent: sparse.csc_matrix
+    scale: float
+
+    def remember(self, du: np.ndarray) -> None:
+        return None
+
+
+def linear_mechanics(K: np.ndarray | sparse.sparray, f: np.ndarray) -> Callable[[np.ndarray, object], Linear]:
+    """linearise(u, memory) of r = K u - f."""
+    K = sparse.csc_matrix(K)
+
+    def linearise(u: np.ndarray, memory: object) -> Linear:
+        internal = K @ u
+        return Linear(internal - f, K, max(np.linalg.norm(internal), np.linalg.norm(f)))
+
+    return linearise
+
+
+@dataclass(frozen=True, eq=False)
+class Quadratic:
+    """min 1/2 u.K.u - f.u under g0 + G u >= 0, with contact areas w; (n,), (m,), dense matrices."""
+
+    K: np.ndarray
+    f: np.ndarray
+    G: np.ndarray
+    g0: np.ndarray
+    w: np.ndarray
+
+    def problem(self, coupling: np.ndarray | None = None) -> ContactProblem:
+        G = sparse.csr_matrix(self.G)
+        return ContactProblem(
+            linear_mechanics(self.K, self.f),
+            lambda u: self.g0 + G @ u,
+            lambda u: G,
+            self.w,
+            None if coupling is None else sparse.csr_matrix(coupling),
+        )
+
+
+def stieltjes(rng: np.random.Generator, n: int) -> np.ndarray:
+    """Symmetric, diagonally dominant, no positive entry off the diagonal: active sets converge monotonically."""
+    links = np.triu(rng.random((n, n)) * (rng.random((n, n)) < 0.5), 1)
+    links = links + links.T
+    return np.diag(links.sum(axis=1) + rng.uniform(0.1, 1, n)) - links
+
+
+def definite(rng: np.random.Generator, n: int) -> np.ndarray:
+    """Symmetric and positive definite, otherwise arbitrary."""
+    root = rng.normal(size=(n, n))
+    return root @ root.T / n + 0.2 * np.eye(n)
+
+
+def random_quadratic(rng: np.random.Generator, kind: str, m: int = 6) -> Quadratic:
+    """``obstacle``: M-matrix, one unknown a row; ``definite``: any SPD matrix; ``inclined``: three unknowns a row."""
+    per_row = 3 if kind == "inclined" else 1
+    n = per_row * m + 2
+    K = stieltjes(rng, n) if kind == "obstacle" else definite(rng, n)
+    unknowns = rng.permutation(n)[: per_row * m].reshape(m, per_row)
+    G = np.zeros((m, n))
+    slopes = rng.uniform(0.5, 2, (m, per_row))
+    G[np.arange(m)[:, None], unknowns] = -slopes if kind == "obstacle" else slopes * rng.choice([-1, 1], slopes.shape)
+    return Quadratic(K, rng.normal(size=n), G, rng.uniform(-0.3, 0.6, m), rng.uniform(0.5, 2, m))
+
+
+def solve_from_rest(
+    name: str, problem: ContactProblem, n: int, epsilon: float = math.inf, **options
+) -> ContactSolution:
+    """The algorithm called ``name`` from rest; skips with the algorithm's own reason where it does not apply."""
+    algorithm = ALGORITHMS[name](epsilon=epsilon, **options)
+    reason = algorithm.supports(problem)
+    if reason is not None:
+        pytest.skip(f"{name}: {reason}")
+    return algorithm.solve(problem, ContactSolution.at_rest(n, len(problem.weights)))
+
+
+def dual_by_nnls(data: Quadratic, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
+    """u and p from the dual: min 1/2 mu.S.mu + c.mu, mu >= 0, S = G K^-1 G^T + 1/(epsilon W)."""
+    flexibility = np.linalg.solve(data.K, data.G.T)
+    S = data.G @ flexibility + np.diag(1 / (epsilon * data.w))
+    c = data.g0 + data.G @ np.linalg.solve(data.K, data.f)
+    root_of_S = np.linalg.cholesky(S)
+    mu, _ = nnls(root_of_S.T, -np.linalg.solve(root_of_S, c))
+    return np.linalg.solve(data.K, data.f) + flexibility @ mu, mu / data.w

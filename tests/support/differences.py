@@ -1,0 +1,29 @@
+"""Derivatives by differences, fitted orders, rotations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # weights of the 8th-order central difference
+
+
+def central_difference(f: Callable[[float], np.ndarray], step: float) -> np.ndarray:
+    """df/dt at t = 0, error of the order step^8."""
+    return sum(weight * (f(j * step) - f(-j * step)) for j, weight in CENTRAL_8) / step
+
+
+def fitted_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
+    """Slope of log(error) over log(size) by least squares; every error must be positive and finite."""
+    errors = np.asarray(errors, float)
+    assert np.all(errors > 0)
+    assert np.all(np.isfinite(errors))
+    return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
+    """Rotation matrix about the axis (Rodrigues)."""
+    x, y, z = axis / np.linalg.norm(axis)
+    K = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
