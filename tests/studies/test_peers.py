@@ -13,23 +13,8 @@ def test_without_the_extra_one_line_says_what_to_install(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
-    assert main(["bench", "--peers"]) == 2
+    assert main(["bench", "peers"]) == 2
     assert capsys.readouterr().err == "footprint: peers need the extra peers: pip install 'footprint[peers]'\n"
-
-
-@pytest.mark.parametrize(
-    ("options", "reason"),
-    [
-        (["--scaling"], "one at a time"),
-        (["--repeats", "2"], "--repeats does not go with --peers"),
-        (["--machine", "floors"], "--machine goes with --scaling only"),
-    ],
-)
-def test_options_of_other_tables_are_refused(
-    options: list[str], reason: str, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert main(["bench", "--peers", *options]) == 2
-    assert reason in capsys.readouterr().err
 
 
 def test_a_coarse_mesh_within_by_luck_is_not_sufficient() -> None:
@@ -58,5 +43,5 @@ def test_ngsolve_solves_the_same_tyre() -> None:
 
 def test_a_mesh_the_peer_cannot_have_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     pytest.importorskip("ngsolve")
-    assert main(["bench", "--peers", "--mesh", "2x4", "--table", str(tmp_path / "peers.csv")]) == 2
+    assert main(["bench", "peers", "--mesh", "2x4", "--table", str(tmp_path / "peers.csv")]) == 2
     assert "at least 6" in capsys.readouterr().err

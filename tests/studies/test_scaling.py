@@ -1,4 +1,4 @@
-"""What ``footprint bench --scaling`` measures, on meshes too small to time: columns, planted exponents, wrong use."""
+"""What ``footprint bench scaling`` measures, on meshes too small to time: columns, planted exponents, wrong use."""
 
 from __future__ import annotations
 
@@ -103,24 +103,24 @@ def test_the_command_prints_and_writes(table, monkeypatch, capsys, tmp_path: Pat
 
     monkeypatch.setattr("studies.bench.scaling.scaling", measured)
     target = tmp_path / "scaling.csv"
-    assert main(["bench", "--scaling", "--machine", "floors", "--table", str(target)]) == cli.OK
+    assert main(["bench", "scaling", "--machine", "floors", "--table", str(target)]) == cli.OK
     assert "exponent" in capsys.readouterr().out
     assert pd.read_csv(target).columns.tolist() == table.columns.tolist()
-    assert main(["bench", "--scaling", "--mesh", "6x6,8x6"]) == cli.OK
+    assert main(["bench", "scaling", "--mesh", "6x6,8x6"]) == cli.OK
     assert asked == [list(MESHES), ["6x6", "8x6"]]
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--scaling", "--repeats", "3"], "--repeats"),
-        (["--scaling", "--mesh", "6x6,7x6"], "mesh 7x6: both numbers must be even"),
-        (["--scaling", "--mesh", "6x6,,8x6"], "mesh '' must be N1xN2"),
-        (["--scaling", "--mesh", "4000x4000"], "at most"),
-        (["--machine", "floors"], "--scaling only"),
-        (["--table", "x.csv"], "--scaling only"),
+        (["scaling", "--mesh", "6x6,7x6"], "mesh 7x6: both numbers must be even"),
+        (["scaling", "--mesh", "6x6,,8x6"], "mesh '' must be N1xN2"),
+        (["scaling", "--mesh", "4000x4000"], "at most"),
         (["--repeats", "0"], "repeats = 0"),
+        (["newton", "--repeats", "0"], "repeats = 0"),
+        (["overhead", "--repeats", "0"], "repeats = 0"),
         (["--mesh", "7x6"], "both numbers must be even"),
+        (["newton", "--mesh", "7x6"], "both numbers must be even"),
     ],
 )
 def test_wrong_use_is_one_line(arguments, words, capsys) -> None:
@@ -128,3 +128,14 @@ def test_wrong_use_is_one_line(arguments, words, capsys) -> None:
     said = capsys.readouterr().err
     assert words in said
     assert said.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [["scaling", "--repeats", "3"], ["--machine", "floors"], ["--table", "x"], ["overhead", "--mesh", "6x6"], ["all"]],
+)
+def test_options_of_other_tables_are_refused(arguments, capsys) -> None:
+    with pytest.raises(SystemExit) as error:
+        main(["bench", *arguments])
+    assert error.value.code == WRONG_USE
+    assert capsys.readouterr().err.count("\n") == 1

@@ -1,0 +1,22 @@
+"""``footprint analyse``: the tables of fronts, profiles, attribution and advice of a campaign."""
+
+from __future__ import annotations
+
+import argparse
+
+from studies.analysis.everything import analyse
+from studies.commands import OK
+from studies.commands.options import add_store
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The campaign and its store."""
+    parser.add_argument("campaign")
+    add_store(parser)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the tables and print their paths."""
+    for path in analyse(options.store, options.campaign):
+        print(path)
+    return OK

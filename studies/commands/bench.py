@@ -1,0 +1,94 @@
+"""``footprint bench``: one Newton iteration, its growth with the mesh, the cost of the harness, and peers."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.commands.options import count, progress_bar
+
+MESH, REPEATS = "42x40", 9
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """One subcommand a table; without one, ``newton``."""
+    parser.set_defaults(bench=_newton)
+    parser.add_argument("--mesh", metavar="N1xN2", help=f"default {MESH}")
+    parser.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
+    tables = parser.add_subparsers(metavar="newton|scaling|overhead|peers", parser_class=type(parser))
+
+    newton = tables.add_parser("newton", help="cost of one Newton iteration, as ratios; the default")
+    newton.add_argument("--mesh", default=argparse.SUPPRESS, metavar="N1xN2", help=f"default {MESH}")
+    newton.add_argument("--repeats", type=int, default=argparse.SUPPRESS, help=f"default {REPEATS}")
+
+    scaling = tables.add_parser("scaling", help="one Newton step from 2,000 to 250,000 unknowns")
+    scaling.add_argument("--mesh", metavar="N1xN2,...", help="several, comma-separated")
+    scaling.add_argument("--machine", choices=("floors",), help="times over the machine's own, too")
+    scaling.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
+    scaling.set_defaults(bench=_scaling)
+
+    overhead = tables.add_parser("overhead", help="what running and reading cells costs beside solving")
+    overhead.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
+    overhead.set_defaults(bench=_overhead)
+
+    peers = tables.add_parser("peers", help="NGSolve's solids beside shells")
+    peers.add_argument("--mesh", metavar="N1xN2,...", help="of a quarter, several, e.g. 8x8,14x12")
+    peers.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
+    peers.set_defaults(bench=_peers)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Measure and print one table."""
+    return int(options.bench(options))
+
+
+def _newton(options: argparse.Namespace) -> int:
+    from studies.bench.newton import bench
+
+    mesh = options.mesh or MESH
+    cost = bench(mesh, repeats=count("repeats", options.repeats))
+    print(f"one Newton iteration, tyre {mesh}, {cost.dofs} dofs, medians of {options.repeats}")
+    print(f"{'part':16s}{'ms':>10s}{'/ factorisation':>18s}")
+    for part in ("elements", "scatter", "prediction", "contact", "factorisation", "solution", "total"):
+        seconds = getattr(cost, part)
+        print(f"{part:16s}{1e3 * seconds:10.2f}{seconds / cost.factorisation:18.3f}")
+    return OK
+
+
+def _overhead(options: argparse.Namespace) -> int:
+    from studies.bench.overhead import harness, lines
+
+    costs = harness(count("repeats", options.repeats))
+    print("\n".join(lines(costs)))
+    return OK if all(cost.kept for cost in costs) else FAILED
+
+
+def _scaling(options: argparse.Namespace) -> int:
+    from studies.bench.scaling import MESHES, lines, request_of, scaling
+    from studies.store.atomic import write_table
+
+    meshes = options.mesh.split(",") if options.mesh else MESHES
+    for mesh in meshes:
+        request_of(mesh)  # what is wrong is said before the bar is drawn
+    with progress_bar("scaling") as advance:
+        table = scaling(meshes, advance)
+    if options.table is not None:
+        write_table(options.table, table)
+    print("one Newton step in contact, tyre, element paper, model full, shortest processor times in ms")
+    print("\n".join(lines(table, floors=options.machine == "floors")))
+    return OK
+
+
+def _peers(options: argparse.Namespace) -> int:
+    from studies.bench.peers import DELTA_MM, PEER_MESHES, lines, peers
+    from studies.store.atomic import write_table
+
+    table = peers(options.mesh.split(",") if options.mesh else PEER_MESHES)
+    if options.table is not None:
+        write_table(options.table, table)
+    print(
+        f"isotropic tyre, {DELTA_MM:g} mm, a quarter; meshes of footprint count the whole, those of ngsolve the quarter"
+    )
+    print("\n".join(lines(table)))
+    return NOT_CONVERGED if table["force_N"].isna().any() else OK

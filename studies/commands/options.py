@@ -1,0 +1,59 @@
+"""Options that several commands share, and the checks of their values."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+from studies.scene import UsageError
+
+STORE = Path(".footprint/store")
+
+
+def add_store(parser: argparse.ArgumentParser) -> None:
+    """``--store DIR``."""
+    parser.add_argument("--store", type=Path, default=STORE, metavar="DIR", help=f"default {STORE}")
+
+
+def add_settings(parser: argparse.ArgumentParser) -> None:
+    """``--set KEY=VALUE``, as often as wanted."""
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+
+
+def pairs(settings: Sequence[str]) -> dict[str, str]:
+    """Keys and values of ``--set KEY=VALUE``; raises UsageError."""
+    given: dict[str, str] = {}
+    for pair in settings:
+        key, separator, value = pair.partition("=")
+        if not separator:
+            raise UsageError(f"--set {pair!r} must be KEY=VALUE")
+        given[key] = value
+    return given
+
+
+def positive(name: str, value: float) -> float:
+    """The value, if it is positive and finite; raises UsageError."""
+    if not 0 < value < float("inf"):
+        raise UsageError(f"{name} = {value} must be a number in (0, inf)")
+    return value
+
+
+def count(name: str, value: int) -> int:
+    """The value, if it is in [1, 1000]; raises UsageError."""
+    if not 1 <= value <= 1000:
+        raise UsageError(f"{name} = {value} must be a whole number in [1, 1000]")
+    return value
+
+
+@contextmanager
+def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
+    """Bar, count and remaining time on stderr; the function takes (done, planned, label)."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(name, total=None)
+        yield lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label)

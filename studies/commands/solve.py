@@ -1,0 +1,140 @@
+"""``footprint solve``: one scene into a directory."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import pandas as pd
+
+from studies.commands import NOT_CONVERGED, OK
+from studies.commands.options import add_settings, pairs
+from studies.scene import Request, Scene, UsageError
+from studies.scenes import SCENES
+from studies.solve import Result, resolve, solve
+from studies.store.atomic import write_by
+
+LEFT_OUT = {"kkt", "balances", "failures", "diagnosis", "rounding"}  # of a step: too wide for a terminal
+LEFT_OUT |= {"factorisations", "assemblies", "flops", "set_changes", "substeps"}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The request and where its result goes."""
+    parser.add_argument("scene")
+    parser.add_argument("--measure", default="exact")
+    parser.add_argument("--contact", default="semismooth")
+    parser.add_argument("--newton", default="mixed", help="plain or mixed")
+    parser.add_argument("--mesh", help="N1xN2")
+    parser.add_argument("--error", metavar="E", help="choose the mesh for an error of the force, e.g. 1%%")
+    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
+    parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
+    add_settings(parser)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--plot", action="store_true", help="draw pictures, too")
+    parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Solve, write and print a short table."""
+    given = pairs(options.settings)
+    wanted = _wanted_error(options, given)
+    scene, request = resolve(
+        options.scene,
+        given,
+        options.mesh,
+        **{name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")},
+    )
+    if options.out.exists() and not options.out.is_dir():
+        raise UsageError(f"--out {options.out} is a file, not a directory")
+    with _progress() as tell:
+        result, enough = _solved(scene, request, wanted, tell)
+    if result.unsupported:
+        raise UsageError(result.unsupported)
+    result.write(options.out)
+    if options.freeze is not None:
+        if result.frozen is None:
+            raise UsageError(f"{options.scene} has no contact to freeze")
+        write_by(options.freeze, result.frozen().write)
+    _print_table(result.as_json())
+    if options.plot:
+        _draw(options.out)
+    if not result.outcome.converged:
+        print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
+        return NOT_CONVERGED
+    if wanted is not None:
+        _print_ladder(result, enough)
+    return OK if enough else NOT_CONVERGED
+
+
+def _draw(out: Path) -> None:
+    from reports.result_figures import draw_result
+    from reports.tables import StoreError
+
+    try:
+        draw_result(out)
+    except StoreError as error:
+        raise UsageError(str(error)) from None
+
+
+def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> float | None:
+    """The error that is asked for; the grid is then an adapted one. Raises UsageError beside a mesh or a grading."""
+    if options.error is None:
+        return None
+    from studies.error_control import parse_error
+
+    if not hasattr(SCENES.get(options.scene), "adapted"):
+        raise UsageError(f"scene {options.scene!r} has no --error; choose its mesh")
+    if options.mesh is not None or given.get("grading", "adapted") != "adapted":
+        raise UsageError("--error chooses an adapted mesh: leave out --mesh and grading")
+    given["grading"] = "adapted"
+    return parse_error(options.error)
+
+
+def _solved(scene: Scene, request: Request, wanted: float | None, tell: Callable[[str], None]) -> tuple[Result, bool]:
+    """The result, and whether its error is the one wanted, if any is."""
+    if wanted is None:
+        return solve(scene, request, tell), True
+    from studies.error_control import AdaptiveScene, solve_to_error
+
+    assert isinstance(scene, AdaptiveScene)
+    return solve_to_error(scene, request, wanted, tell)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[str], None]]:
+    """Say on the terminal what has been reached; where there is none, nothing, and nothing is loaded for it."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    from rich.console import Console
+
+    with Console(stderr=True).status("building") as status:
+        yield lambda text: status.update(f"reached {text}")
+
+
+def _print_table(result: dict[str, object]) -> None:
+    """The entries of ``steps``, one line each, what fits a terminal."""
+    steps = result["steps"]
+    assert isinstance(steps, list)
+    if steps:
+        scalars = [{key: value for key, value in step.items() if key not in LEFT_OUT} for step in steps]
+        print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    if result["model_reason"]:
+        print(f"model {result['model']}: {result['model_reason']}")
+    counters = result["counters"]
+    assert isinstance(counters, dict)
+    print(f"{result['outcome']}: " + ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in counters.items()))
+
+
+def _print_ladder(result: Result, enough: bool) -> None:
+    """The rungs, and the mesh that was chosen, or none."""
+    print(result.tables["ladder"][0].to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    seen = result.quantities
+    if "error_high" in seen:
+        low, at, high = (100 * seen[key] for key in ("error_low", "error_estimate", "error_high"))
+        print(f"force {seen['force_N']:.6g} N, error {at:.2g} % in [{low:.2g}, {high:.2g}] %")
+    n1, n2 = result.request.mesh
+    print(f"mesh for {100 * seen['error_asked']:g} %: " + (f"{n1}x{n2}" if enough else f"none; {result.reason}"))
