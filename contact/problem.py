@@ -19,17 +19,17 @@ import numpy as np
 from scipy import sparse
 
 
-class Linearisation(Protocol):
-    """What a mechanical model returns at u: r (n,), dr/du (n, n) CSC, a force scale [N], and a memory maker."""
+class Linearised(Protocol):
+    """What a mechanical model returns at u; :class:`Linearisation`, or a model's own record with these fields."""
 
     @property
     def residual(self) -> np.ndarray:
-        """Internal minus external force (n,)."""
+        """Internal minus external force r (n,)."""
         ...
 
     @property
     def tangent(self) -> sparse.csc_matrix:
-        """dr/du."""
+        """dr/du (n, n)."""
         ...
 
     @property
@@ -43,11 +43,39 @@ class Linearisation(Protocol):
         ...
 
 
+Linearise = Callable[[np.ndarray, object], Linearised]  # (u, memory)
+
+
+def _nothing(du: np.ndarray) -> object:
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class Linearisation:
+    """r (n,), dr/du (n, n), force scale [N] and the maker of a memory: :class:`Linearised` as a record."""
+
+    residual: np.ndarray
+    tangent: sparse.csc_matrix
+    scale: float
+    remember: Callable[[np.ndarray], object] = _nothing
+
+
+def linear_mechanics(K: sparse.csc_matrix, f: np.ndarray, scale: float | None = None) -> Linearise:
+    """The model r = K u - f; its scale is the larger of |K u| and |f| unless another is given."""
+
+    def linearise(u: np.ndarray, memory: object) -> Linearisation:
+        internal = K @ u
+        size = max(float(np.linalg.norm(internal)), float(np.linalg.norm(f))) if scale is None else scale
+        return Linearisation(internal - f, K, size)
+
+    return linearise
+
+
 @dataclass(frozen=True, eq=False)
 class ContactProblem:
     """One contact problem at fixed loads; all callables are pure.
 
-    linearise(u, memory) -> Linearisation;  gap(u) -> (m,);  gap_jacobian(u) -> (m, n) CSR;  weights (m,) [mm^2];
+    linearise(u, memory) -> Linearised;  gap(u) -> (m,);  gap_jacobian(u) -> (m, n) CSR;  weights (m,) [mm^2];
     coupling: consistent W (m, m), or None for diag(weights);  gap_curvature(u, f) -> (n, n) CSC, the sum over the
     nodes of f_i d2g_i/du2 for nodal contact forces f, or None when the gap is linear in u.
 
@@ -63,7 +91,7 @@ class ContactProblem:
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
     """
 
-    linearise: Callable[[np.ndarray, object], Linearisation]
+    linearise: Linearise
     gap: Callable[[np.ndarray], np.ndarray]
     gap_jacobian: Callable[[np.ndarray], sparse.csr_matrix]
     weights: np.ndarray
@@ -90,7 +118,7 @@ class ContactProblem:
         return np.asarray(self.gap_jacobian(u).T @ self.nodal_forces(pressure))
 
 
-def rounding_floor(lin: Linearisation, u: np.ndarray) -> float:
+def rounding_floor(lin: Linearised, u: np.ndarray) -> float:
     """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| |.
 
     Thin shells reach it long before 1e-9 of the load (measured: residuals stagnate at 0.1 to 0.2 of this estimate).
@@ -113,9 +141,7 @@ def excused(residual: float, rounding: float, correction: float) -> bool:
     return residual <= rounding and (residual <= ROUNDING_ALONE or harmless)
 
 
-def without_contact(
-    linearise: Callable[[np.ndarray, object], Linearisation], n: int, *, ordered: bool = False
-) -> ContactProblem:
+def without_contact(linearise: Linearise, n: int, *, ordered: bool = False) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))
     nowhere = np.zeros((0, 3))

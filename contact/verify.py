@@ -17,7 +17,7 @@ from contact.problem import (
     ROUNDING_ALONE,
     WORST_ROUNDING,
     ContactProblem,
-    Linearisation,
+    Linearised,
     excused,
     rounding_floor,
 )
@@ -161,7 +161,7 @@ def _energy_balance(
     since: np.ndarray,
     u: np.ndarray,
     contact: np.ndarray,
-    at_end: Linearisation,
+    at_end: Linearised,
 ) -> tuple[float, float]:
     """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
 
@@ -199,7 +199,7 @@ def _energy_balance(
 
 
 def _force_balance(
-    problem: ContactProblem, lin: Linearisation, u: np.ndarray, pressure: np.ndarray
+    problem: ContactProblem, lin: Linearised, u: np.ndarray, pressure: np.ndarray
 ) -> tuple[float | None, float]:
     """Relative mismatch of all forces on the body, and its rounding: errors of a sum add up, so eps sum |K||u|."""
     if problem.directions is None or problem.others is None:

@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 from contact.continuation.arc_length import ArcLength
-from contact.continuation.equilibrium_curve import ArcPoint, Linearise
-from contact.problem import ContactProblem, ContactSolution
+from contact.continuation.equilibrium_curve import ArcPoint
+from contact.problem import ContactProblem, ContactSolution, Linearise
 from formulations.shell import ShellModel
 from studies.fields import write_fields
 

@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from contact.continuation.equilibrium_curve import ArcPoint, Curve, Linearise
+from contact.continuation.equilibrium_curve import ArcPoint, Curve
 from contact.newton.step import RESIDUAL_TOLERANCE
-from contact.problem import Outcome
+from contact.problem import Linearise, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
 LIMIT_TOLERANCE = 1e-5  # distance of a limit point from its last estimate, relative to its distance from rest

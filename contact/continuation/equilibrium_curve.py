@@ -7,17 +7,15 @@ The scale m says how much displacement counts like one unit of load.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.step import NewtonRun
-from contact.problem import Linearisation, without_contact
+from contact.problem import Linearisation, Linearise, Linearised, without_contact
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
-Linearise = Callable[[np.ndarray, object], Linearisation]
 NO_CONTACT = np.zeros(0)
 NO_SET = np.zeros(0, bool)
 
@@ -34,16 +32,6 @@ class ArcPoint:
     iterations: int = 0
     rising: bool = True
     limit: bool = False
-
-
-@dataclass(frozen=True, eq=False)
-class _Loaded:
-    """A linearisation with the load t f taken off its residual."""
-
-    residual: np.ndarray
-    tangent: sparse.csc_matrix
-    scale: float
-    remember: Callable[[np.ndarray], object]
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +97,12 @@ class Curve:
             self.run.counters["newton_iterations"] += 1
         return None
 
-    def _loaded(self, u: np.ndarray, factor: float, memory: object) -> _Loaded:
+    def _loaded(self, u: np.ndarray, factor: float, memory: object) -> Linearisation:
         lin = self.run.linearise(u, memory)
         scale = max(lin.scale, abs(factor) * float(np.linalg.norm(self.load)))
-        return _Loaded(lin.residual - factor * self.load, lin.tangent, scale, lin.remember)
+        return Linearisation(lin.residual - factor * self.load, lin.tangent, scale, lin.remember)
 
-    def _solve(self, lin: Linearisation, normal: np.ndarray, b: np.ndarray) -> np.ndarray:
+    def _solve(self, lin: Linearised, normal: np.ndarray, b: np.ndarray) -> np.ndarray:
         """(du, dt) with K du - f dt = b_1..n and normal . (m du, dt) = b_n+1.
 
         Row and column of the border are scaled to the size of K, for the sake of the pivots.

@@ -26,25 +26,13 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.problem import ContactProblem
+from contact.problem import ContactProblem, linear_mechanics
 
 FORMAT, VERSION = "footprint contact step", 1
 
 
 class FrozenStepError(ValueError):
     """A file that is no frozen step, or a damaged one; the message is one line."""
-
-
-@dataclass(frozen=True, eq=False)
-class _Linear:
-    """K du + r as a mechanical model."""
-
-    residual: np.ndarray
-    tangent: sparse.csc_matrix
-    scale: float
-
-    def remember(self, du: np.ndarray) -> None:
-        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,14 +51,11 @@ class FrozenStep:
     def problem(self) -> ContactProblem:
         """The same as a contact problem in du; its energy is known when K is symmetric."""
 
-        def linearise(du: np.ndarray, memory: object) -> _Linear:
-            return _Linear(self.K @ du + self.r, self.K, self.scale)
-
         def energy(du: np.ndarray) -> float:
             return float(du @ (self.K @ du / 2 + self.r))
 
         return ContactProblem(
-            linearise,
+            linear_mechanics(self.K, -self.r, self.scale),
             lambda du: self.gap + self.G @ du,
             lambda du: self.G,
             self.weights,

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.newton.step import NewtonRun
-from contact.problem import ContactSolution, Linearisation, Outcome
+from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
 FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
@@ -34,7 +34,7 @@ class StepError(ArithmeticError):
 class Iterate:
     """Where the step starts: linearisation, u (n,), gap (m,), pressure (m,) and the set (m,) expected to press."""
 
-    lin: Linearisation
+    lin: Linearised
     u: np.ndarray
     gap: np.ndarray
     pressure: np.ndarray

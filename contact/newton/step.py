@@ -17,7 +17,7 @@ from contact.problem import (
     ROUNDING_ALONE,
     ContactProblem,
     ContactSolution,
-    Linearisation,
+    Linearised,
     Outcome,
     excused,
     rounding_floor,
@@ -62,7 +62,7 @@ class NewtonRun:
     _moved: float = np.inf  # |du| of the last step, and of the one before it on the same set
     _moved_before: float = np.inf
 
-    def linearise(self, u: np.ndarray, memory: object) -> Linearisation:
+    def linearise(self, u: np.ndarray, memory: object) -> Linearised:
         """Linearise the mechanics, counted and timed."""
         start = self.clock()
         lin = self.problem.linearise(u, memory)
@@ -70,7 +70,7 @@ class NewtonRun:
         self.counters["assemblies"] += 1
         return lin
 
-    def imbalance(self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray) -> float:
+    def imbalance(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> float:
         """|r - G^T W p| over the largest of the forces in balance; infinite once the iteration has blown up."""
         contact = self.problem.contact_force(u, pressure)
         self._scale = max(lin.scale, float(norm(contact, check_finite=False)))
@@ -82,7 +82,7 @@ class NewtonRun:
             self._residual = imbalance / self._scale if self._scale > 0 else imbalance
         return self._residual
 
-    def balanced(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
+    def balanced(self, lin: Linearised, u: np.ndarray, residual: float) -> bool:
         """True when the relative residual is within tolerance, or is rounding and does not matter.
 
         What it still asks for is taken to be what the last step has moved.
@@ -92,7 +92,7 @@ class NewtonRun:
         size = float(norm(u, check_finite=False))
         return excused(residual, self._rounding(lin, u), self._moved / size if size > 0 else np.inf)
 
-    def stuck(self, lin: Linearisation, u: np.ndarray, residual: float) -> bool:
+    def stuck(self, lin: Linearised, u: np.ndarray, residual: float) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
         return residual <= self._rounding(lin, u) and self._moved > 0.5 * self._moved_before
 
@@ -103,7 +103,7 @@ class NewtonRun:
 
     def misplaced(
         self,
-        lin: Linearisation,
+        lin: Linearised,
         u: np.ndarray,
         gap: np.ndarray,
         pressure: np.ndarray,
@@ -136,7 +136,7 @@ class NewtonRun:
         return max(size, self._first_gap_size)
 
     def step(
-        self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray, active: np.ndarray
+        self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
         """One linear step du (n,) on the set ``active``, with the pressures (m,) it brings.
 
@@ -159,7 +159,7 @@ class NewtonRun:
         self.spend("contact_s", start)
         return du, found
 
-    def stiffness(self, lin: Linearisation, u: np.ndarray, pressure: np.ndarray) -> sparse.csc_matrix:
+    def stiffness(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> sparse.csc_matrix:
         """The tangent with what the curvature of the gap adds to it under the pressures (m,)."""
         if self.problem.gap_curvature is None:
             return lin.tangent
@@ -191,16 +191,14 @@ class NewtonRun:
         self.spend("solve_s", start)
         return x
 
-    def advance(
-        self, lin: Linearisation, u: np.ndarray, du: np.ndarray, active: np.ndarray
-    ) -> tuple[np.ndarray, object]:
+    def advance(self, lin: Linearised, u: np.ndarray, du: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, object]:
         """The next u and its memory: one Newton iteration, however many linear systems its step and its set took."""
         if self._set is None or not np.array_equal(active, self._set):
             self._set, self._moved = active, np.inf
         self.counters["newton_iterations"] += 1
         return u + du, self.remember(lin, du)
 
-    def remember(self, lin: Linearisation, du: np.ndarray) -> object:
+    def remember(self, lin: Linearised, du: np.ndarray) -> object:
         """The memory of the step, timed as assembly."""
         self._moved_before, self._moved = self._moved, float(norm(du, check_finite=False))
         start = self.clock()
@@ -226,7 +224,7 @@ class NewtonRun:
             pressure = np.maximum(pressure, 0.0)
         return ContactSolution(u, pressure, active, outcome, self.counters, tuple(self.history))
 
-    def _rounding(self, lin: Linearisation, u: np.ndarray) -> float:
+    def _rounding(self, lin: Linearised, u: np.ndarray) -> float:
         return rounding_floor(lin, u) / self._scale if self._scale > 0 else 0.0
 
     def spend(self, what: str, start: float) -> float:

@@ -7,14 +7,13 @@ in :mod:`contact.obstacles.cleat`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Protocol, Self
 
 import numpy as np
 from scipy import sparse
 
-from contact.problem import ContactProblem, Linearisation
+from contact.problem import ContactProblem, Linearise
 
 
 class Foundation(Protocol):
@@ -100,9 +99,7 @@ class Candidates:
         return Candidates(self.reference[chosen], self.operator[np.repeat(chosen, 3)], self.weights[chosen])
 
 
-def against(
-    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, foundation: Foundation
-) -> ContactProblem:
+def against(linearise: Linearise, candidates: Candidates, foundation: Foundation) -> ContactProblem:
     """The contact problem of the candidates against a foundation.
 
     dg/du = n.A with n = dg/dx and A = dx/du;  sum_i f_i d2g_i/du2 = A^T diag(f_i d2g_i/dx2) A.
@@ -116,9 +113,7 @@ def against(
     return _against(linearise, candidates, foundation)
 
 
-def _against(
-    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, foundation: Foundation
-) -> ContactProblem:
+def _against(linearise: Linearise, candidates: Candidates, foundation: Foundation) -> ContactProblem:
     if isinstance(foundation, RigidPlane):
         return against_plane(linearise, candidates, foundation)
     A, m = candidates.operator, len(candidates.reference)
@@ -147,9 +142,7 @@ def _against(
     )
 
 
-def against_plane(
-    linearise: Callable[[np.ndarray, object], Linearisation], candidates: Candidates, plane: RigidPlane
-) -> ContactProblem:
+def against_plane(linearise: Linearise, candidates: Candidates, plane: RigidPlane) -> ContactProblem:
     """The contact problem of the candidates against a plane; its gap is linear in u."""
     m = len(candidates.reference)
     project = sparse.kron(sparse.eye_array(m), -plane.normal[None, :], format="csr")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.problem import Linearisation, without_contact
+from contact.problem import Linearised, without_contact
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.scene import Request, UsageError
@@ -78,7 +78,7 @@ def _refusal(request: Request) -> str:
     return f"{request.contact} does not apply: {refused}" if refused else ""
 
 
-def _no_mechanics(u: np.ndarray, memory: object) -> Linearisation:
+def _no_mechanics(u: np.ndarray, memory: object) -> Linearised:
     raise TypeError("a plan asks an algorithm what it can do, and solves nothing")
 
 

@@ -19,7 +19,7 @@ from scipy.sparse.linalg import LinearOperator, onenormest
 from contact.algorithms.semismooth import Semismooth
 from contact.continuation.load_stepping import follow
 from contact.newton.step import RESIDUAL_TOLERANCE
-from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
+from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 from studies.solve import resolve
 
@@ -115,7 +115,7 @@ def by_displacements(problem: ContactProblem, start: ContactSolution, epsilon: f
 
 
 def penalised(
-    problem: ContactProblem, lin: Linearisation, u: np.ndarray, active: np.ndarray, epsilon: float
+    problem: ContactProblem, lin: Linearised, u: np.ndarray, active: np.ndarray, epsilon: float
 ) -> sparse.csc_matrix:
     """K + epsilon G_A^T W G_A (n, n)."""
     G = problem.gap_jacobian(u)[np.flatnonzero(active)]
@@ -123,7 +123,7 @@ def penalised(
 
 
 def saddle(
-    problem: ContactProblem, lin: Linearisation, u: np.ndarray, active: np.ndarray, epsilon: float
+    problem: ContactProblem, lin: Linearised, u: np.ndarray, active: np.ndarray, epsilon: float
 ) -> sparse.csc_matrix:
     """[[K, G_A^T s], [s G_A, -s^2/(epsilon W)]]: the unknowns beside du are nodal forces over s.
 

@@ -9,8 +9,7 @@ import pytest
 from scipy import sparse
 
 from contact.continuation.arc_length import ArcLength
-from contact.problem import Outcome
-from support.contact_problems import Linear
+from contact.problem import Linearisation, Outcome
 
 ON_CURVE = 1e-8
 LIMIT = 1e-4  # of a limit point in displacement: the load is stationary there
@@ -29,7 +28,7 @@ def truss():
 
     def linearise(u, memory):
         tangent = sparse.csc_matrix(np.diag(3 * u**2 - 6 * u + 2))
-        return Linear(load_of(u), tangent, float(np.linalg.norm(load_of(u))))
+        return Linearisation(load_of(u), tangent, float(np.linalg.norm(load_of(u))))
 
     return linearise, np.ones(1)
 
@@ -41,7 +40,7 @@ def truss_behind_a_spring(k: float = 0.2):
         u, w = x
         residual = np.array([load_of(u) - k * (w - u), k * (w - u)])
         tangent = sparse.csc_matrix(np.array([[3 * u**2 - 6 * u + 2 + k, -k], [-k, k]]))
-        return Linear(residual, tangent, float(np.linalg.norm(residual)))
+        return Linearisation(residual, tangent, float(np.linalg.norm(residual)))
 
     return linearise, np.array([0.0, 1.0])
 
@@ -79,7 +78,7 @@ def test_a_curve_that_never_gets_there_says_so() -> None:
 
     def linearise(u, memory):
         tangent = sparse.csc_matrix(np.diag((1 - u) * np.exp(-u)))
-        return Linear(u * np.exp(-u), tangent, float(np.linalg.norm(u * np.exp(-u))))
+        return Linearisation(u * np.exp(-u), tangent, float(np.linalg.norm(u * np.exp(-u))))
 
     trace = ArcLength(0.05, max_points=40).trace(linearise, np.ones(1), [1.0])
     assert not trace.outcome.converged

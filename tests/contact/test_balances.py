@@ -12,13 +12,12 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import follow
 from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, against
-from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from support.contact_problems import Linear
 from support.differences import fitted_order
 from support.shells import PATCHES, make_shell
 
@@ -37,7 +36,7 @@ def chain():
     def linearise(u, memory):
         e = B @ u
         tangent = sparse.csc_matrix(B.T @ np.diag(k + 3 * c * e**2) @ B)
-        return Linear(B.T @ (k * e + c * e**3) - f, tangent, float(np.linalg.norm(f)))
+        return Linearisation(B.T @ (k * e + c * e**3) - f, tangent, float(np.linalg.norm(f)))
 
     def energy(u):
         e = B @ u
@@ -85,7 +84,7 @@ def test_other_potentials_are_balanced_up_to_the_eighth_order() -> None:
 def exponential() -> ContactProblem:
     """P = exp(u) held by one pressure."""
     return ContactProblem(
-        lambda u, memory: Linear(np.exp(u), sparse.csc_matrix(np.diag(np.exp(u))), 1.0),
+        lambda u, memory: Linearisation(np.exp(u), sparse.csc_matrix(np.diag(np.exp(u))), 1.0),
         lambda u: np.ones(1),
         lambda u: sparse.csr_matrix([[1.0]]),
         np.ones(1),

@@ -12,10 +12,9 @@ from scipy.optimize import root
 
 from contact.catalogue import ALGORITHMS
 from contact.obstacles.foundation import Candidates, RigidPlane, against_plane
-from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
 from support.contact_problems import (
-    Linear,
     Quadratic,
     dual_by_nnls,
     linear_mechanics,
@@ -140,7 +139,7 @@ def test_chain_of_hardening_springs(name, epsilon) -> None:
 
     def linearise(u, memory):
         tangent = sparse.csc_matrix(B.T @ np.diag(k + 3 * c * (B @ u) ** 2) @ B)
-        return Linear(internal(u) - f, tangent, max(np.linalg.norm(internal(u)), np.linalg.norm(f)))
+        return Linearisation(internal(u) - f, tangent, max(np.linalg.norm(internal(u)), np.linalg.norm(f)))
 
     problem = ContactProblem(linearise, lambda u: walls + G @ u, lambda u: G, weights)
     consistent = []

@@ -10,8 +10,8 @@ from scipy.linalg import null_space
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import MODES, spectrum, why_it_ends
 from contact.continuation.load_stepping import follow
-from contact.problem import ContactProblem, ContactSolution, Outcome
-from support.contact_problems import Linear, Quadratic, random_quadratic
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
+from support.contact_problems import Quadratic, random_quadratic
 
 EXACT = 1e-9
 LIMIT = 1e-4  # of the interval, on the limit extrapolated from states within a hundredth of it
@@ -22,7 +22,7 @@ def pressed(residual, tangent, sign: float):
 
     def at(t: float) -> ContactProblem:
         def linearise(u, memory):
-            return Linear(residual(*u), sparse.csc_matrix(tangent(*u)), 1.0)
+            return Linearisation(residual(*u), sparse.csc_matrix(tangent(*u)), 1.0)
 
         G = sparse.csr_matrix([[0.0, sign]])
         return ContactProblem(linearise, lambda u: G @ u - t, lambda u: G, np.ones(1))
@@ -127,7 +127,7 @@ def test_a_limit_point_is_told_from_a_bifurcation_just_before_it() -> None:
             aside = np.array([u[2], 0.0])
             tangent = np.block([[lin.tangent.toarray(), aside[:, None]], [aside[None, :], np.array([[stiff]])]])
             force = np.append(lin.residual + np.array([u[2] ** 2 / 2, 0.0]), stiff * u[2])
-            return Linear(force, sparse.csc_matrix(tangent), 1.0)
+            return Linearisation(force, sparse.csc_matrix(tangent), 1.0)
 
         G = sparse.csr_matrix([[0.0, -1.0, 0.0]])
         return ContactProblem(linearise, lambda u: G @ u - t, lambda u: G, np.ones(1))
@@ -215,7 +215,7 @@ def test_a_state_beyond_the_path_is_no_state_of_it() -> None:
     def at(load: float) -> ContactProblem:
         def linearise(u, memory):
             residual = np.array([u[0] - u[0] ** 3 / 3 - load, u[1] - 1.0])
-            return Linear(residual, sparse.csc_matrix(np.diag([1.0 - u[0] ** 2, 1.0])), 1.0)
+            return Linearisation(residual, sparse.csc_matrix(np.diag([1.0 - u[0] ** 2, 1.0])), 1.0)
 
         G = sparse.csr_matrix([[0.0, -1.0]])
         return ContactProblem(linearise, lambda u: 0.5 + G @ u, lambda u: G, np.ones(1))

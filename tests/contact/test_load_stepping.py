@@ -11,8 +11,8 @@ from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import SMALLEST, follow
-from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
-from support.contact_problems import Linear, Quadratic
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
+from support.contact_problems import Quadratic
 
 EXACT = 1e-9
 
@@ -171,7 +171,7 @@ def test_a_path_that_newton_cannot_take_in_one_step(name, direct) -> None:
 
     def at(load: float) -> ContactProblem:
         def linearise(u, memory):
-            return Linear(np.arctan(u) - load, sparse.csc_matrix(np.diag(np.cos(np.arctan(u)) ** 2)), 1.0)
+            return Linearisation(np.arctan(u) - load, sparse.csc_matrix(np.diag(np.cos(np.arctan(u)) ** 2)), 1.0)
 
         return without_contact(linearise, 1)
 

@@ -13,9 +13,9 @@ from contact.catalogue import ALGORITHMS
 from contact.obstacles.cleat import Profile, cleat, step
 from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, Foundation, against
-from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
-from support.contact_problems import Linear, linear_mechanics
+from support.contact_problems import linear_mechanics
 
 
 class Rope:
@@ -44,7 +44,7 @@ class Rope:
             K[own, own] += np.kron([[1, -1], [-1, 1]], block)
         inner = slice(3, -3)
         r[:, 2] -= self.lift
-        return Linear(r[1:-1].ravel(), sparse.csc_matrix(K[inner, inner]), self.k * self.l0)
+        return Linearisation(r[1:-1].ravel(), sparse.csc_matrix(K[inner, inner]), self.k * self.l0)
 
     def candidates(self, weights: np.ndarray) -> Candidates:
         return Candidates(self.rest[1:-1], sparse.csr_matrix(np.eye(3 * self.n - 3)), weights)

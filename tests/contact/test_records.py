@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.optimize import nnls
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, Outcome
 from contact.verify import judge
-from support.contact_problems import Linear, Quadratic, random_quadratic, solve_from_rest
+from support.contact_problems import Quadratic, random_quadratic, solve_from_rest
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 ROUNDING = 1e-10
@@ -121,15 +122,13 @@ def test_memory_is_passed_on_and_forgotten_with_the_solve(name) -> None:
     data = random_quadratic(np.random.default_rng(2), "obstacle")
     problem, seen, given = data.problem(), [], []
 
-    class Remembering(Linear):
-        def remember(self, du):
-            given.append(len(given))
-            return given[-1]
+    def remember(du):
+        given.append(len(given))
+        return given[-1]
 
     def linearise(u, memory):
         seen.append(memory)
-        lin = problem.linearise(u, memory)
-        return Remembering(lin.residual, lin.tangent, lin.scale)
+        return replace(problem.linearise(u, memory), remember=remember)
 
     solution = solve_from_rest(
         name, ContactProblem(linearise, problem.gap, problem.gap_jacobian, problem.weights), len(data.f)

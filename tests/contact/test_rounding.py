@@ -9,9 +9,9 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.problem import NEGLIGIBLE, ROUNDING_ALONE, ContactProblem, Outcome
+from contact.problem import NEGLIGIBLE, ROUNDING_ALONE, ContactProblem, Linearisation, Outcome
 from contact.verify import judge
-from support.contact_problems import Linear, random_quadratic, solve_from_rest
+from support.contact_problems import random_quadratic, solve_from_rest
 
 STIFF = 1e12  # of a pair of faces, over the stiffness 1 of everything else: S |u| eps is 1e-4 of the load
 PAIRS = 8
@@ -31,7 +31,7 @@ class Faces:
     def __init__(self, rng, by_pairs: bool) -> None:
         self.ground, self.load = rng.uniform(0.5, 2, 2 * PAIRS), rng.uniform(0.2, 1, 2 * PAIRS)
         spring = np.kron(np.eye(PAIRS), STIFF * np.array([[1.0, -1.0], [-1.0, 1.0]]))
-        self.K, self.by_pairs, self.Linear = np.diag(self.ground) + spring, by_pairs, Linear
+        self.K, self.by_pairs = np.diag(self.ground) + spring, by_pairs
 
     def linearise(self, u, memory):
         internal = self.K @ u
@@ -39,7 +39,7 @@ class Faces:
             spring = STIFF * (u[1::2] - u[0::2])
             internal = self.ground * u + np.stack([-spring, spring], axis=1).ravel()
         scale = max(np.linalg.norm(internal), np.linalg.norm(self.load))
-        return self.Linear(internal - self.load, sparse.csc_matrix(self.K), scale)
+        return Linearisation(internal - self.load, sparse.csc_matrix(self.K), scale)
 
     def problem(self, wall: float) -> ContactProblem:
         """One wall before the outer face of each pair; at infinity there is none."""

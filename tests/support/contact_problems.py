@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,31 +10,14 @@ import pytest
 from scipy import sparse
 from scipy.optimize import nnls
 
+import contact.problem
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactProblem, ContactSolution, Linearise
 
 
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """A linearisation as the contact package asks for it."""
-
-    residual: np.ndarray
-    tangent: sparse.csc_matrix
-    scale: float
-
-    def remember(self, du: np.ndarray) -> None:
-        return None
-
-
-def linear_mechanics(K: np.ndarray | sparse.sparray, f: np.ndarray) -> Callable[[np.ndarray, object], Linear]:
+def linear_mechanics(K: np.ndarray | sparse.sparray, f: np.ndarray) -> Linearise:
     """linearise(u, memory) of r = K u - f."""
-    K = sparse.csc_matrix(K)
-
-    def linearise(u: np.ndarray, memory: object) -> Linear:
-        internal = K @ u
-        return Linear(internal - f, K, max(np.linalg.norm(internal), np.linalg.norm(f)))
-
-    return linearise
+    return contact.problem.linear_mechanics(sparse.csc_matrix(K), f)
 
 
 @dataclass(frozen=True, eq=False)

@@ -177,15 +177,6 @@ def renumbered(posed: Posed, rng: np.random.Generator) -> Posed:
     unknown, candidate = rng.permutation(n), rng.permutation(m)  # new number i stands for the old one unknown[i]
     back, back_candidate = np.argsort(unknown), np.argsort(candidate)
 
-    @dataclass(frozen=True, eq=False)
-    class Shuffled:
-        """A linearisation in the new order."""
-
-        residual: np.ndarray
-        tangent: sparse.csc_matrix
-        scale: float
-        remember: Callable[[np.ndarray], object]
-
     def problem_at(t: float) -> ContactProblem:
         old = posed.problem_at(t)
         assert old.coupling is None
@@ -193,7 +184,7 @@ def renumbered(posed: Posed, rng: np.random.Generator) -> Posed:
         def linearise(u: np.ndarray, memory: object) -> Linearisation:
             lin = old.linearise(u[back], memory)
             tangent = sparse.csc_matrix(lin.tangent[unknown][:, unknown])
-            return Shuffled(lin.residual[unknown], tangent, lin.scale, lambda du: lin.remember(du[back]))
+            return Linearisation(lin.residual[unknown], tangent, lin.scale, lambda du: lin.remember(du[back]))
 
         bend = old.gap_curvature
         return ContactProblem(

@@ -14,20 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.problem import ContactProblem, ContactSolution, Outcome
-
-
-@dataclass(frozen=True, eq=False)
-class Linear:
-    """A linearisation of r = K u - f."""
-
-    residual: np.ndarray
-    tangent: sparse.csc_matrix
-    scale: float
-
-    def remember(self, du: np.ndarray) -> None:
-        """Nothing to remember."""
-        return
+from contact.problem import ContactProblem, ContactSolution, Outcome, linear_mechanics
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +42,9 @@ class Bounded:
         G = sparse.csr_matrix(sparse.vstack([eye[below], -eye[above]]))
         offset = np.concatenate([-self.low[below], self.up[above]])
 
-        def linearise(u: np.ndarray, memory: object) -> Linear:
-            internal = self.K @ u
-            return Linear(internal - self.f, self.K, float(max(np.linalg.norm(internal), np.linalg.norm(self.f))))
-
-        return ContactProblem(linearise, lambda u: offset + G @ u, lambda u: G, np.ones(len(offset)))
+        return ContactProblem(
+            linear_mechanics(self.K, self.f), lambda u: offset + G @ u, lambda u: G, np.ones(len(offset))
+        )
 
     def begin(self) -> ContactSolution:
         """The source's starting point; bounds that it touches are in the set."""

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from contact.obstacles.foundation import Candidates, Foundation, against
-from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
+from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome, without_contact
 from studies.scene import Observation, Stage, UsageError
 from studies.scenes.tyre.foundation import NORMAL
 
@@ -33,7 +33,7 @@ class Body(Protocol):
         """The same under ``factor`` times its loads."""
         ...
 
-    def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
+    def linearise(self, u: np.ndarray, memory: object = None) -> Linearised:
         """Residual, tangent and memory at u."""
         ...
 
