@@ -12,15 +12,14 @@ from html import escape
 from pathlib import Path
 
 from reports.dialect import to_html
-from reports.navigation import ANALYSIS_TITLES, TITLES
 
 REPORT = "report.html"
 LARGEST = 8 * 2**20  # bytes
 ASSETS = Path(__file__).parent / "assets"
 
 
-def report_html(pages: Mapping[str, str], pictures: Mapping[str, str]) -> str:
-    """The file from the texts of the pages by file name and the SVG of their pictures by name.
+def report_html(pages: Mapping[str, str], titles: Mapping[str, str], pictures: Mapping[str, str]) -> str:
+    """The file from texts and titles of the pages by file name, and the SVG of their pictures by name.
 
     Raises ValueError for a link or a picture that leads nowhere, and for a file that has become too large.
     """
@@ -28,12 +27,9 @@ def report_html(pages: Mapping[str, str], pictures: Mapping[str, str]) -> str:
     inlined = {name: inlined_svg(svg, prefixes[name]) for name, svg in pictures.items()}
     sections = []
     for name, text in pages.items():
-        body = to_html(
-            _without_links(text), partial(_target, name, pages), partial(_picture, inlined), partial(_anchor, name)
-        )
+        body = to_html(text, partial(_target, name, pages), partial(_picture, inlined), partial(_anchor, name))
         sections.append(f'<section id="{_page(name)}">\n{body}\n</section>')
-    titles = {**TITLES, **ANALYSIS_TITLES}
-    links = "\n".join(f'<a href="#{_page(name)}">{escape(titles.get(name, _page(name)))}</a>' for name in pages)
+    links = "\n".join(f'<a href="#{_page(name)}">{escape(titles[name])}</a>' for name in pages)
     style, script = ((ASSETS / name).read_text(encoding="utf-8").strip() for name in ("report.css", "report.js"))
     whole = f"""<!doctype html>
 <html lang="en">
@@ -80,11 +76,6 @@ def _target(page: str, pages: Mapping[str, str], to: str) -> str:
     if name and name not in pages:
         raise ValueError(f"{page}: a link to {to}, which is no page")
     return f"#{_anchor(name or page, fragment)}" if fragment else f"#{_page(name)}"
-
-
-def _without_links(text: str) -> str:
-    """The page without its line of links to the others: the file has its own."""
-    return re.sub(r"(?m)^\[[^\n]*\]\(\w[\w-]*\.md\)( · \[[^\n]*\]\(\w[\w-]*\.md\))+$\n?", "", text)
 
 
 def _picture(inlined: Mapping[str, str], name: str, words: str) -> str:

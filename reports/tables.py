@@ -262,8 +262,11 @@ class Store:
         return _read_table(self.path / "tables" / f"{name}.csv", STORE_COLUMNS[name])
 
     def has_analysis(self, name: str) -> bool:
-        """True when a table of the analysis is there, and of this campaign."""
-        return self.has_table(name) and bool((self.table(name)["campaign"] == self.campaign).all())
+        """True when a table is there that is of this campaign, or of none."""
+        if not self.has_table(name):
+            return False
+        found = self.table(name)
+        return "campaign" not in found or bool((found["campaign"] == self.campaign).all())
 
     def analysis(self, name: str) -> pd.DataFrame:
         """A table of the analysis of this campaign; raises StoreError when it is missing, damaged, or another's."""

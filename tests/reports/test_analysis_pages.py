@@ -9,11 +9,19 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.site import ANALYSIS, analysis_pages, rendered
-from reports.tables import StoreError, load_store
+from reports.contents import CHAPTERS
+from reports.site import rendered
+from reports.tables import Store, StoreError, load_store
 from studies.analysis.everything import analyse
 from studies.campaigns.file import read
 from studies.campaigns.run import run
+
+ANALYSIS = {each.file: each for each in CHAPTERS if not each.always}
+
+
+def analysis_pages(store: Store) -> list[str]:
+    return [name for name, each in ANALYSIS.items() if each.applies(store)]
+
 
 CAMPAIGN = """
 title = "small"
@@ -57,7 +65,8 @@ def test_both_pages_are_made_and_the_same_again(solved: Path, files: dict[str, s
     shown = {name for text in files.values() for name in re.findall(r"\]\((figures/\S+\.svg)\)", text)}
     assert shown == {name for name in files if name.endswith(".svg")}
     assert len(shown) == 4
-    assert "[The trade](tradeoff.md)" in files["index.md"]
+    assert "[Cost and accuracy](tradeoff.md)" in files["index.md"]
+    assert "[Advice](advice.md)" in files["tradeoff.md"]
 
 
 def test_links_lead_somewhere(files: dict[str, str]) -> None:
@@ -113,4 +122,4 @@ def test_a_damaged_table_is_one_line(store: Path) -> None:
     path = store / "tables" / "advice.csv"
     pd.read_csv(path).drop(columns="bound").to_csv(path, index=False)
     with pytest.raises(StoreError, match=r"advice\.csv: lacks the columns bound"):
-        analysis_pages(load_store(store))
+        rendered(load_store(store))

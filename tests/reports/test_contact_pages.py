@@ -114,7 +114,7 @@ def test_a_refusal_is_told_with_its_reason_on_every_page(own_store: Path) -> Non
             "trial-and-error does not apply: not symmetric",
         ]
     assert "1 of" in agreement_page(store).text
-    index = index_page(store).text
+    index = index_page(store, "").text
     overview = row(index[index.index("**Cells behind the pages**") :], "| tyre |")
     assert overview[-2:] == ["1", "0"]
     assert "does not apply" not in index[: index.index("Why cells were refused")]

@@ -8,10 +8,10 @@ from html.parser import HTMLParser
 import pytest
 
 from reports import html
+from reports.contents import CHAPTERS
 from reports.dialect import fragment, inline, to_html
 from reports.html import LARGEST, REPORT, inlined_svg, report_html
 from reports.markdown import commands, machine, picture, table
-from reports.navigation import TITLES, links
 
 SVG = '<?xml version="1.0"?>\n<!DOCTYPE svg>\n<svg xmlns="http://www.w3.org/2000/svg"><metadata>who</metadata>\n{0}</svg>\n'
 
@@ -105,8 +105,10 @@ def test_a_picture_that_asks_for_another_file_is_refused(body: str) -> None:
 
 
 def small(text: str = "", **pictures: str) -> str:
-    pages = {"index.md": f"# All\n\n{links('index.md')}\n\n{text}", "tyre.md": "# Tyre\n\n## A part"}
-    return report_html(pages, {f"{name}.svg": svg for name, svg in pictures.items()})
+    pages = {"index.md": f"# All\n\n{text}", "tyre.md": "# Tyre\n\n## A part"}
+    return report_html(
+        pages, {"index.md": "All", "tyre.md": "Tyre"}, {f"{name}.svg": svg for name, svg in pictures.items()}
+    )
 
 
 def test_links_lead_within_the_file() -> None:
@@ -166,7 +168,7 @@ def test_all_pages_in_one_file_that_fetches_nothing(files: dict[str, str]) -> No
     assert reader.open == []
     assert reader.fetched == []
     assert not re.search(r"@import|url\((?!#|data:)|fetch\(|XMLHttpRequest|WebSocket|<iframe", whole)
-    assert [f'<section id="{name.removesuffix(".md")}">' in whole for name in TITLES] == [True] * len(TITLES)
+    assert [each.name for each in CHAPTERS if each.always and f'<section id="{each.name}">' not in whole] == []
     assert len(whole.encode()) < LARGEST
     assert whole.count("<table>") == sum(text.count("\n| :--") for name, text in files.items() if name.endswith(".md"))
     assert whole.count("<figure>") == sum(name.endswith(".svg") for name in files)

@@ -12,13 +12,18 @@ from typing import Any
 import pytest
 
 from reports import labels
+from reports.chapter import Chapter
 from reports.chapters.tyre.paper_table import FILE
-from reports.navigation import TITLES
+from reports.contents import CHAPTERS
+from reports.html import REPORT
+from reports.markdown import Part
 from reports.result_figures import draw_result
-from reports.site import PAGES, check_pages, compare_pages, rendered, write_pages
+from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.tables import StoreError, load_store
 from studies.campaigns.report_cells import LISTS
 from studies.store.atomic import write_json
+
+PAGES = ["index.md", *(each.file for each in CHAPTERS if each.always)]
 
 
 def edit_json(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
@@ -98,16 +103,28 @@ def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
 def test_pages_are_the_same_bytes_every_time(store: Path, files: dict[str, str], tmp_path: Path) -> None:
     written = write_pages(store, tmp_path)
     assert [path.relative_to(tmp_path).as_posix() for path in written] == list(files)
-    assert set(PAGES) == set(TITLES) == {name for name in files if name.endswith(".md")}
+    assert {*PAGES} == {name for name in files if name.endswith(".md")}
     for path, text in zip(written, files.values(), strict=True):
         assert path.read_bytes() == text.encode(), path.name
     assert not list(tmp_path.rglob(".part-*"))
 
 
 def test_every_page_links_to_every_other(files: dict[str, str]) -> None:
-    for name in TITLES:
-        linked = {other for other in TITLES if f"]({other})" in files[name]}
-        assert linked >= set(TITLES) - {name}
+    for name in PAGES:
+        assert [other for other in PAGES if other != name and f"]({other})" not in files[name]] == []
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_page_from_outside_is_one_entry_of_the_list(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    own = Chapter("mine", "My page", "what a stranger asks.", lambda store: Part("# Mine\n\nText."), needs=("cycles",))
+    needy = Chapter("needy", "Another", "what has no table.", lambda store: Part("# No"), needs=("nothing",))
+    monkeypatch.setattr("reports.site.CHAPTERS", [*CHAPTERS, own, needy])
+    files = rendered(load_store(store))
+    assert files["mine.md"].startswith("# Mine\n\n[All results](index.md) · [The tyre](tyre.md)")
+    assert "- [My page](mine.md): what a stranger asks." in files["index.md"]
+    assert "[My page](mine.md)" in files["tyre.md"]
+    assert '<section id="mine">' in files[REPORT]
+    assert "needy.md" not in files
 
 
 @pytest.mark.usefixtures("undrawn")

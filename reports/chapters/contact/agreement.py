@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from reports.chapter import Chapter
 from reports.chapters.contact import figures as figures_contact
 from reports.chapters.contact.agreement_cases import SAME, Entry, entries
 from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, machine, picture, prose, scientific, table
-from reports.navigation import links
 from reports.tables import Store
 
 NAME = "contact-forces.svg"
@@ -20,8 +20,6 @@ def agreement_page(store: Store) -> Part:
     same = sum(entry.agrees for entry in others)
     mesh = found[0].reference.result["mesh"]
     introduction = prose(f"""# Do the contact algorithms agree?
-
-{links("contact-agreement.md")}
 
 The paper's tyre on a mesh of {mesh}, inflated and pressed, by every contact algorithm of the catalogue, under a dead
 and under a follower pressure (with which the tangent is no longer symmetric), with the symmetric section
@@ -106,3 +104,12 @@ def _refusals(refused: list[Entry]) -> str:
         return "No algorithm refuses any of the cases."
     rows = [[entry.way, *entry.case, str(entry.cell.result["reason"])] for entry in refused]
     return table("Refused", ["algorithm", "load", "section", "reason"], rows, words=4)
+
+
+CHAPTER = Chapter(
+    "contact-agreement",
+    "Contact: agreement",
+    "one tyre by every contact algorithm, load and section.",
+    agreement_page,
+    always=True,
+)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from reports.chapter import Chapter
 from reports.chapters.contact.agreement_cases import Entry, entries
 from reports.chapters.contact.robustness import robustness
 from reports.chapters.tyre import figures as figures_tyre
 from reports.markdown import Part, commands, fixed, joined, machine, percent, picture, prose, table
-from reports.navigation import links
 from reports.tables import Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
@@ -21,8 +21,6 @@ def algorithms_page(store: Store) -> Part:
     refused = [entry for entry in found if entry.cell.unsupported]
     names = ", ".join(dict.fromkeys(f"`{entry.contact}`" for entry in found))
     introduction = prose(f"""# What the contact algorithms cost
-
-{links("algorithms.md")}
 
 {names}: every algorithm of the catalogue on the four cases of [the agreement](contact-agreement.md), inflation and
 {len(found[0].travels)} travels of the plane. A *Newton iteration* is a linearised problem with a change of the
@@ -88,3 +86,13 @@ The {load} load with the section `{section}` and the exact condition, inflation 
 
 {picture(NAME, "Residual and contact set over the residual evaluations of the algorithms")}""")
     return Part(text, {NAME: figures_tyre.iterations(histories)})
+
+
+CHAPTER = Chapter(
+    "algorithms",
+    "Contact: costs",
+    'their iterations, factorisations and times, where they cycle, which says "solved" and is wrong.',
+    algorithms_page,
+    needs=("cycles", "false_success"),
+    always=True,
+)

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.contact import figures as figures_contact
 from reports.chapters.contact.figures import PAPER
 from reports.markdown import NOTHING, Part, fixed, joined, machine, percent, picture, prose, scientific, table
-from reports.navigation import links
 from reports.tables import Store
 
 NAME = "epsilon.svg"
@@ -90,8 +90,6 @@ def epsilon_page(store: Store) -> Part:
     data = store.table("epsilon")
     cases = list(dict.fromkeys(data["case"]))
     text = prose(f"""# How large should ε be?
-
-{links("epsilon.md")}
 
 The paper replaces the contact condition by p = ε <-g>: a pressure proportional to the penetration, with
 ε = {PAPER:g} MPa/mm. The same two problems are solved with ε from {data["epsilon"].min():g} to
@@ -192,3 +190,13 @@ def _row(row: pd.Series) -> list[str]:
         scientific(error, 2) if error > LEVEL else f"< {LEVEL:g}",
         *(str(row["nodes_unlike"]), scientific(float(row["condition"]))),
     ]
+
+
+CHAPTER = Chapter(
+    "epsilon",
+    "Contact: ε",
+    "the regularisation from far too soft to far too hard, and the paper's value.",
+    epsilon_page,
+    needs=("epsilon",),
+    always=True,
+)

@@ -8,14 +8,12 @@ from collections.abc import Iterable
 import numpy as np
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.limits import figures_extremes
 from reports.markdown import Part, commands, fixed, joined, machine, percent, picture, prose, table
-from reports.navigation import links
 from reports.tables import Store
 
-INTRODUCTION = prose(f"""# Extremes
-
-{links("extremes.md")}
+INTRODUCTION = prose("""# Extremes
 
 Where does solving stop? Each map takes two settings to their extremes and shows what comes of it. Every point is a
 small solve of its own, by `semismooth` unless the map says otherwise, followed by the judge of contact. Colours and
@@ -141,3 +139,13 @@ def cause(reason: str) -> str:
 
 def _value(value: object) -> str:
     return value if isinstance(value, str) else f"{value:g}"
+
+
+CHAPTER = Chapter(
+    "extremes",
+    "Extremes",
+    "where solving stops, as maps of outcomes over pairs of extreme settings.",
+    extremes_page,
+    needs=("extremes", "extremes_maps", "extremes_check"),
+    always=True,
+)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.limits import figures_symmetry
 from reports.chapters.tyre.paper_table import FILE, IMAGES, asymmetry, printed_map
 from reports.markdown import NOTHING, Part, commands, fixed, joined, machine, picture, prose, scientific, table
-from reports.navigation import links
 from reports.tables import Store
 
-INTRODUCTION = prose(f"""# Symmetry and invariance
-
-{links("symmetry.md")}
+INTRODUCTION = prose("""# Symmetry and invariance
 
 An answer must not depend on the order of the nodes, on which coordinate is called the first, on the units, on the
 number of load steps, or on where in space the body is. Each check compares two answers that ought to be one, or an
@@ -185,3 +183,13 @@ def _top(sweep: pd.DataFrame) -> pd.Series:
     """The row of the largest asymmetry of a stable state, of any state where none is stable."""
     stable = sweep[sweep["negative"] == 0]
     return (stable if len(stable) else sweep).sort_values("mirror_both_MPa").iloc[-1]
+
+
+CHAPTER = Chapter(
+    "symmetry",
+    "Symmetry",
+    "axes, numbering, units, load steps and rigid motions, which must not matter, and the mirrored tyre.",
+    symmetry_page,
+    needs=("symmetry", "mirror"),
+    always=True,
+)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from reports.chapters.overview.outcomes import analysed, completeness, refusals
+from reports.chapters.overview.outcomes import completeness, refusals
 from reports.ladders import applies
 from reports.markdown import NOTHING, Part, digits, fixed, machine, percent, prose, scientific, table
 from reports.orders import MeshSequence
@@ -15,16 +15,12 @@ COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
 LEAST = 3  # meshes of a sequence
 
 
-def campaign_page(store: Store) -> Part:
-    """The whole page; nothing on it is a time."""
-    sections = (_introduction, _sequences, _outcomes, _refused, _unfinished)
-    return Part("\n\n".join(section(store) for section in sections) + "\n")
-
-
-def _introduction(store: Store) -> str:
-    more = analysed(store)
-    head = f"# Campaign `{store.campaign}`\n\n{store.title}.\n" + (f"{more}\n" if more else "")
-    return f"{head}\n## Completeness\n\n{completeness(store)}"
+def campaign_page(store: Store, contents: str = "") -> Part:
+    """The whole page; contents: the list of the other pages. Nothing on it is a time."""
+    head = f"# Campaign `{store.campaign}`\n\n{store.title}." + (f"\n\n{contents}" if contents else "")
+    sections = (_sequences, _outcomes, _refused, _unfinished)
+    parts = [head, f"## Completeness\n\n{completeness(store)}", *(section(store) for section in sections)]
+    return Part("\n\n".join(parts) + "\n")
 
 
 def _sequences(store: Store) -> str:

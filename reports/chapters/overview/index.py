@@ -6,7 +6,7 @@ import math
 
 from reports import labels
 from reports.chapters.overview.headlines import headlines
-from reports.chapters.overview.outcomes import analysed, completeness, refusals
+from reports.chapters.overview.outcomes import completeness, refusals
 from reports.chapters.shells.benchmarks import BENCHMARKS, limit
 from reports.chapters.shells.convergence import WITHIN, split
 from reports.chapters.shells.element_choice import choices
@@ -21,32 +21,11 @@ from reports.markdown import Part, commands, digits, fixed, folded, machine, per
 from reports.tables import Cell, Store
 
 
-def index_page(store: Store) -> Part:
-    """The whole page."""
-    sections = (headlines, _pages, _findings, _limitations, _completeness, _machine)
-    return Part("\n\n".join(["# Results", *(section(store) for section in sections)]) + "\n")
-
-
-def _pages(store: Store) -> str:
-    return prose(f"""## Pages
-
-- [The tyre](tyre.md): an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and
-  against three-dimensional solids.
-- [Benchmarks without contact](benchmarks.md): large bending against exact and published values.
-- [Convergence](convergence.md): every scene on three meshes or more, its order, its limit, and its error split into
-  that of the mesh and that of the model.
-- [Strain measures](measures.md): up to which load each is enough.
-- [Rigid motions](rigid-body.md): what they leave in each measure, against its declared law.
-- [Locking](locking.md): thickness, shear, curved beam and membrane, over thinner and thinner shells.
-- [Symmetry](symmetry.md): axes, numbering, units, load steps and rigid motions, which must not matter, and the mirror
-  image of the tyre's pressure.
-- [Extremes](extremes.md): where solving stops, as maps of outcomes over pairs of extreme settings.
-- [Contact: agreement](contact-agreement.md): one tyre by every contact algorithm, load and section.
-- [Contact: costs](algorithms.md): their iterations, factorisations and times, what they refuse, where they cycle, who
-  says "solved" and is wrong, and how far the tyre can be pressed.
-- [Contact: ε](epsilon.md): the regularisation from far too soft to far too hard, and the paper's value.
-- [Cost](cost.md): what a part of the tyre saves, what a grid that follows the error saves, and what a step
-  costs.{analysed(store)}""")
+def index_page(store: Store, contents: str) -> Part:
+    """The whole page; contents: the list of the other pages."""
+    sections = (_findings, _limitations, _completeness, _machine)
+    top = ["# Results", headlines(store), f"## Pages\n\n{contents}"]
+    return Part("\n\n".join([*top, *(section(store) for section in sections)]) + "\n")
 
 
 def _completeness(store: Store) -> str:

@@ -29,15 +29,6 @@ def completeness_line(store: Store) -> str:
     return f"{store.campaign}: {len(store.planned)} cells planned: {told or 'none'}"
 
 
-def analysed(store: Store) -> str:
-    """Links to the pages of the analysis, a list item each, when their tables are there; else nothing."""
-    words = {
-        "fronts": "- [The trade](tradeoff.md): what accuracy costs, who wins how often, which axis explains it.",
-        "advice": "- [Advice](advice.md): the cheapest configuration for a tolerance, and what such advice is worth.",
-    }
-    return "".join(f"\n{line}" for table, line in words.items() if store.has_analysis(table))
-
-
 def completeness(store: Store) -> str:
     """Cells planned by scene and class, and what could not be solved."""
     present = [name for name in CLASSES if any(each.ended == name for each in store.planned)]

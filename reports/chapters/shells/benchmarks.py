@@ -10,16 +10,14 @@ from typing import Any
 import pandas as pd
 
 from reports import labels
+from reports.chapter import Chapter
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.shells.newton_steps import newton_part
 from reports.markdown import Part, commands, fixed, joined, percent, picture, prose, table
-from reports.navigation import links
 from reports.orders import extrapolated, order_against, self_order
 from reports.tables import Cell, Store
 
-INTRODUCTION = prose(f"""# Benchmarks without contact
-
-{links("benchmarks.md")}
+INTRODUCTION = prose("""# Benchmarks without contact
 
 Two shells that bend through large rotations, each on three meshes, with the element of the paper (`element=paper`; the
 default one is [better](convergence.md#which-element)). *Order* is the exponent p of an error that falls
@@ -191,3 +189,12 @@ that before they reach {EQUILIBRIUM:g} of the forces in balance. So do {sum(map(
 def _rounded(step: Mapping[str, Any]) -> bool:
     """Is its equilibrium a matter of rounding?"""
     return bool(step["kkt"]["equilibrium"] > EQUILIBRIUM)
+
+
+CHAPTER = Chapter(
+    "benchmarks",
+    "Benchmarks without contact",
+    "large bending against exact and published values.",
+    benchmarks_page,
+    always=True,
+)

@@ -6,18 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from reports.chapter import Chapter
 from reports.chapters.shells.element_choice import element_choice_part
 from reports.chapters.shells.figures_convergence import Curve, mesh_errors
 from reports.chapters.shells.solid_part import solid_part
 from reports.ladders import Rung, families, read_ladders
 from reports.markdown import NOTHING, Part, commands, fixed, folded, joined, percent, picture, prose, table
-from reports.navigation import links
 from reports.orders import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from reports.tables import Store
 
 INTRODUCTION = prose(f"""# Convergence
-
-{links("convergence.md")}
 
 Every scene on three or more meshes with the default element, `element=refined`. An order is the p of an error c h^p,
 fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its
@@ -164,3 +162,13 @@ uncertainties of limit and reference together; that is so in {len(beyond)} of {l
     sources = dict.fromkeys(f"- {rung.ladder}, {ref['kind']}: {ref['source']}" for rung, ref, _ in pairs)
     blocks.append(folded("Sources of the references", "\n".join(sources)))
     return Part("\n\n".join(blocks))
+
+
+CHAPTER = Chapter(
+    "convergence",
+    "Convergence",
+    "every scene on three meshes or more: order, limit, and the error split into mesh and model.",
+    convergence_page,
+    needs=("ladders",),
+    always=True,
+)

@@ -6,15 +6,13 @@ from itertools import pairwise
 
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.shells import figures_locking
 from reports.markdown import NOTHING, Part, fixed, joined, machine, percent, picture, prose, scientific, table
-from reports.navigation import links
 from reports.orders import MeshSequence
 from reports.tables import Store
 
-INTRODUCTION = prose(f"""# Locking
-
-{links("locking.md")}
+INTRODUCTION = prose("""# Locking
 
 An element locks when it can bend only with a strain that real bending does not have, and that strain costs the more
 the thinner the shell is. The test is the same everywhere: the mesh stays, the shell gets thinner. A ratio found/exact
@@ -204,3 +202,13 @@ the inextensional bending of a doubly curved surface, and none of the membranes 
 the mesh: l³ must be small against h R². A dash stands for less than {SMALLEST:g}, where rounding begins.""")
     header = ["membrane", "elements", *thinner, "factor by the last decade of h", "factor by halving l"]
     return "\n\n".join([text, machine(table("Excess U/U_h - 1 of the free hyperboloid", header, rows))])
+
+
+CHAPTER = Chapter(
+    "locking",
+    "Locking",
+    "thickness, shear, curved beam and membrane, over thinner and thinner shells.",
+    locking_page,
+    needs=("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
+    always=True,
+)

@@ -8,14 +8,12 @@ import numpy as np
 import pandas as pd
 
 from reports import labels
+from reports.chapter import Chapter
 from reports.chapters.shells import figures_measures
 from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, percent, picture, prose, table
-from reports.navigation import links
 from reports.tables import Store
 
-INTRODUCTION = prose(f"""# Strain measures
-
-{links("measures.md")}
+INTRODUCTION = prose("""# Strain measures
 
 All measures run on the same element, section, loads and solver. Only their coefficients differ, so a difference on this
 page is the measure's and nothing else's. What each leaves under [rigid motions](rigid-body.md) has a page of its
@@ -133,3 +131,12 @@ published {fixed(float(reference["value"]), 3)}, which is itself a finite-elemen
     return Part(
         "\n\n".join([text, table("Inward displacement of the hemisphere", header, rows, words=3), commands(lines)])
     )
+
+
+CHAPTER = Chapter(
+    "measures",
+    "Strain measures",
+    "up to which load each is enough.",
+    measures_page,
+    always=True,
+)

@@ -7,14 +7,12 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.shells import figures_rigid_body
 from reports.markdown import NOTHING, Part, fixed, joined, picture, prose, scientific, table
-from reports.navigation import links
 from reports.tables import Store
 
-INTRODUCTION = prose(f"""# Rigid motions
-
-{links("rigid-body.md")}
+INTRODUCTION = prose("""# Rigid motions
 
 A rigid motion strains nothing. Whether a measure knows that is a question to its formulas alone: no mesh and no element
 is on this page. The exact displacements of a small piece of a shell, moved as a whole, are sent through the
@@ -224,3 +222,13 @@ stretch of the face.""")
         header = ["motion", "measure", "strain", "measured", "declared", "difference", "largest"]
         blocks.append(table(f"Rigid motions of the {surface}", header, rows, words=3))
     return Part("\n\n".join(blocks))
+
+
+CHAPTER = Chapter(
+    "rigid-body",
+    "Rigid motions",
+    "what they leave in each measure, against its declared law.",
+    rigid_body_page,
+    needs=("rigid_body", "small_motions", "rotation_sweep"),
+    always=True,
+)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
 from reports.markdown import NOTHING, Part, commands, fixed, joined, machine, percent, picture, prose, scientific, table
-from reports.navigation import links
 from reports.tables import Store
 
-NEEDED = ("advice", "held_out", "held_out_summary")
 HELD_OUT = "advice-held-out.svg"
 ENGINEER = 0.01  # the tolerance that is listed in full
 AIM_REGRET, AIM_MET = 1.5, 0.95
@@ -19,16 +18,10 @@ def advice_page(store: Store) -> Part:
     """The whole page."""
     introduction = prose(f"""# Which configuration
 
-{_links(store)}
-
 The cheapest configuration whose upper confidence bound of the error, the verified error and what its reference is
 uncertain by, meets a tolerance, over all cells of the campaign `{store.campaign}`. `footprint advise SCENE --error 1%`
 answers the same for any tolerance and quantity.""")
     return joined([Part(introduction), _overview(store), _listed(store), _worth(store)])
-
-
-def _links(store: Store) -> str:
-    return links("advice.md") if store.pages == "all" else "[The campaign](index.md)"
 
 
 def _overview(store: Store) -> Part:
@@ -158,3 +151,12 @@ def _by_scene(scene: str, cases: pd.DataFrame) -> list[str]:
     regret = given["regret"].astype(float)
     met = percent(float(given["met"].mean()), 0, sign=False) if len(given) else NOTHING
     return [f"`{scene}`", str(len(cases)), str(len(given)), met, fixed(regret.median(), 2), fixed(regret.max(), 2)]
+
+
+CHAPTER = Chapter(
+    "advice",
+    "Advice",
+    "the cheapest configuration for a tolerance, and what such advice is worth.",
+    advice_page,
+    needs=("advice", "held_out", "held_out_summary"),
+)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from reports import labels
+from reports.chapter import Chapter
 from reports.chapters.trade import figures_cost
 from reports.maps import at_delta
 from reports.markdown import (
@@ -23,7 +24,6 @@ from reports.markdown import (
     scientific,
     table,
 )
-from reports.navigation import links
 from reports.tables import Cell, Store
 
 PRECISION = "cost-precision.svg"
@@ -36,9 +36,7 @@ TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
 def cost_page(store: Store) -> Part:
     """The whole page."""
-    introduction = prose(f"""# What it costs
-
-{links("cost.md")}
+    introduction = prose("""# What it costs
 
 Times are wall times of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
     return joined([Part(introduction), _models(store), _precision(store), _scaling(store), _peers(store)])
@@ -190,3 +188,13 @@ def differences(cell: Cell, whole: Cell) -> tuple[float, float]:
 
 def _difference(value: float) -> str:
     return f"under {scientific(SAME, 0)}" if value <= SAME else scientific(value)
+
+
+CHAPTER = Chapter(
+    "cost",
+    "Cost of the tyre",
+    "what a part of the tyre saves, what a grid that follows the error saves, and what a step costs.",
+    cost_page,
+    needs=("work_precision",),
+    always=True,
+)

@@ -6,6 +6,7 @@ import math
 
 import pandas as pd
 
+from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
 from reports.markdown import (
     NOTHING,
@@ -21,10 +22,8 @@ from reports.markdown import (
     scientific,
     table,
 )
-from reports.navigation import links
 from reports.tables import Store
 
-NEEDED = ("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "attribution")
 COST = "flops"  # the same on every machine
 PRECISION, PROFILES, SHARES = "tradeoff-precision.svg", "tradeoff-profiles.svg", "tradeoff-shares.svg"
 LARGEST = {"mesh": "mesh", "solver": "solver", "formulation": "formulation", "reference": "reference"}
@@ -35,18 +34,12 @@ def tradeoff_page(store: Store) -> Part:
     """The whole page."""
     introduction = prose(f"""# What accuracy costs
 
-{_links(store)}
-
 Every cell of the campaign `{store.campaign}` is verified: against the scene's reference where one holds for its
 settings, else against the limit of a ladder of meshes by the exact measure, so that what a measure loses is an error.
 Costs are floating-point operations of the factorisations, the same on every machine; what a quadratic programme or
 pivots take beside them is in the wall times only.""")
     parts = (_split, _fronts, _families, _profiles, _attribution, _flags)
     return joined([Part(introduction), *(part(store) for part in parts)])
-
-
-def _links(store: Store) -> str:
-    return links("tradeoff.md") if store.pages == "all" else "[The campaign](index.md)"
 
 
 def _split(store: Store) -> Part:
@@ -240,3 +233,12 @@ def _wall(row: dict) -> list[str]:
 
 def _count(value: float) -> str:
     return "–" if math.isnan(value) else str(int(value))
+
+
+CHAPTER = Chapter(
+    "tradeoff",
+    "Cost and accuracy",
+    "what accuracy costs, by measure, algorithm and mesh, and which axis explains it.",
+    tradeoff_page,
+    needs=("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "attribution"),
+)

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
+from reports import labels
+from reports.chapter import Chapter
 from reports.chapters.tyre.algorithms import algorithms_part, costs_part
 from reports.chapters.tyre.meshes import meshes_part
 from reports.chapters.tyre.paper import paper_part
 from reports.chapters.tyre.printed_pressures import printed_part
 from reports.markdown import Part, joined
-from reports.navigation import links
 from reports.tables import Store
 
-INTRODUCTION = f"""# The tyre
-
-{links("tyre.md")}
+INTRODUCTION = """# The tyre
 
 Angles: ψ runs along the meridian and is zero at the outer equator, φ runs around the axis and is zero where the plane
 touches first. Pressures are contact pressures, positive in compression. The element is that of the paper throughout
@@ -29,5 +28,16 @@ touches first. Pressures are contact pressures, positive in compression. The ele
 
 def tyre_page(store: Store) -> Part:
     """The whole page."""
+    for delta in labels.CURVES:  # without these indentations there is no page
+        store.cell(labels.PAPER).step(delta_mm=delta)
     sections = (paper_part, printed_part, algorithms_part, meshes_part, costs_part)
     return joined([Part(INTRODUCTION), *(section(store) for section in sections)])
+
+
+CHAPTER = Chapter(
+    "tyre",
+    "The tyre",
+    "an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and against solids.",
+    tyre_page,
+    always=True,
+)
