@@ -15,10 +15,12 @@ TOLERANCE = Setting(
 )
 _MORE = (
     Setting("settle", None, "fraction of the set that may change before the next linearisation", low=0, high=1),
-    Setting("c", None, "weight of gap against pressure, first stiffness of the augmented Lagrangian, MPa/mm", low=0),
+    Setting(
+        "c", None, "weight of gap against pressure, first stiffness of the augmented Lagrangian", low=0, unit="MPa/mm"
+    ),
     Setting("backend", None, "solver of the quadratic programmes", "choice", choices=tuple(BACKENDS)),
     Setting("eps", None, "tolerance of the quadratic programmes", low=1e-14, high=1),
-    Setting("method", None, "of the complementarity problem", "choice", choices=tuple(METHODS)),
+    Setting("method", None, "solution of the linear complementarity problem", "choice", choices=tuple(METHODS)),
 )
 KEYS = tuple(setting.key for setting in _MORE)
 

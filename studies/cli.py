@@ -19,6 +19,7 @@ __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 
 COMMANDS = {
     "list": "what there is",
+    "show": "what a scene, a measure or an algorithm is, and its settings",
     "solve": "solve one scene into a directory",
     "resolve": "solve one frozen contact problem again, alone, and judge it",
     "run": "solve the missing cells of a campaign",

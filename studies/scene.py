@@ -28,13 +28,17 @@ class UsageError(ValueError):
     """A wrong request; its message is the one line the user reads."""
 
 
+UNITS = ("mm", "MPa", "deg", "N")  # a key ends in its unit; all others count
+
+
 @dataclass(frozen=True)
 class Setting:
-    """A key of ``--set KEY=VALUE`` with its default and range.
+    """A key of ``--set KEY=VALUE`` with its meaning, unit, range and default.
 
-    kind: "float", "int", "floats" (comma-separated, increasing) or "choice". low, high: range of each number, the
-    bounds included unless ``open_low``/``open_high``; infinity only where ``infinite``. default None: the scene works
-    it out. presets: what each choice stands for, values of other keys; it gives way to those that are given.
+    help: its meaning, for people.  kind: "float", "int", "floats" (comma-separated, increasing) or "choice".
+    low, high: range of each number, the bounds included unless ``open_low``/``open_high``; infinity only where
+    ``infinite``.  default None: the scene works it out, and ``otherwise`` says how.  presets: what each choice stands
+    for, values of other keys; it gives way to those that are given.  unit: by default what the key ends in.
     """
 
     key: str
@@ -48,6 +52,13 @@ class Setting:
     infinite: bool = False
     choices: tuple[str, ...] = ()
     presets: Mapping[str, Mapping[str, Value]] = field(default_factory=dict)
+    unit: str = ""
+    otherwise: str = ""
+
+    def __post_init__(self) -> None:
+        ending = self.key.rpartition("_")[2]
+        by_key = ending if ending in UNITS else "-" if self.kind == "choice" else "1"
+        object.__setattr__(self, "unit", self.unit or by_key)
 
     @property
     def range_text(self) -> str:
@@ -59,18 +70,27 @@ class Setting:
         words = {"int": "a whole number in", "float": "a number in", "floats": "increasing numbers in"}[self.kind]
         return f"{words} {left}{self.low:g}, {self.high:g}{right}"
 
-    def parse(self, text: str) -> Value:
-        """Value of the text; raises UsageError naming the text and the range."""
-        wrong = UsageError(f"{self.key} = {text!r} must be {self.range_text}")
+    @property
+    def default_text(self) -> str:
+        """The default as it is written after KEY=, or how the scene works it out."""
+        if self.default is None:
+            return self.otherwise
+        values = self.default if isinstance(self.default, tuple) else (self.default,)
+        return ",".join(f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+
+    def parse(self, value: object) -> Value:
+        """The value of a text or of Python's numbers and sequences; raises UsageError naming it and the range."""
+        wrong = UsageError(f"{self.key} = {value!r} must be {self.range_text}")
         if self.kind == "choice":
-            if text not in self.choices:
+            if value not in self.choices:
                 raise wrong
-            return text
+            return str(value)
+        parts = value.split(",") if isinstance(value, str) else np.atleast_1d(np.asarray(value, dtype=object)).tolist()
         try:
-            numbers = tuple(float(part) for part in text.split(","))
-        except ValueError:
+            numbers = tuple(float(part) for part in parts if not isinstance(part, bool))
+        except (TypeError, ValueError):
             raise wrong from None
-        if not all(self._inside(number) for number in numbers):
+        if len(numbers) != len(parts) or not numbers or not all(self._inside(number) for number in numbers):
             raise wrong
         if self.kind == "floats":
             if any(b <= a for a, b in pairwise(numbers)):
@@ -88,6 +108,16 @@ class Setting:
 
 SOLVER = Setting(
     "solver", "splu", "sparse direct solver; pardiso needs the extra mkl", "choice", choices=("splu", "pardiso")
+)
+EPSILON = Setting(
+    "epsilon",
+    None,
+    "regularisation: pressure over penetration; inf enforces contact exactly",
+    low=0,
+    open_low=True,
+    infinite=True,
+    unit="MPa/mm",
+    otherwise="that of the algorithm",
 )
 
 

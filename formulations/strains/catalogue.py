@@ -14,13 +14,23 @@ from formulations.strains.quantities import Kinematics
 
 
 def _cosine(theta: float, zeta: float) -> float:
-    """The linear law, ~ -theta^2/2."""
+    """Cosine of theta less 1, about -theta^2/2: the linear law."""
     return math.cos(theta) - 1.0
 
 
 def _quartic(theta: float, zeta: float) -> float:
-    """A linear law mended by half the square of the sine of the rotation, ~ -theta^4/8."""
+    """-(1 - cos theta)^2/2, about -theta^4/8: the linear law and half the square of the sine of the rotation."""
     return -((1.0 - math.cos(theta)) ** 2) / 2
+
+
+def _slope(amount: float, zeta: float) -> float:
+    """(amount/zeta)^2/2: a displacement across the normal counts as a slope."""
+    return (amount / zeta) ** 2 / 2
+
+
+def _thin(theta: float, zeta: float) -> float:
+    """Zeta (zeta - 1)(1 - cos theta): the stretch of the faces is missing."""
+    return zeta * (zeta - 1) * (1 - math.cos(theta))
 
 
 # Exact (Green-Lagrange at the faces): vanishes under any rigid motion, to rounding.
@@ -39,6 +49,7 @@ EXACT_TERMS: Terms = {
 EXACT = quadratic_measure(
     "exact",
     EXACT_TERMS,
+    meaning="Green-Lagrange strain of both faces; neglects nothing",
     reference="Kulikov and Plotnikova, CMAME 192 (2003) 851-875; Grigolyuk et al. (2004), eqs 2-3",
     rigid_body_law=EXACT_LAW,
 )
@@ -51,6 +62,7 @@ LINEAR_TERMS: Terms = {
 LINEAR = quadratic_measure(
     "linear",
     LINEAR_TERMS,
+    meaning="small strains and rotations; neglects all products of gradients",
     reference="Grigolyuk et al. (2004), eq. 3, e-terms only",
     rigid_body_law=RigidBodyLaw(out_of_plane=_cosine, drilling=_cosine, axis=_cosine),
 )
@@ -65,6 +77,7 @@ VON_KARMAN_TERMS: Terms = {
 VON_KARMAN = quadratic_measure(
     "von-karman",
     VON_KARMAN_TERMS,
+    meaning="moderate slopes of a thin plate or shell; neglects products but those of the slopes t",
     reference="von Kármán (1910), with the full slope t of the curved shell",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_cosine, axis=_quartic),
 )
@@ -73,9 +86,10 @@ VON_KARMAN = quadratic_measure(
 DONNELL = quadratic_measure(
     "donnell",
     VON_KARMAN_TERMS,
+    meaning="von Kármán for shallow shells; neglects tangential displacements in the slopes, too",
     reference="Donnell, NACA Report 479 (1933); Mushtari (1938)",
     rigid_body_law=RigidBodyLaw(
-        translation=lambda amount, zeta: (amount / zeta) ** 2 / 2,
+        translation=_slope,
         out_of_plane=_quartic,
         drilling=_cosine,
         axis=_cosine,
@@ -92,6 +106,7 @@ SANDERS = quadratic_measure(
         "E11": {"l1": 1, "t1 t1": 1 / 2, **DRILLING},
         "E22": {"l2": 1, "t2 t2": 1 / 2, **DRILLING},
     },
+    meaning="von Kármán and the rotation about the normal; neglects products with elongations",
     reference="Sanders, Q. Appl. Math. 21 (1963) 21-36; Nemeth, NASA/TP-2013-218025 (recalled)",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_quartic, axis=_quartic),
 )
@@ -107,6 +122,7 @@ NOVOZHILOV = quadratic_measure(
         "2E23": {"beta2": 1, "t2": -1, "beta1 w2": 1},
         "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2},
     },
+    meaning="small elongations, large rotations; neglects l and beta3 beside 1",
     reference="Novozhilov, Foundations of the Nonlinear Theory of Elasticity (1953), small elongations (recalled)",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_quartic, axis=_quartic),
 )
@@ -120,6 +136,7 @@ MODERATE_ROTATION = quadratic_measure(
         "2E23": {"beta2": 1, "t2": -1, "beta2 l2": 1, "beta1 w2": 1},
         "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2},
     },
+    meaning="moderate rotations of a director; neglects beta3 t and tangential products but those of t",
     reference="Schmidt and Reddy, J. Appl. Mech. 55 (1988) 611-617; Librescu and Schmidt (1988) (recalled)",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_cosine, axis=_quartic),
 )
@@ -128,8 +145,9 @@ MODERATE_ROTATION = quadratic_measure(
 THIN_GREEN_LAGRANGE = quadratic_measure(
     "thin-green-lagrange",
     EXACT_TERMS,
+    meaning="Green-Lagrange strain of a thin shell; neglects the stretch of the faces by the curvature",
     reference="the exact measure in the limit k d -> 0, Grigolyuk et al. (2004), eq. 3 with zeta = 1",
-    rigid_body_law=RigidBodyLaw(axis=lambda theta, zeta: zeta * (zeta - 1) * (1 - math.cos(theta))),
+    rigid_body_law=RigidBodyLaw(axis=_thin),
     kinematics=Kinematics(thin=True),
 )
 

@@ -31,6 +31,17 @@ class ElongationMeasure:
     reference: str = "Novozhilov (1953), ch. 1: relative elongations and shears (recalled)"
     rigid_body_law: RigidBodyLaw = EXACT_LAW
     kinematics: Kinematics = FULL
+    meaning: str = "elongations and angles of shear of the deformed body; neglects nothing"
+
+    @property
+    def formulas(self) -> dict[str, str]:
+        """By the Green-Lagrange strains G of the base and the stretches Lambda."""
+        normal = {f"{a}{a}": f"sqrt(1 + 2 G{a}{a}) - 1" for a in "123"}
+        shear = {f"{a}{b}": f"arcsin(2 G{a}{b}/(Λ{a} Λ{b})), Λ{a} = sqrt(1 + 2 G{a}{a})" for a, b in ("12", "13", "23")}
+        return {
+            **{f"E{pair}": text for pair, text in normal.items()},
+            **{f"2E{pair}": text for pair, text in shear.items()},
+        }
 
     def strain(self, q: np.ndarray) -> np.ndarray:
         """Elongations and angles, (..., 11)."""

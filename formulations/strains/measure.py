@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Protocol
 
@@ -18,6 +19,7 @@ Terms = Mapping[str, Mapping[str, float]]
 
 
 def _none(amount: float, zeta: float) -> float:
+    """0."""
     return 0.0
 
 
@@ -28,7 +30,8 @@ class RigidBodyLaw:
     Each law is a function of the amount of motion and of the stretch zeta = 1 + k d of the face:
     translation: of a cylinder, E22 for the amount (U . e2)/R;  out_of_plane: of a plate, the angle theta [rad] about a
     tangent, E_aa normal to it;  drilling: of a plate, theta about its normal;  axis: of a cylinder, theta about its
-    own axis, E22. A measure that passes where it should fail is as wrong as one that fails where it should pass.
+    own axis, E22. The first line of the docstring of a law is its formula. A measure that passes where it should fail
+    is as wrong as one that fails where it should pass.
     """
 
     translation: Callable[[float, float], float] = _none
@@ -80,7 +83,8 @@ EXACT_LAW = RigidBodyLaw()
 class QuadraticMeasure:
     """E_n = L_n . q + 1/2 q . Q_n . q with constant L (11, 15) and Q (11, 15, 15), symmetric in its last two axes.
 
-    ``reference``: the source of the measure.  ``kinematics``: what its gradients q leave out.
+    ``reference``: the source of the measure.  ``kinematics``: what its gradients q leave out.  ``meaning``: what it
+    assumes or neglects, one line for people.
     """
 
     name: str
@@ -89,6 +93,17 @@ class QuadraticMeasure:
     reference: str
     rigid_body_law: RigidBodyLaw
     kinematics: Kinematics = FULL
+    meaning: str = ""
+
+    @cached_property
+    def formulas(self) -> dict[str, str]:
+        """Each strain, without its face, as a sum of monomials in l, w, t and beta."""
+        names = [quantity.rstrip("-+") for quantity in QUANTITIES]
+        return {
+            strain.rstrip("+"): _polynomial(names, self.linear[row], self.quadratic[row])
+            for row, strain in enumerate(STRAINS)
+            if not strain.endswith("-")
+        }
 
     def strain(self, q: np.ndarray) -> np.ndarray:
         """E = L q + 1/2 q Q q, (..., 11)."""
@@ -117,6 +132,22 @@ class QuadraticMeasure:
         return 0.5 * self._table
 
 
+def _polynomial(names: list[str], linear: np.ndarray, quadratic: np.ndarray) -> str:
+    """L . q + 1/2 q . Q . q as text, e.g. "l1 + 1/2 l1² + w1 w2"."""
+    terms = [(float(linear[i]), names[i]) for i in np.flatnonzero(linear)]
+    terms.sort(key=lambda term: term[0] < 0)
+    for i, j in zip(*np.nonzero(np.triu(quadratic)), strict=True):
+        once = float(quadratic[i, j])
+        terms.append((once / 2, f"{names[i]}²") if i == j else (once, f"{names[i]} {names[j]}"))
+    text = " ".join(f"{'-' if c < 0 else '+'} {_factor(abs(c))}{monomial}" for c, monomial in terms)
+    return text.removeprefix("+ ") or "0"
+
+
+def _factor(coefficient: float) -> str:
+    fraction = Fraction(coefficient).limit_denominator(1000)
+    return "" if coefficient == 1 else f"{fraction} " if float(fraction) == coefficient else f"{coefficient:.6g} "
+
+
 def strain_change(measure: StrainMeasure, start: np.ndarray, q: np.ndarray) -> np.ndarray:
     """E(start + q) - E(start), (..., 11).
 
@@ -129,7 +160,13 @@ def strain_change(measure: StrainMeasure, start: np.ndarray, q: np.ndarray) -> n
 
 
 def quadratic_measure(
-    name: str, terms: Terms, *, reference: str, rigid_body_law: RigidBodyLaw, kinematics: Kinematics = FULL
+    name: str,
+    terms: Terms,
+    *,
+    reference: str,
+    rigid_body_law: RigidBodyLaw,
+    kinematics: Kinematics = FULL,
+    meaning: str = "",
 ) -> QuadraticMeasure:
     """Build a measure from its formulas written as data.
 
@@ -155,7 +192,7 @@ def quadratic_measure(
                     raise ValueError(f"measure {name}: {monomial!r} is not a monomial of degree 1 or 2")
     for table in (linear, quadratic):
         table.setflags(write=False)
-    return QuadraticMeasure(name, linear, quadratic, reference, rigid_body_law, kinematics)
+    return QuadraticMeasure(name, linear, quadratic, reference, rigid_body_law, kinematics, meaning)
 
 
 def _quantity(name: str, factor: str, face: str) -> int:

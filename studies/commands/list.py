@@ -1,13 +1,15 @@
-"""``footprint list``: the names of the catalogues."""
+"""``footprint list``: the names of the catalogues, each with its meaning."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterable
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.file import find, names
 from studies.commands import OK
+from studies.describe import columns, meaning_of
 from studies.scenes import SCENES
 
 
@@ -18,14 +20,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print one catalogue, or all."""
-    lists = {
-        "scenes": [f"{name:18s}{scene.title}" for name, scene in SCENES.items()],
-        "measures": list(MEASURES),
-        "algorithms": list(ALGORITHMS),
-        "campaigns": [f"{name:18s}{find(name).title}" for name in names()],
-    }
+    catalogues: dict[str, Iterable[str]] = {"scenes": SCENES, "measures": MEASURES, "algorithms": ALGORITHMS}
+    lists = {what: [(name, meaning_of(name)) for name in catalogue] for what, catalogue in catalogues.items()}
+    lists["campaigns"] = [(name, find(name).title) for name in names()]
     for what in [options.what] if options.what else lists:
         if not options.what:
             print(f"{what}:")
-        print("\n".join(("" if options.what else "  ") + line for line in lists[what]))
+        print("\n".join(columns(lists[what], "" if options.what else "  ")))
     return OK

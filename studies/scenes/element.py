@@ -20,13 +20,33 @@ PRESETS = {
     "refined": {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "relaxed"},
 }
 SAMPLINGS = tuple(THICKNESS_STRAINS)
+BY_NAME = "by element"
 ELEMENT = (
     Setting(
-        "element", "refined", "names the three options that follow", "choice", choices=tuple(PRESETS), presets=PRESETS
+        "element",
+        "refined",
+        "interpolation, thickness_strain and membrane by one name",
+        "choice",
+        choices=tuple(PRESETS),
+        presets=PRESETS,
     ),
-    Setting("interpolation", None, "of displacements; else by element", "choice", choices=INTERPOLATIONS),
-    Setting("thickness_strain", None, "where E33 is sampled; else by element", "choice", choices=SAMPLINGS),
-    Setting("membrane", None, "linear modes of the membrane strain; else by element", "choice", choices=MEMBRANES),
+    Setting(
+        "interpolation",
+        None,
+        "what is interpolated: components or positions",
+        "choice",
+        choices=INTERPOLATIONS,
+        otherwise=BY_NAME,
+    ),
+    Setting(
+        "thickness_strain",
+        None,
+        "where the thickness strain E33 is sampled",
+        "choice",
+        choices=SAMPLINGS,
+        otherwise=BY_NAME,
+    ),
+    Setting("membrane", None, "linear modes of the membrane strain", "choice", choices=MEMBRANES, otherwise=BY_NAME),
 )
 
 

@@ -34,7 +34,13 @@ SECTOR = np.pi / 6  # of cylinder and sphere; symmetry holds all four edges or l
 LARGEST = 1.2  # stretch at load fraction 1
 THIN = 0.1  # mm
 THICKNESS = Setting("h_mm", THIN, "thickness; the closed forms hold for h/R to zero", low=0, high=20, open_low=True)
-AREA = Setting("pressure_area", "mid", "area that carries the pressure", "choice", choices=PRESSURE_AREAS)
+AREA = Setting(
+    "pressure_area",
+    "mid",
+    "area that carries the pressure: of the mid-surface or of the true face",
+    "choice",
+    choices=PRESSURE_AREAS,
+)
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)
 
 
@@ -105,7 +111,7 @@ class PressurisedCylinder:
     default_mesh: tuple[int, int] = (2, 4)
     settings: tuple[Setting, ...] = (
         LOAD_FRACTIONS,
-        Setting("ends", "fixed", "of the cylinder", "choice", choices=("fixed", "open")),
+        Setting("ends", "fixed", "ends of the cylinder, held or free along it", "choice", choices=("fixed", "open")),
         THICKNESS,
         AREA,
         *ELEMENT,

@@ -14,10 +14,9 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
 from formulations.shell import Discretisation, ShellModel
-from studies.scene import Observation, Setting, ShellSceneModel, Stage
+from studies.scene import Observation, ShellSceneModel, Stage
 
 OUTER = 1  # the face that touches
-EPSILON = Setting("epsilon", None, "regularisation, MPa/mm; inf enforces exactly", low=0, open_low=True, infinite=True)
 
 
 def outer_face(discretisation: Discretisation, nodes: np.ndarray) -> Candidates:

@@ -15,10 +15,10 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
-from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, strip_wall
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import fractions, loaded_shell, number

@@ -19,8 +19,8 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
-from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
+from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell, number
 
@@ -28,21 +28,21 @@ E, RADIUS, HALF = 100.0, 100.0, 25.0  # MPa across the fibres, mm, mm: half the 
 SHAPES = ("cylinder", "sphere", "plate")
 
 SETTINGS = (
-    Setting("shape", "cylinder", "of the panel", "choice", choices=SHAPES),
+    Setting("shape", "cylinder", "shape of the panel", "choice", choices=SHAPES),
     Setting("h_over_R", 0.02, "thickness over 100 mm, the radius", low=1e-8, high=0.5),
     Setting("aspect", 1.0, "length of an element over its width", low=1e-6, high=1e6),
     Setting("irregular", 0.0, "0: even grid lines; near 1: pairs of lines all but meet", low=0, high=1, open_high=True),
     Setting("E_ratio", 1.0, "modulus along the fibres over that across them, 100 MPa; 1: isotropic", low=1, high=1e9),
     Setting("gamma_deg", 30.0, "angle of the fibres from a1", low=-90, high=90),
     Setting("nu", 0.3, "Poisson ratio", low=-1, high=0.5, open_low=True, open_high=True),
-    Setting("inflation", 0.0, "pressure inside times R/(E h)", low=-100, high=100),
+    Setting("inflation", 0.0, "pressure inside, over E h/R", low=-100, high=100),
     Setting("load", "dead", "whether the pressure follows the wall", "choice", choices=("dead", "follower")),
     Setting("delta_mm", 1.0, "travel of the foundation from first touch", low=-100, high=1000),
-    Setting("foundation", "plane", "what presses", "choice", choices=("plane", "ball")),
+    Setting("foundation", "plane", "rigid obstacle that presses", "choice", choices=("plane", "ball")),
     Setting("ball_mm", 20.0, "radius of the ball", low=0, high=1e6, open_low=True),
     Setting("length_unit", 1.0, "how many units of length a mm is taken as", low=1e-12, high=1e12),
     Setting("stress_unit", 1.0, "how many units of stress a MPa is taken as", low=1e-12, high=1e12),
-    replace(EPSILON, help="regularisation, in the units of the problem; inf enforces exactly"),
+    replace(EPSILON, help="regularisation, in the units of the problem; inf enforces exactly", unit="MPa/mm"),
     *ELEMENT,
     SOLVER,
 )

@@ -18,9 +18,9 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
-from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell, number
 

@@ -18,9 +18,9 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
-from studies.scenes.contact.base import EPSILON, ContactModel, Touch, outer_face
+from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import fractions, loaded_shell, number

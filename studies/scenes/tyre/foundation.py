@@ -26,12 +26,30 @@ PARAMETERS: dict[str, dict[str, Value]] = {
     "cleat": {"cleat_height_mm": 10.0, "cleat_top_mm": 20.0, "cleat_flank_deg": 60.0, "cleat_rounding_mm": 4.0},
 }
 SETTINGS = (
-    Setting("foundation", "plane", "what the tyre is pressed on", "choice", choices=tuple(PARAMETERS)),
-    Setting("foundation_radius_mm", None, "of a drum, 854, or a sphere, 100", low=0, high=1e6, open_low=True),
-    Setting("cleat_height_mm", None, "of a cleat, 10", low=0, high=1e3, open_low=True),
-    Setting("cleat_top_mm", None, "width of a cleat on top, 20", low=0, high=1e4, open_low=True),
-    Setting("cleat_flank_deg", None, "angle of its flanks from the plane, 60", low=1, high=90),
-    Setting("cleat_rounding_mm", None, "radius of all its corners, 4", low=0, high=1e3, open_low=True),
+    Setting("foundation", "plane", "rigid obstacle that the tyre is pressed on", "choice", choices=tuple(PARAMETERS)),
+    Setting(
+        "foundation_radius_mm",
+        None,
+        "radius of a drum or a sphere",
+        low=0,
+        high=1e6,
+        open_low=True,
+        otherwise="drum 854, sphere 100",
+    ),
+    Setting("cleat_height_mm", None, "height of a cleat", low=0, high=1e3, open_low=True, otherwise="cleat 10"),
+    Setting("cleat_top_mm", None, "width of a cleat on top", low=0, high=1e4, open_low=True, otherwise="cleat 20"),
+    Setting(
+        "cleat_flank_deg", None, "angle of the flanks of a cleat from the plane", low=1, high=90, otherwise="cleat 60"
+    ),
+    Setting(
+        "cleat_rounding_mm",
+        None,
+        "radius of all corners of a cleat",
+        low=0,
+        high=1e3,
+        open_low=True,
+        otherwise="cleat 4",
+    ),
 )
 
 

@@ -17,7 +17,7 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
+from studies.scene import EPSILON, SOLVER, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT
 from studies.scenes.statics import with_balances
@@ -34,23 +34,50 @@ from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflated_shell, 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
 
+PLY = {
+    "E_L_MPa": "modulus of a ply along the cords",
+    "E_T_MPa": "modulus of a ply across the cords",
+    "G_LT_MPa": "shear modulus of a ply in its plane",
+    "G_TT_MPa": "shear modulus of a ply across the cords",
+    "nu_LT": "Poisson ratio of a ply, from along to across the cords",
+    "nu_TT": "Poisson ratio of a ply, across the cords",
+}
 SETTINGS = (
     Setting("gamma_deg", 52.0, "cord angle from the meridian; the plies alternate in sign", low=-90, high=90),
     Setting("p0_MPa", 0.15, "inflation pressure", low=-10, high=10),
-    Setting("delta_mm", (5.0, 10.0, 15.0, 20.0), "travel from first touch, or 0: inflation", "floats", 0, 100),
+    Setting("delta_mm", (5.0, 10.0, 15.0, 20.0), "indentation from first touch; 0: inflation alone", "floats", 0, 100),
     Setting("load", "dead", "whether the pressure follows the wall", "choice", choices=("dead", "follower")),
     Setting(
-        "pressure_area", "mid", "area that carries pressures: mubar or the true faces", "choice", choices=PRESSURE_AREAS
+        "pressure_area",
+        "mid",
+        "area that carries pressures: mid-surface or true faces",
+        "choice",
+        choices=PRESSURE_AREAS,
     ),
-    Setting("coupling", "lumped", "pressure to nodal force", "choice", choices=("lumped", "consistent")),
-    Setting("epsilon", None, "regularisation, MPa/mm; inf enforces exactly", low=0, open_low=True, infinite=True),
-    Setting("section", "constant-s33", "law of the thickness stretch", "choice", choices=SECTIONS),
+    Setting(
+        "coupling",
+        "lumped",
+        "from pressure to nodal forces: shares of area or mass matrix",
+        "choice",
+        choices=("lumped", "consistent"),
+    ),
+    EPSILON,
+    Setting("section", "constant-s33", "constitutive law through the thickness", "choice", choices=SECTIONS),
     Setting("plies", 4, "number of plies", "int", 1, 64),
     Setting("ply_thickness_mm", 1.2, "thickness of a ply", low=0, high=50, open_low=True),
-    *(Setting(key, None, f"of a ply, {value:g}", low=0, open_low=True) for key, value in ORTHOTROPIC.items()),
-    Setting("E_MPa", None, "modulus of an isotropic tyre, with nu", low=0, open_low=True),
+    *(Setting(key, None, PLY[key], low=0, open_low=True, otherwise=f"{value:g}") for key, value in ORTHOTROPIC.items()),
     Setting(
-        "nu", None, "Poisson ratio of an isotropic tyre, with E_MPa", low=-1, high=0.5, open_low=True, open_high=True
+        "E_MPa", None, "modulus of an isotropic tyre, with nu", low=0, open_low=True, otherwise="orthotropic plies"
+    ),
+    Setting(
+        "nu",
+        None,
+        "Poisson ratio of an isotropic tyre, with E_MPa",
+        low=-1,
+        high=0.5,
+        open_low=True,
+        open_high=True,
+        otherwise="orthotropic plies",
     ),
     Setting("R1_mm", 50.0, "radius of the inner meridian", low=0, high=1e4, open_low=True),
     Setting("R0_mm", 250.0, "radius of the inner equator", low=0, high=1e5, open_low=True),

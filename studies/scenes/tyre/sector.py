@@ -25,7 +25,14 @@ from studies.scene import Observation, Request, Setting, Stage, UsageError, Valu
 from studies.scenes.tyre.parts import Part
 
 SECTOR = Setting(
-    "sector_deg", None, "cut angle of the model sector, else 90", low=0, high=180, open_low=True, open_high=True
+    "sector_deg",
+    None,
+    "cut angle of the model sector",
+    low=0,
+    high=180,
+    open_low=True,
+    open_high=True,
+    otherwise="sector 90",
 )
 DEFAULT_DEG = 90.0
 NEAR = 0.9  # of the cut: the energy of the elements from there on stands for that at the cut

@@ -1,0 +1,137 @@
+"""What a scene, a strain measure or a contact algorithm is: its meaning, formulas, settings, references and source.
+
+Everything is read from the part itself; nothing is said here about a particular one.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, fields
+
+import pandas as pd
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactAlgorithm
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import RigidBodyLaw, StrainMeasure
+from studies.algorithm_settings import TOLERANCE, settings_of
+from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
+from studies.scenes import SCENES
+
+COLUMNS = ("name", "meaning", "unit", "range", "default")
+
+
+@dataclass(frozen=True, eq=False)
+class Description:
+    """A part of the catalogues.
+
+    kind: "scene", "measure" or "algorithm".  meaning: one line.  text: what ``footprint show`` prints.
+    settings: name, meaning, unit, range and default, a row a setting.
+    """
+
+    name: str
+    kind: str
+    meaning: str
+    text: str
+    settings: pd.DataFrame
+
+
+def describe(name: str) -> Description:
+    """The description of a part; raises UsageError for an unknown name."""
+    if name in SCENES:
+        return _described(name, "scene", _of_scene(SCENES[name]), (*SCENES[name].settings, TOLERANCE))
+    if name in MEASURES:
+        return _described(name, "measure", _of_measure(MEASURES[name]), ())
+    if name in ALGORITHMS:
+        return _described(name, "algorithm", _of_algorithm(ALGORITHMS[name]()), settings_of(name))
+    raise UsageError(f"{name!r} must be one of {', '.join((*SCENES, *MEASURES, *ALGORITHMS))}")
+
+
+def meaning_of(name: str) -> str:
+    """One line: the title of a scene, what a measure neglects, what an algorithm does."""
+    if name in SCENES:
+        return SCENES[name].title
+    if name in MEASURES:
+        measure = MEASURES[name]
+        return getattr(measure, "meaning", "") or _paragraphs(measure)[0]
+    return _paragraphs(ALGORITHMS[name]())[0]
+
+
+def columns(rows: Sequence[Sequence[str]], indent: str = "") -> Iterator[str]:
+    """Rows of words as aligned lines; the last column takes what it needs."""
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        yield (indent + "  ".join(f"{word:{width}s}" for word, width in zip(row, widths, strict=True))).rstrip()
+
+
+def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Setting]) -> Description:
+    meaning = meaning_of(name)
+    rows = [(s.key, s.help, s.unit, s.range_text, s.default_text) for s in settings]
+    lines = [f"{name} ({kind}): {meaning}", *body]
+    if rows:
+        shown = [(key, default, unit, allowed, text) for key, text, unit, allowed, default in rows]
+        lines += ["", "settings, --set KEY=VALUE:"]
+        lines += columns([("key", "default", "unit", "range", "meaning"), *shown], "  ")
+    if kind == "scene":
+        lines += _references(SCENES[name].references)
+    return Description(name, kind, meaning, "\n".join(lines), pd.DataFrame(rows, columns=list(COLUMNS)))
+
+
+def _of_scene(scene: Scene) -> Iterator[str]:
+    yield from ("", *_plain(inspect.getdoc(inspect.getmodule(type(scene))) or "").splitlines(), "")
+    yield f"mesh {scene.default_mesh[0]}x{scene.default_mesh[1]} by default, elements along a1 and a2"
+    yield f"models {', '.join(scene.models)}" if isinstance(scene, SettlingScene) else "models auto, full"
+
+
+def _references(references: Sequence[Reference]) -> Iterator[str]:
+    if not references:
+        yield from ("", "references: none")
+        return
+    yield from ("", "references:")
+    rows = [("quantity", "value", "uncertainty", "kind", "at", "source")]
+    for each in references:
+        at = ", ".join(f"{key}={v:g}" if isinstance(v, float) else f"{key}={v}" for key, v in each.at.items())
+        rows.append((each.quantity, f"{each.value:.6g}", f"{100 * each.uncertainty:g} %", each.kind, at, each.source))
+    yield from columns(rows, "  ")
+
+
+def _of_measure(measure: StrainMeasure) -> Iterator[str]:
+    formulas: dict[str, str] = getattr(measure, "formulas", {})
+    if formulas:
+        yield from ("", "strains of a face, of l, w, t = lam, om, th over zeta and beta = (v+ - v-)/h:")
+        yield from (f"  {strain:4s} = {formula}" for strain, formula in formulas.items())
+        yield f"  th_a = -v_3,a/A_a{'' if measure.kinematics.shallow else ' + k_a v_a'}"
+        yield f"  zeta_a = 1{'' if measure.kinematics.thin else ' + k_a d'}"
+    else:
+        yield from ("", *_paragraphs(measure)[1:])
+    yield from ("", "strain left by a rigid motion (amount or angle theta, stretch zeta of the face), by its law:")
+    yield from columns([(f.name, _law(measure.rigid_body_law, f.name)) for f in fields(RigidBodyLaw)], "  ")
+    yield from ("", f"source: {measure.reference}")
+
+
+def _law(laws: RigidBodyLaw, motion: str) -> str:
+    law = getattr(laws, motion)
+    stated = (inspect.getdoc(law) or "").splitlines()
+    return stated[0] if stated else f"{law(0.1, 1.05):.3g} at 0.1, zeta = 1.05"
+
+
+def _of_algorithm(algorithm: ContactAlgorithm) -> Iterator[str]:
+    yield ""
+    for paragraph in _paragraphs(algorithm)[1:]:
+        yield from paragraph.splitlines()
+    yield from ("", f"when: {inspect.getdoc(algorithm.supports)}")
+    yield f"regularisation epsilon: {algorithm.epsilon:g} MPa/mm by default"
+
+
+def _paragraphs(part: object) -> list[str]:
+    """The docstring of the part's class; its module's where the class has none."""
+    text = inspect.getdoc(type(part)) or inspect.getdoc(inspect.getmodule(type(part))) or ""
+    return _plain(text).split("\n\n")
+
+
+def _plain(text: str) -> str:
+    """A docstring without its markup."""
+    text = re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "")
+    return re.sub(r"(?<=\S) +", " ", text)
