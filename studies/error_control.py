@@ -17,7 +17,8 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
-from studies.scene import Request, Scene, UsageError
+from studies.request import Request
+from studies.scene import Scene, UsageError
 from studies.solve import Result, solve
 
 ELEMENTS = tuple(round(400 * 1.5**k) for k in range(8))  # 400 to 6834

@@ -20,8 +20,7 @@ from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import ContactProblem, ContactSolution, Linearise
 from formulations.shell import ShellModel
 from studies.fields import write_fields
-
-Value = float | int | str | tuple[float, ...]
+from studies.request import Request, Value
 
 
 class UsageError(ValueError):
@@ -214,21 +213,6 @@ class ShellSceneModel:
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """One layer of hexahedra between the two faces."""
         write_fields(path, self.shell, state.u, self.outer_pressure(state))
-
-
-@dataclass(frozen=True)
-class Request:
-    """Everything that decides a result, resolved: no default is left open."""
-
-    scene: str
-    measure: str = "exact"
-    contact: str = "semismooth"
-    newton: str = "mixed"
-    mesh: tuple[int, int] = (0, 0)
-    model: str = "auto"
-    model_reason: str = ""
-    steps: int = 1
-    settings: Mapping[str, Value] = field(default_factory=dict)
 
 
 class Scene(Protocol):

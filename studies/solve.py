@@ -1,4 +1,4 @@
-"""From a request to a result: resolve, build, follow the stages, judge, write.
+"""From a request to a result: build, follow the stages, judge, write.
 
 Nothing here knows a particular scene; no picture is drawn here.
 """
@@ -6,7 +6,6 @@ Nothing here knows a particular scene; no picture is drawn here.
 from __future__ import annotations
 
 import importlib.metadata
-import importlib.util
 import math
 import os
 import platform
@@ -27,75 +26,20 @@ from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.verify import claim, gap_residuals, judge
-from formulations.shell import NEWTONS
-from formulations.strains.catalogue import MEASURES
-from studies.algorithm_settings import KEYS, TOLERANCE, settings_of
-from studies.scene import ArcStage, Observation, Request, Scene, SceneModel, Setting, SettlingScene, UsageError, Value
-from studies.scenes import SCENES
+from studies.algorithm_settings import KEYS
+from studies.complete import complete
+from studies.request import Request
+from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
 from studies.store.atomic import plain, write_by, write_json, write_table
 
-MODELS = ("auto", "full")
-LARGEST_MESH = 250_000
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
+resolve = complete
 REPORTED_PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "meshio")
-
-
-def resolve(
-    scene_name: str, given: Mapping[str, str], mesh: str | None = None, **options: Any
-) -> tuple[Scene, Request]:
-    """Every default filled in, every value checked against its range; raises UsageError with one line."""
-    scene = SCENES.get(scene_name)
-    if scene is None:
-        raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
-    known = {setting.key: setting for setting in (*scene.settings, TOLERANCE)}
-    if "epsilon" in known:  # the scene has contact
-        known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
-    for key in given:
-        if key not in known:
-            raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
-    settings = scene.complete(_with_defaults(known, {key: known[key].parse(text) for key, text in given.items()}))
-    request = Request(scene_name, mesh=_mesh(mesh, scene), settings=settings, **options)
-    for name, value, choices in (
-        ("measure", request.measure, MEASURES),
-        ("contact", request.contact, ALGORITHMS),
-        ("newton", request.newton, NEWTONS),
-        ("model", request.model, scene.models if isinstance(scene, SettlingScene) else MODELS),
-    ):
-        if value not in choices:
-            raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
-    if not 1 <= request.steps <= 10_000:
-        raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
-    if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
-        raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
-    if "epsilon" in known and "epsilon" not in settings:
-        settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
-    return scene, scene.settle(request) if isinstance(scene, SettlingScene) else replace(request, model="full")
-
-
-def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> dict[str, Value]:
-    """Given values, before what a preset stands for, before defaults; the name of a preset is resolved away."""
-    settings = {key: setting.default for key, setting in known.items() if setting.default is not None} | dict(given)
-    for key, setting in known.items():
-        if setting.presets:
-            settings = {**setting.presets[str(settings.pop(key))], **settings}
-    return settings
-
-
-def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:
-    if text is None:
-        return scene.default_mesh
-    parts = text.lower().split("x")
-    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
-        raise UsageError(f"mesh {text!r} must be N1xN2 with two whole numbers, e.g. 42x40")
-    n1, n2 = (int(part) for part in parts)
-    if min(n1, n2) < 1 or n1 * n2 > LARGEST_MESH:
-        raise UsageError(f"mesh {text!r} must have at least 1 and in all at most {LARGEST_MESH} elements")
-    return n1, n2
 
 
 @dataclass
@@ -234,7 +178,7 @@ def _run_stages(
             spent = {**counts, "substeps": point.substeps}
             judged: dict[str, Any] = {}
             if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
-                judged = certificate(problem, point.solution, algorithm.epsilon, _tolerance(result.request))
+                judged = certificate(problem, point.solution, algorithm.epsilon, result.request.number("tolerance"))
             _record(result, seen, judged, spent)
 
 
@@ -264,7 +208,7 @@ def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bo
         problem = replace(problem_at(point.factor), energy=None)  # costs as much again
         seen = stage.observe(problem, result.last, point.factor)
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
-        _record(result, seen, certificate(problem, result.last, tolerance=_tolerance(result.request)), spent)
+        _record(result, seen, certificate(problem, result.last, tolerance=result.request.number("tolerance")), spent)
     result.quantities |= stage.summarise(trace.points)
     columns = [
         {k: v for k, v in step.items() if k not in ("kkt", "balances", "failures", "diagnosis")}
@@ -295,12 +239,6 @@ def certificate(
     found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
     return found
-
-
-def _tolerance(request: Request) -> float:
-    value = request.settings["tolerance"]
-    assert isinstance(value, float | int)
-    return float(value)
 
 
 def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int]) -> None:

@@ -17,9 +17,12 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.fronts import COSTS, WRONG
-from studies.analysis.rows import parsed, without
+from studies.analysis.rows import keys
 from studies.analysis.verify import CHOICES, REFERENCE, headline
+from studies.complete import complete
+from studies.request import Value, text_of
 from studies.scene import UsageError
+from studies.scenes import SCENES
 
 CONFIGURATION = ("measure", "contact", "newton", "element")  # two cells that differ in one of them are two ways
 COST = "flops"  # the same on every machine
@@ -41,10 +44,22 @@ class Question:
     """
 
     scene: str
-    asked: str
     quantity: str
     against: str
     cells: pd.DataFrame
+
+    @property
+    def settings(self) -> dict[str, Value]:
+        """What its cells share of their settings: all that may not be chosen to answer it."""
+        settings = self.cells["request"].iloc[0].settings
+        return {key: value for key, value in settings.items() if key not in CHOICES}
+
+    @property
+    def words(self) -> str:
+        """The settings that are not the scene's defaults, for people."""
+        usual = complete(self.scene, {})[1].settings if self.scene in SCENES else {}
+        told = (f"{key}={text_of(value)}" for key, value in self.settings.items() if usual.get(key) != value)
+        return " ".join(told) or "defaults"
 
 
 @dataclass(frozen=True)
@@ -79,13 +94,12 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
         return []
     cells["bound"] = cells["error"] + cells["uncertainty"]
     cells = cells[cells[f"cost.{cost}"].notna()].sort_values(f"cost.{cost}", kind="stable")
-    asked = cells["command"].map(lambda command: without(command, *CHOICES))
     found = []
-    for words, rows in cells.groupby(asked, sort=False):
+    for _, rows in cells.groupby(keys(cells, *CHOICES), sort=False):
         referred = rows["against"].str.startswith(REFERENCE)
         answered = rows[referred] if referred.any() else rows
         for against, same in answered.groupby("against", sort=False):
-            found.append(Question(scene, str(words), quantity, str(against), same.reset_index(drop=True)))
+            found.append(Question(scene, quantity, str(against), same.reset_index(drop=True)))
     return sorted(found, key=lambda question: -len(question.cells))
 
 
@@ -108,12 +122,18 @@ def asked_question(
     if name not in there:
         raise UsageError(f"{scene} has no verified quantity {name!r}; it has {', '.join(there) or 'none'}")
     found = questions(table, verified, scene, name, cost)
-    wanted = dict(settings or {})
+    wanted = _parsed(scene, settings or {})
     for question in found:
-        if wanted.items() <= parsed(question.asked)[2].items():
+        if wanted.items() <= question.settings.items():
             return question
-    has = "; ".join(question.asked.removeprefix(f"footprint solve {scene}").strip() or "defaults" for question in found)
-    raise UsageError(f"{scene} was not solved with {wanted}; it was with: {has}")
+    has = "; ".join(question.words for question in found)
+    raise UsageError(f"{scene} was not solved with {dict(settings or {})}; it was with: {has}")
+
+
+def _parsed(scene: str, given: Mapping[str, str]) -> dict[str, Value]:
+    """The values of settings; those that the scene does not have stay texts."""
+    known = {setting.key: setting for setting in SCENES[scene].settings} if scene in SCENES else {}
+    return {key: known[key].parse(text) if key in known else text for key, text in given.items()}
 
 
 def advise(question: Question, tolerance: float, cost: str = COST) -> Advice:

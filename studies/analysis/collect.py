@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from studies.request import Request, Settings
 from studies.scene import UsageError
 from studies.scenes.element import PRESETS
 from studies.solve import UNSUPPORTED
@@ -19,7 +20,7 @@ OPTIONS = ("measure", "contact", "newton", "model")
 SETTINGS = ("section", "load", "epsilon", "tolerance")
 COLUMNS = (
     *("label", "id", "scene", "measure", "contact", "newton", "mesh", "n1", "n2", "model"),
-    *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason", "command"),
+    *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason", "command", "request"),
 )
 NOT_READ = ("rounding", "substeps", "limit_point")  # of a step: how it was got
 NUMBERS = ("epsilon", "tolerance")
@@ -28,6 +29,7 @@ NUMBERS = ("epsilon", "tolerance")
 def collect(store: Path, campaign: str) -> pd.DataFrame:
     """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, t.<time in s>, k.<residual of the judge>.
 
+    request: what was asked, by whose key rows are compared.
     outcome: a class of :data:`studies.solve.CLASSES`, or "missing".  q: headline quantities and the numbers of the last
     step.  Empty text, or NaN, where a scene has no such thing. Raises UsageError when the store has no such campaign,
     or a record that cannot be read.
@@ -70,21 +72,25 @@ def _row(archive: Archive, planned: Mapping[str, Any]) -> dict[str, Any]:
 
 def _asked(planned: Mapping[str, Any]) -> dict[str, Any]:
     """What was asked for: the resolved request, or as much of it as was given."""
-    request = planned["request"]
-    if request is None:
-        given = {"measure": "exact", "contact": "semismooth", "newton": "mixed", **planned["options"]}
-        n1, _, n2 = str(given.get("mesh", "")).partition("x")
-        request = {**given, "mesh": [int(n1), int(n2)] if n1 and n2 else [], "settings": planned["settings"]}
-    settings, mesh = request["settings"], request["mesh"]
+    request = _given(planned) if planned["request"] is None else Request.of(planned["request"])
+    mesh = request.mesh if min(request.mesh) > 0 else ()
     return {
         **{key: planned[key] for key in ("label", "scene", "command")},
         "id": planned["id"] or "",
-        **{key: request.get(key, "") for key in OPTIONS},
+        **{key: getattr(request, key) for key in OPTIONS},
         "mesh": "x".join(map(str, mesh)),
         **dict(zip(("n1", "n2"), mesh, strict=False)),
-        "element": _element(settings),
-        **{key: settings.get(key, "") for key in SETTINGS},
+        "element": _element(request.settings),
+        **{key: request.settings.get(key, "") for key in SETTINGS},
+        "request": request,
     }
+
+
+def _given(planned: Mapping[str, Any]) -> Request:
+    """A request that could not be resolved."""
+    n1, _, n2 = str(planned["options"].get("mesh", "0x0")).partition("x")
+    mesh = (int(n1), int(n2)) if n1.isdigit() and n2.isdigit() else (0, 0)
+    return Request(planned["scene"], **{**planned["options"], "mesh": mesh}, settings=Settings(planned["settings"]))
 
 
 def _element(settings: Mapping[str, Any]) -> str:

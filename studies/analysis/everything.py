@@ -42,7 +42,7 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     return {
         "verified": split,
         "flags": flags(table, references),
-        "fronts": scenes,
+        "fronts": scenes.drop(columns="request"),
         "family_fronts": family_fronts(scenes),
         "profiles": profile,
         "pairs": pairs,

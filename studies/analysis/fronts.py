@@ -50,7 +50,8 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     """One row a planned cell and its scene's headline quantity: SCENE_COLUMNS, flag, and the fronts of each cost.
 
     Cells compete that were asked the same question; ``main`` is the one that the scene was asked most often.
-    flag: "wrong", "failed" (no answer), "unsupported", "unverified", or "".  Columns ``cost.NAME`` and ``front.NAME``.
+    flag: "wrong", "failed" (no answer), "unsupported", "unverified", or "".  Columns ``cost.NAME`` and ``front.NAME``,
+    and the request.
     """
     named = {scene: headline(table, scene) for scene in table["scene"].unique()}
     own = verified[verified["quantity"] == verified["scene"].map(named)]
@@ -58,7 +59,8 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     rows = table.join(facts, on="label")
     rows["family"], rows["main"] = rows["scene"].map(family_of), main_questions(table)
     asked = questions(table)
-    rows = rows.reindex(columns=[*SCENE_COLUMNS, *(column for column in COSTS.values() if column in table), "command"])
+    costs = [column for column in COSTS.values() if column in table]
+    rows = rows.reindex(columns=[*SCENE_COLUMNS, *costs, "command", "request"])
     off = rows["label"].map(verified.groupby("label")["formulation_error"].max()).fillna(0.0)
     rows["flag"] = [
         _flag(str(outcome), error, max(error - uncertainty, beyond))

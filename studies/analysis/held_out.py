@@ -24,7 +24,7 @@ import pandas as pd
 
 from studies.analysis.advise import COST, Question, questions
 from studies.analysis.richardson import FORMAL, UNSAFE, order_of
-from studies.analysis.rows import without
+from studies.analysis.rows import keys
 from studies.analysis.verify import EXACT, headline, judged
 
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)
@@ -111,14 +111,13 @@ def estimated(question: Question) -> pd.DataFrame:
     probe = cells[cells["size"] == sizes[min(1, len(sizes) - 1)]]
     by_measure, by_tolerance = _measures(probe), _tolerances(probe)
     mesh = {label: left for _, rows in _by_ladder(cells) for label, left in _mesh_parts(rows)}
-    way = cells["command"].map(lambda command: without(command, "mesh"))
-    estimate = cells["label"].map(mesh) + cells["measure"].map(by_measure) + way.map(by_tolerance)
+    estimate = cells["label"].map(mesh) + cells["measure"].map(by_measure) + keys(cells, "mesh").map(by_tolerance)
     return cells.assign(estimate=estimate)
 
 
 def _by_ladder(cells: pd.DataFrame) -> Iterator[tuple[object, pd.DataFrame]]:
     ordered = cells.sort_values("size", ascending=False, kind="stable")
-    yield from ordered.groupby(ordered["command"].map(lambda command: without(command, "mesh")), sort=False)
+    yield from ordered.groupby(keys(ordered, "mesh"), sort=False)
 
 
 def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float]]:
@@ -147,11 +146,10 @@ def _measures(probe: pd.DataFrame) -> dict[str, float]:
 
 
 def _tolerances(probe: pd.DataFrame) -> dict[str, float]:
-    """By the command without its mesh, the relative distance from the same with the tightest tolerance."""
+    """By the key without the mesh, the relative distance from the same with the tightest tolerance."""
     found: dict[str, float] = {}
-    key = probe["command"].map(lambda command: without(command, "mesh", "tolerance"))
-    for _, rows in probe.groupby(key, sort=False):
+    for _, rows in probe.groupby(keys(probe, "mesh", "tolerance"), sort=False):
         tightest = rows.sort_values("tolerance")["value"].iloc[0]
-        for command, value in zip(rows["command"], rows["value"], strict=True):
-            found[without(command, "mesh")] = abs(value / tightest - 1) if tightest else math.inf
+        for key, value in zip(keys(rows, "mesh"), rows["value"], strict=True):
+            found[key] = abs(value / tightest - 1) if tightest else math.inf
     return found

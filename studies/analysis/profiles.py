@@ -13,8 +13,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import bootstrap
 
+from studies.algorithm_settings import settings_of
 from studies.analysis.fronts import COSTS
-from studies.analysis.rows import without
+from studies.request import Request
 
 AXES = ("contact", "newton", "measure", "element")  # whose levels compete, where there are two
 SOLVERS = ("contact", "newton")  # they solve the same problem; others are compared by the cost to reach an error
@@ -38,7 +39,7 @@ def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
     if axis in SOLVERS:
         good = rows["flag"].isin(("", "unverified"))
         rows = rows.assign(cost=rows["cost"].where(good, np.inf))
-        rows = rows.assign(problem=rows["command"].map(lambda command: without(command, axis, "epsilon")))
+        rows = rows.assign(problem=[_problem(request, axis) for request in rows["request"]])
         matrix = rows.pivot_table(index="problem", columns=axis, values="cost", aggfunc="min", sort=False)
         matrix = _together(matrix)
     else:
@@ -55,6 +56,12 @@ def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
         competitors = main[main["scene"].isin(whole)][axis].unique()
         matrix = pd.DataFrame(parts, index=competitors).T.fillna(np.inf)
     return matrix[np.isfinite(matrix.min(axis=1))] if len(matrix) else matrix
+
+
+def _problem(request: Request, axis: str) -> str:
+    """All that was asked but the axis; an algorithm whose own parameters are not its defaults is another one."""
+    usual = [own.key for own in settings_of(request.contact) if request.settings.get(own.key) == own.default]
+    return request.key((axis, "epsilon", *usual))
 
 
 def _together(matrix: pd.DataFrame) -> pd.DataFrame:

@@ -1,77 +1,54 @@
-"""Rows of the table that belong together: what a command says, ladders of meshes, and the references that apply.
-
-Two cells differ in nothing but the mesh when their commands without ``--mesh`` are the same words; so for a setting.
-"""
+"""Rows of the table that belong together, ladders of meshes, and the references that apply."""
 
 from __future__ import annotations
 
 import math
-import shlex
-from collections.abc import Iterator, Mapping
-from functools import cache
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
-from studies.scene import Reference, UsageError, Value
+from studies.request import Value
+from studies.scene import Reference
 from studies.scenes import SCENES
-from studies.solve import resolve
 
 STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
+REFINED = 1.3  # between two meshes of a ladder at the least, as Roache and ASME V&V 20 ask for: else an order is noise
 ERROR, ORDER = "error.", "order."  # prefixes of derived columns, as q. and c. are of collected ones
 
 
-def parsed(command: str) -> tuple[str, dict[str, Any], dict[str, str]]:
-    """Scene, options and settings of ``footprint solve SCENE --option value --set key=value ... --out DIR``."""
-    words = shlex.split(command)[2:]
-    scene, rest = words[0], words[1:]
-    options: dict[str, Any] = {}
-    settings: dict[str, str] = {}
-    for name, value in zip(rest[::2], rest[1::2], strict=True):
-        if name == "--set":
-            key, _, text = value.partition("=")
-            settings[key] = text
-        elif name == "--steps":
-            options["steps"] = int(value)
-        elif name != "--out":
-            options[name.removeprefix("--")] = value
-    return scene, options, settings
-
-
-def without(command: str, *names: str) -> str:
-    """The command without some options and settings, for the comparison with others."""
-    head, pairs = _pairs(command)
-    return " ".join([head, *(words for name, words in pairs if name not in names)])
-
-
-@cache
-def _pairs(command: str) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """``footprint solve SCENE`` and, by name, the words of each option and setting."""
-    words = shlex.split(command)
-    pairs = zip(words[3::2], words[4::2], strict=True)
-    named = (
-        (value.split("=")[0] if name == "--set" else name.removeprefix("--"), name, value) for name, value in pairs
-    )
-    return " ".join(words[:3]), tuple((key, f"{name} {value}") for key, name, value in named)
+def keys(table: pd.DataFrame, *without: str) -> pd.Series:
+    """What each cell was asked but for some fields and settings: the same for rows that differ in nothing else."""
+    return table["request"].map(lambda request: request.key(without))
 
 
 def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
     """Converged rows that differ in the mesh only, coarse to fine, with their sizes in the column ``size``.
 
-    The size is 1/n1, or 1/n2 where only that one changes.
+    The size is 1/n1, or 1/n2 where only that one changes. Meshes that are hardly coarser than the next are left out.
     """
     solved = table[table["outcome"] == "converged"]
     if solved.empty:
         return
-    key = solved["command"].map(lambda command: without(command, "mesh"))
-    for _, rows in solved.groupby(key, sort=False):
+    for _, rows in solved.groupby(keys(solved, "mesh"), sort=False):
         if len(rows) < fewest:
             continue
         refined = rows["n1"] if rows["n1"].nunique() > 1 else rows["n2"]
         rungs = rows.assign(size=1 / refined.astype(float)).sort_values("size", ascending=False)
         rungs = rungs.drop_duplicates("size", keep="last")
+        rungs = rungs[_apart(rungs["size"].tolist())]
         if len(rungs) >= fewest:
             yield rungs
+
+
+def _apart(sizes: Sequence[float]) -> list[bool]:
+    """Which sizes, coarse to fine, stay when each must be REFINED times the next finer one that stays."""
+    stays = [True] * len(sizes)
+    finer = sizes[-1]
+    for i in range(len(sizes) - 2, -1, -1):
+        stays[i] = sizes[i] >= REFINED * finer
+        finer = sizes[i] if stays[i] else finer
+    return stays
 
 
 def quantities(table: pd.DataFrame) -> list[str]:
@@ -102,7 +79,7 @@ def reference_rows(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
-    there = _settings(str(row["command"]))
+    there: dict[str, Value | None] = {**row["request"].settings, "measure": row["request"].measure}
     for key in STEP_KEYS:  # the last step is what the table holds
         path = row.get(f"q.{key}", math.nan)
         if not isinstance(path, float) or math.isnan(path):
@@ -126,17 +103,6 @@ def _same(there: Value | None, at: float | str) -> bool:
     if isinstance(there, int | float) and isinstance(at, int | float):
         return math.isclose(there, at, rel_tol=1e-9, abs_tol=1e-12)
     return there == at
-
-
-@cache
-def _settings(command: str) -> Mapping[str, Value | None]:
-    """All settings of a cell, defaults included; none when the request does not resolve."""
-    scene, options, settings = parsed(command)
-    try:
-        _, request = resolve(scene, settings, **options)
-    except UsageError:
-        return {}
-    return {**request.settings, "measure": request.measure}
 
 
 def errors(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:

@@ -13,7 +13,7 @@ from decimal import Decimal
 import pandas as pd
 
 from studies.analysis.richardson import Limit
-from studies.analysis.rows import reference_rows, without
+from studies.analysis.rows import keys, reference_rows
 from studies.analysis.verify import CLAIMED, limits, siblings
 
 FLAG_COLUMNS = ("flag", "scene", "subject", "cases", "of", "size", "cause", "label")
@@ -66,11 +66,12 @@ def walls(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
     loose = {label for rows in siblings(table, "tolerance") for label in rows["label"].iloc[1:]}
     table = table[~table["label"].isin(loose)]  # their wall would be the solver's
     own, _ = limits(table)
-    finest = {(without(str(row["command"]), "mesh")): row for row in _coarse_to_fine(table).to_dict("records")}
+    ordered = _coarse_to_fine(table)
+    finest = dict(zip(keys(ordered, "mesh"), ordered.to_dict("records"), strict=True))
     by_cell = {(row["label"], row["quantity"]): row for row in references.to_dict("records")}
     found = []
-    for (command, name), limit in own.items():
-        cell = finest[command]
+    for (key, name), limit in own.items():
+        cell = finest[key]
         reference = by_cell.get((cell["label"], name))
         if reference is None:
             continue

@@ -23,14 +23,25 @@ import pandas as pd
 
 from studies.algorithm_settings import KEYS
 from studies.analysis.richardson import Limit, limit_of
-from studies.analysis.rows import STEP_KEYS, ladders, quantities, reference_rows, without
+from studies.analysis.rows import STEP_KEYS, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
 
 CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
-HOW = ("mesh", "contact", "newton", "steps", "model", "tolerance", "solver", "epsilon", *KEYS)  # not what is solved
+HOW = (
+    "mesh",
+    "contact",
+    "newton",
+    "steps",
+    "model",
+    "sector_deg",
+    "tolerance",
+    "solver",
+    "epsilon",
+    *KEYS,
+)  # not what is solved
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
-CHOICES = ("measure", *ELEMENT, *HOW)  # what may be chosen to answer; all else of a command is the question
+CHOICES = ("measure", *ELEMENT, *HOW)  # what may be chosen to answer; all else is the question
 PARTS = ("mesh", "solver", "formulation", "reference")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),
@@ -57,8 +68,8 @@ def judged(table: pd.DataFrame, scene: str) -> list[str]:
 
 
 def questions(table: pd.DataFrame) -> pd.Series:
-    """What each cell was asked: its command without all that may be chosen to answer it."""
-    return table["command"].map(lambda command: without(command, *CHOICES))
+    """What each cell was asked: its request without all that may be chosen to answer it."""
+    return keys(table, *CHOICES)
 
 
 def main_questions(table: pd.DataFrame) -> pd.Series:
@@ -86,12 +97,13 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     names = {scene: judged(table, scene) for scene in claimed["scene"].unique()}
     rows = []
     for cell in claimed.to_dict("records"):
+        ladder, asked = cell["request"].key(("mesh",)), cell["request"].key((*HOW, "measure"))
+        tight_ladder = tightest[cell["request"].key(("mesh", "tolerance"))]
         for name in names[cell["scene"]]:
             value = float(cell.get(f"q.{name}", math.nan))
             if not math.isnan(value):
-                limit = own.get((without(cell["command"], "mesh"), name))
-                tight = own.get((tightest[without(cell["command"], "mesh", "tolerance")], name), limit)
-                asked = without(cell["command"], *HOW, "measure")
+                limit = own.get((ladder, name))
+                tight = own.get((tight_ladder, name), limit)
                 limits_there = (best.get((asked, measure, name)) for measure in (EXACT, str(cell["measure"])))
                 against = _against(by_cell.get((cell["label"], name)), next(filter(None, limits_there), None))
                 left = solver.get((cell["label"], name), math.nan)
@@ -141,7 +153,7 @@ def _row(
 def limits(
     table: pd.DataFrame,
 ) -> tuple[dict[tuple[str, str], Limit], dict[tuple[str, str, str], tuple[str, Limit]]]:
-    """Limits of each ladder by its command without the mesh, and of the finest ladder of each request and measure.
+    """Limits of each ladder by its key without the mesh, and of the finest ladder of each request and measure.
 
     Of ladders with the same finest mesh the one with the tightest tolerance counts, and of those the stiffest contact.
     """
@@ -160,20 +172,20 @@ def limits(
             if np.isnan(values).any():
                 continue
             limit = limit_of(rungs["size"].tolist(), values.tolist())
-            own[without(str(finest["command"]), "mesh"), name] = limit
-            key = without(str(finest["command"]), *HOW, "measure"), str(finest["measure"]), name
+            own[finest["request"].key(("mesh",)), name] = limit
+            key = finest["request"].key((*HOW, "measure")), str(finest["measure"]), name
             if key not in ranks or rank < ranks[key]:
                 ranks[key], best[key] = rank, (str(finest["label"]), limit)
     return own, best
 
 
 def _tightest(table: pd.DataFrame) -> dict[str, str]:
-    """By the command without mesh and tolerance, the one without mesh that has the tightest tolerance."""
+    """By the key without mesh and tolerance, the one without mesh that has the tightest tolerance."""
     tolerance = (
         pd.to_numeric(table["tolerance"], errors="coerce") if "tolerance" in table else pd.Series(0.0, table.index)
     )
-    ordered = table["command"].iloc[np.argsort(-tolerance.fillna(0.0).to_numpy(float), kind="stable")]
-    return {without(command, "mesh", "tolerance"): without(command, "mesh") for command in ordered}
+    ordered = table.iloc[np.argsort(-tolerance.fillna(0.0).to_numpy(float), kind="stable")]
+    return dict(zip(keys(ordered, "mesh", "tolerance"), keys(ordered, "mesh"), strict=True))
 
 
 def _number(row: pd.Series, name: str, default: float) -> float:
@@ -201,8 +213,7 @@ def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
     if setting not in table:
         return
     rows = table.assign(**{setting: pd.to_numeric(table[setting], errors="coerce")}).dropna(subset=[setting])
-    key = rows["command"].map(lambda command: without(command, setting))
-    for _, group in rows.groupby(key, sort=False):
+    for _, group in rows.groupby(keys(rows, setting), sort=False):
         if group[setting].nunique() > 1:
             yield group.sort_values(setting)
 
@@ -210,6 +221,7 @@ def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
 def _distances(rows: pd.DataFrame, name: str) -> Iterator[tuple[str, float]]:
     values, tolerances = rows[f"q.{name}"].to_numpy(float), rows["tolerance"].to_numpy(float)
     off = np.abs(values - values[0])
-    share = tolerances[0] / tolerances[1]
-    off[0] = off[1] * share / (1 - share) if share < 1 else 0.0
+    looser = tolerances > tolerances[0]  # one request may stand in several rows
+    share = tolerances[0] / tolerances[looser][0]
+    off[~looser] = off[looser][0] * share / (1 - share)
     yield from zip(rows["label"], off.tolist(), strict=True)

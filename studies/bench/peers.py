@@ -16,10 +16,11 @@ import pandas as pd
 
 from contact.problem import Outcome
 from studies.bench.newton import timed
+from studies.complete import complete
 from studies.scene import UsageError
 from studies.scenes.data import read_reference
 from studies.scenes.tyre.grid_lines import checked_mesh
-from studies.solve import resolve, solve
+from studies.solve import solve
 
 DELTA_MM = 10.0
 SHELL = {
@@ -41,7 +42,7 @@ def checked(meshes: Sequence[str]) -> list[tuple[int, int]]:
     """Meshes of the peer; raises UsageError for one that it cannot have, and without the extra."""
     if importlib.util.find_spec("ngsolve") is None:
         raise UsageError("peers need the extra peers: pip install 'footprint[peers]'")
-    sizes = [resolve("tyre", {}, mesh)[1].mesh for mesh in meshes]
+    sizes = [complete("tyre", {}, mesh)[1].mesh for mesh in meshes]
     for n1, n2 in sizes:
         checked_mesh((2 * n1, 2 * n2))  # both halves of its lines
     return sizes
@@ -100,7 +101,7 @@ def sufficient(table: pd.DataFrame) -> float:
 
 def shell_quarter(mesh: str, delta_mm: float) -> tuple[float, int]:
     """Force of the whole tyre [N], nan where it was not reached, and number of unknowns of the quarter."""
-    result = solve(*resolve("tyre", {**SHELL, "delta_mm": repr(delta_mm)}, mesh, model="quarter"))
+    result = solve(*complete("tyre", {**SHELL, "delta_mm": repr(delta_mm)}, mesh, model="quarter"))
     reached = result.outcome is Outcome.CONVERGED
     return float(result.steps[-1]["force_N"]) if reached else math.nan, int(result.counters["dofs"])
 

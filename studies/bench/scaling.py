@@ -27,9 +27,10 @@ from contact.solvers.sparse import Factor, factorise
 from formulations.shell import ShellModel
 from studies.bench.newton import iterate, pressed
 from studies.bench.newton import timed as timed_by
-from studies.scene import Request, UsageError
+from studies.complete import complete
+from studies.request import Request
+from studies.scene import UsageError
 from studies.scenes.tyre.scene import Tyre, TyreModel
-from studies.solve import resolve
 
 MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200")  # 2, 10, 40, 100 and 250 thousand unknowns
 COARSE = "42x40"
@@ -146,7 +147,7 @@ def _alone(work: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> T:
 
 def request_of(mesh: str) -> Request:
     """The tyre that is measured; raises UsageError for a mesh that it cannot have."""
-    request = resolve("tyre", {"element": "paper", "delta_mm": "20"}, mesh, model="full")[1]
+    request = complete("tyre", {"element": "paper", "delta_mm": "20"}, mesh, model="full")[1]
     if min(request.mesh) < 6 or request.mesh[0] % 2 or request.mesh[1] % 2:
         raise UsageError(f"mesh {mesh}: both numbers must be even and at least 6")
     return request

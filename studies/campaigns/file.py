@@ -37,6 +37,7 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
 from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.request import text_of
 from studies.scene import UsageError
 from studies.scenes import SCENES
 
@@ -133,7 +134,7 @@ def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
             settings = {axis.key: value for axis, value in chosen if not axis.option}
             words = [value if axis.option else f"{axis.key}={value}" for axis, value in chosen]
             label = " ".join([str(cross.get("name", "cross")), scene, *words])
-            given = {key: _text(value) for key, value in constant.items()} | settings
+            given = {key: text_of(value) for key, value in constant.items()} | settings
             yield Cell(label, scene, {**options, **steps}, given, artefacts=False)
 
 
@@ -165,15 +166,7 @@ def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[s
     for value in values:
         if catalogue is not None and value not in catalogue:
             raise UsageError(f"campaign {path}: {value!r} in {name} must be one of {', '.join(catalogue)}")
-    return [_text(value) for value in values]
-
-
-def _text(value: object) -> str:
-    """As it is written after KEY= on the command line: the shortest text that reads back to the same number."""
-    if isinstance(value, list):
-        return ",".join(_text(each) for each in value)
-    short = f"{value:g}" if isinstance(value, float) else str(value)
-    return repr(value) if isinstance(value, float) and float(short) != value else short
+    return [text_of(value) for value in values]
 
 
 def _known(path: Path, data: Mapping[str, Any], keys: tuple[str, ...]) -> None:

@@ -13,9 +13,11 @@ import numpy as np
 from contact.problem import Linearised, without_contact
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
-from studies.scene import Request, UsageError
+from studies.complete import complete
+from studies.request import Request
+from studies.scene import UsageError
 from studies.scenes import SCENES
-from studies.solve import algorithm_of, resolve
+from studies.solve import algorithm_of
 from studies.store.atomic import SCHEMA, plain
 from studies.store.source_hash import CATALOGUE, sources_hash
 
@@ -46,7 +48,7 @@ def plan(campaign: Campaign) -> list[Row]:
 
 def identity(cell: Cell) -> str:
     """Hash of all that decides the result; raises UsageError when the request is none."""
-    return _identity(resolve(cell.scene, cell.settings, **cell.options)[1])
+    return _identity(complete(cell.scene, cell.settings, **cell.options)[1])
 
 
 def _identity(request: Request) -> str:
@@ -58,7 +60,7 @@ def _identity(request: Request) -> str:
 
 def _row(cell: Cell) -> Row:
     try:
-        _, request = resolve(cell.scene, cell.settings, **cell.options)
+        _, request = complete(cell.scene, cell.settings, **cell.options)
     except UsageError as error:
         if cell.scene not in SCENES:
             raise

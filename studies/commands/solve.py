@@ -12,9 +12,11 @@ import pandas as pd
 
 from studies.commands import NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
-from studies.scene import Request, Scene, UsageError
+from studies.complete import complete
+from studies.request import Request
+from studies.scene import Scene, UsageError
 from studies.scenes import SCENES
-from studies.solve import Result, resolve, solve
+from studies.solve import Result, solve
 from studies.store.atomic import write_by
 
 LEFT_OUT = {"kkt", "balances", "failures", "diagnosis", "rounding"}  # of a step: too wide for a terminal
@@ -41,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     """Solve, write and print a short table."""
     given = pairs(options.settings)
     wanted = _wanted_error(options, given)
-    scene, request = resolve(
+    scene, request = complete(
         options.scene,
         given,
         options.mesh,

@@ -21,7 +21,7 @@ from contact.continuation.load_stepping import follow
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
-from studies.solve import resolve
+from studies.complete import complete
 
 EPSILONS = tuple(10.0**k for k in range(-2, 15))  # MPa/mm
 MOST_ITERATIONS = 60
@@ -78,7 +78,7 @@ def _solved(problem: ContactProblem, start: ContactSolution, epsilon: float) -> 
 
 def before_contact(case: Case) -> tuple[ContactProblem, ContactSolution]:
     """The last problem of the scene's last stage and the state that stage begins with."""
-    scene, request = resolve(case.scene, case.settings, case.mesh, measure=case.measure, model="full")
+    scene, request = complete(case.scene, case.settings, case.mesh, measure=case.measure, model="full")
     *before, last = scene.build(request).stages()
     state = None
     for stage in before:

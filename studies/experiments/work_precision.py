@@ -9,9 +9,11 @@ from typing import Any
 
 import pandas as pd
 
+from studies.complete import complete
 from studies.error_control import AdaptiveScene
-from studies.scene import Request, Scene
-from studies.solve import resolve, solve
+from studies.request import Request
+from studies.scene import Scene
+from studies.solve import solve
 
 SQUARE = tuple((n, n) for n in range(20, 84, 4))  # of the uniform and of the patch family
 ELEMENTS = (400, 500, 600, 700, 800, 900, 1000, 1200, 1400, 1700, 2000, 2500)  # of the adapted one
@@ -32,7 +34,7 @@ def work_precision(
     """
     families = {"uniform": SQUARE, "patch": SQUARE} if families is None else families
     rows = [_row(settings, family, mesh) for family, meshes in families.items() for mesh in meshes]
-    scene, request = resolve("tyre", {**settings, "grading": "adapted"})
+    scene, request = complete("tyre", {**settings, "grading": "adapted"})
     assert isinstance(scene, AdaptiveScene)
     start = time.perf_counter()
     scene = scene.adapted(request)
@@ -67,7 +69,7 @@ def reaching(table: pd.DataFrame, family: str, error: float) -> pd.Series | None
 
 
 def _row(settings: Mapping[str, str], family: str, mesh: tuple[int, int]) -> dict[str, Any]:
-    scene, request = resolve("tyre", {**settings, "grading": family})
+    scene, request = complete("tyre", {**settings, "grading": family})
     return _solved(scene, request, mesh, 0.0)
 
 

@@ -16,8 +16,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.analysis.richardson import order_of
-from studies.analysis.rows import ERROR, ORDER, errors, ladders, parsed, quantities, reference_rows
-from studies.campaigns.cell import Cell
+from studies.analysis.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
 from studies.guard.baseline import (
     COLUMNS,
     COMMAND,
@@ -155,17 +154,6 @@ def check(table: pd.DataFrame, baseline: Path) -> list[Finding]:
     return compared(read_baseline(baseline), measured(table), read_bounds(baseline.parent / TOLERANCES))
 
 
-def check_cells(table: pd.DataFrame, baseline: Path) -> list[Finding]:
-    """As ``check``, of some cells of the campaign; what others say, and orders, which take a ladder, do not count.
-
-    Raises NothingComparedError when the baseline knows none of them.
-    """
-    before, now = read_baseline(baseline), measured(table)
-    before = before[before["label"].isin(set(table["label"])) & ~before["column"].str.startswith(ORDER)]
-    now = now[~now["column"].str.startswith(ORDER)]
-    return compared(before, now, read_bounds(baseline.parent / TOLERANCES))
-
-
 def failures(findings: list[Finding]) -> list[Finding]:
     """Those that fail the check: all but what became better."""
     return [finding for finding in findings if finding.what != "better"]
@@ -235,17 +223,3 @@ def shortened(text: str, most: int = 60) -> str:
         return f"{float(text):.8g}"
     except ValueError:
         return text if len(text) <= most else text[: most - 3] + "..."
-
-
-def baseline_cells(baseline: Path, most: int, scale: str = "c.flops") -> list[Cell]:
-    """The cheapest solved cells of a baseline by a counter, as requests to solve again, for tests to walk over."""
-    values = read_baseline(baseline)
-    solved = set(values["label"][(values["column"] == OUTCOME) & (values["value"] == SOLVED)])
-    costs = values[(values["column"] == scale) & values["label"].isin(solved)]
-    order = costs["value"].astype(float).sort_values(kind="stable").index[:most]
-    commands = values[values["column"] == COMMAND].set_index("label")["value"]
-    cells = []
-    for label in costs.loc[order, "label"]:
-        scene, options, settings = parsed(str(commands[label]))
-        cells.append(Cell(str(label), scene, options, settings))
-    return cells

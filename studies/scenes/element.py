@@ -13,7 +13,8 @@ from formulations.section.laminate import Laminate
 from formulations.shell import Discretisation
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from studies.scene import Request, Setting, UsageError
+from studies.request import Request
+from studies.scene import Setting, UsageError
 
 PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
@@ -63,7 +64,7 @@ def discretise(
 
     Raises UsageError for a measure that leaves gradients out where positions are interpolated.
     """
-    interpolation = str(request.settings["interpolation"])
+    interpolation = request.choice("interpolation")
     kinematics = MEASURES[request.measure].kinematics
     if interpolation == "isoparametric" and kinematics != FULL:
         whole = ", ".join(name for name, measure in MEASURES.items() if measure.kinematics == FULL)

@@ -13,7 +13,8 @@ from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import Discretisation, ShellModel
 from formulations.strains.catalogue import MEASURES
-from studies.scene import ArcStage, Observation, Request, Setting, ShellSceneModel, Stage
+from studies.request import Request
+from studies.scene import ArcStage, Observation, Setting, ShellSceneModel, Stage
 
 LOAD_FRACTIONS = Setting(
     "load_fraction",
@@ -34,20 +35,6 @@ CURVE_FRACTIONS = Setting(
     open_low=True,
 )
 ARC_STEP = Setting("arc_step", 0.01, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
-
-
-def number(request: Request, key: str) -> float:
-    """A setting that is one number."""
-    value = request.settings[key]
-    assert isinstance(value, float | int)
-    return float(value)
-
-
-def fractions(request: Request) -> tuple[float, ...]:
-    """The load fractions to report."""
-    value = request.settings["load_fraction"]
-    assert isinstance(value, tuple)
-    return value
 
 
 def edge_shares(nodes: int) -> np.ndarray:
@@ -75,8 +62,8 @@ def loaded_shell(
         pressure=pressure,
         forces=None if forces is None else discretisation.reduce(forces),
         couples=couples,
-        thickness_strain=str(request.settings["thickness_strain"]),
-        membrane=str(request.settings["membrane"]),
+        thickness_strain=request.choice("thickness_strain"),
+        membrane=request.choice("membrane"),
     )
 
 
@@ -127,10 +114,10 @@ class CurveModel(StaticModel):
         cls, shell: ShellModel, request: Request, measure_at: Callable[[ShellModel, np.ndarray], dict[str, float]]
     ) -> CurveModel:
         """The first arc step is ``arc_step`` over the number of steps."""
-        first = number(request, "arc_step") / request.steps
-        solver, tolerance = str(request.settings["solver"]), number(request, "tolerance")
+        first = request.number("arc_step") / request.steps
+        solver, tolerance = request.choice("solver"), request.number("tolerance")
         arc_length = ArcLength(first, solver=solver, tolerance=tolerance)
-        return cls(shell, fractions(request), measure_at, arc_length)
+        return cls(shell, request.numbers("load_fraction"), measure_at, arc_length)
 
     def stages(self) -> Iterator[Stage]:
         """The curve from rest."""

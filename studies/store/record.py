@@ -6,8 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from studies.scene import Request, UsageError
-from studies.solve import UNSUPPORTED, provenance, resolve, solve
+from studies.complete import complete
+from studies.request import Request
+from studies.scene import UsageError
+from studies.solve import UNSUPPORTED, provenance, solve
 from studies.store.atomic import SCHEMA, as_text
 
 
@@ -15,7 +17,7 @@ def record_of(
     cell_id: str, scene_name: str, options: Mapping[str, Any], settings: Mapping[str, str], directory: Path | None
 ) -> str:
     """Solve a cell and tell; a scene that refuses to be built is a record, too. Raises what solving raises."""
-    scene, request = resolve(scene_name, settings, **options)
+    scene, request = complete(scene_name, settings, **options)
     head = {"schema": SCHEMA, "id": cell_id}
     try:
         result = solve(scene, request)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -17,10 +18,13 @@ from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
 from studies.analysis.profiles import flip_check, problems, profiles, within
 from studies.analysis.richardson import limit_of, order_of
-from studies.analysis.rows import parsed, without
+from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, printed, walls
 from studies.analysis.verify import verified
+from studies.complete import complete
+from studies.request import Request, Settings
 from studies.scene import UsageError
+from studies.scenes import SCENES
 
 EXACT = 6.69964  # mm, the cantilever's tip deflection under the whole load, as its scene says
 SIZES = (8, 16, 32, 64)
@@ -49,7 +53,10 @@ def cells(
         (tolerances or {1e-10: 0.0}).items(),
         sizes,
     ):
-        options = f"--measure {measure} --contact {contact} --mesh {n}x1 --set {setting} --set tolerance={tolerance:g}"
+        key, _, text = setting.partition("=")
+        known = {each.key: each for each in SCENES[scene].settings}
+        settings = {key: known[key].parse(text) if key in known else text, "tolerance": tolerance}
+        request = Request(scene, measure, contact, mesh=(n, 1), model="full", settings=Settings(settings))
         value = truth * (1 + mesh_error(n) + model + solver)
         flops = 1e3 * factor * n**1.5 * (1 - 0.02 * math.log10(tolerance))
         rows.append(
@@ -66,7 +73,8 @@ def cells(
                 "n2": 1,
                 "tolerance": tolerance,
                 "outcome": "converged",
-                "command": f"footprint solve {scene} {options} --out DIR",
+                "command": f"footprint solve {scene} --mesh {n}x1 --out DIR",
+                "request": request,
                 f"q.{quantity}": value,
                 "c.dofs": 12 * n,
                 "c.newton_iterations": 5 - round(math.log10(tolerance)),
@@ -78,10 +86,22 @@ def cells(
     return pd.DataFrame(rows)
 
 
-def test_commands_are_read_and_compared() -> None:
-    command = "footprint solve tyre --mesh 4x2 --steps 2 --set load=dead --set delta_mm=5,10 --out DIR"
-    assert parsed(command) == ("tyre", {"mesh": "4x2", "steps": 2}, {"load": "dead", "delta_mm": "5,10"})
-    assert without(command, "mesh", "load") == "footprint solve tyre --steps 2 --set delta_mm=5,10 --out DIR"
+def test_two_spellings_of_one_request_are_one_ladder() -> None:
+    """What is written, and what is left to its default, in any order."""
+    table = cells(tolerances={1e-9: 0.0})
+    written = {"solver": "splu", "element": "refined", "tolerance": "1e-09", "load_fraction": "1.0"}
+    table["request"] = [
+        complete("cantilever", written if n == 16 else {"load_fraction": "1"}, f"{n}x1")[1] for n in table["n1"]
+    ]
+    (rungs,) = ladders(table)
+    assert list(rungs["n1"]) == list(SIZES)
+    table.loc[0, "request"] = replace(table["request"][0], newton="plain")
+    assert [list(rungs["n1"]) for rungs in ladders(table)] == [list(SIZES[1:])]
+
+
+def test_a_mesh_hardly_coarser_than_the_next_is_no_rung() -> None:
+    (rungs,) = ladders(cells(sizes=(14, 16, 20, 28)))
+    assert list(rungs["n1"]) == [14, 20, 28]
 
 
 @pytest.mark.parametrize("p", [0.5, 1.0, 1.8, 2.0, 4.0])
@@ -146,9 +166,9 @@ def test_slow_but_accurate_and_fast_but_wrong_land_where_they_must() -> None:
     sweep = cells()
     slow, fast = sweep.tail(1).copy(), sweep.head(1).copy()
     slow["label"], slow["c.flops"], slow["q.tip_deflection_mm"] = "slow", 1e9, EXACT * (1 + 3e-5)
-    slow["command"] = slow["command"].str.replace("--mesh 64x1", "--mesh 512x1")
+    slow["request"] = [replace(request, mesh=(512, 1)) for request in slow["request"]]
     fast["label"], fast["c.flops"], fast["q.tip_deflection_mm"] = "fast", 1.0, EXACT * 1.5
-    fast["command"] = fast["command"].str.replace("--mesh 8x1", "--mesh 1x1")
+    fast["request"] = [replace(request, mesh=(1, 1)) for request in fast["request"]]
     table = pd.concat([sweep, slow, fast], ignore_index=True)
     found = fronts(table, verified(table)).set_index("label")
     assert bool(found.loc["slow", "front.flops"])
@@ -391,7 +411,7 @@ def test_an_uncertain_reference_cannot_show_what_it_does_not_know() -> None:
         ({"scene": "tyre"}, "scene 'tyre' is not in this campaign; it has cantilever"),
         ({"scene": "cantilever", "quantity": "force_N"}, "no verified quantity 'force_N'; it has tip_deflection_mm"),
         ({"scene": "cantilever", "cost": "beer"}, "cost 'beer' must be one of dofs, factorisations, flops, seconds"),
-        ({"scene": "cantilever", "settings": {"load_fraction": "2"}}, "it was with: --set load_fraction=1"),
+        ({"scene": "cantilever", "settings": {"load_fraction": "2"}}, "it was with: load_fraction=1"),
     ],
 )
 def test_what_cannot_be_advised_is_one_line(arguments: dict, message: str) -> None:

@@ -13,6 +13,7 @@ import pytest
 from studies.guard.baseline import TOLERANCES, UPDATES, bound_of, read_baseline, read_bounds
 from studies.guard.compare import NothingComparedError, check, compared, failures, lines, measured, update
 from studies.guard.review import comment
+from studies.request import Request, Settings
 from studies.scene import UsageError
 
 EXACT = 6.69964  # mm, the cantilever's tip deflection under the whole load, as its scene says
@@ -52,6 +53,7 @@ def campaign(order: float = 2.0, loss: float = 0.0, counters: float = 1.0) -> pd
                 "n2": 1,
                 "outcome": "converged",
                 "command": f"footprint solve cantilever --mesh {n}x1 --set load_fraction=1 --out DIR",
+                "request": Request("cantilever", mesh=(n, 1), settings=Settings({"load_fraction": (1.0,)})),
                 "q.load_fraction": 1.0,
                 "q.tip_deflection_mm": EXACT * (1 - mesh_error) * (1 - loss),
                 "q.slope": 2 + mesh_error,

@@ -19,9 +19,11 @@ from contact.continuation.load_stepping import follow
 from contact.problem import ContactSolution, Outcome
 from studies.algorithm_settings import KEYS
 from studies.campaigns.cell import Cell
+from studies.complete import complete
 from studies.experiments.extremes.bisection import Located, distance, locate
-from studies.scene import Request, SceneModel, UsageError
-from studies.solve import certificate, resolve
+from studies.request import Request
+from studies.scene import SceneModel, UsageError
+from studies.solve import certificate
 
 CUT = 2.0**-4  # of a load step
 CONVERGED, UNTOUCHED, WRONG = "converged", "converged, nothing touches", "wrong"
@@ -116,7 +118,7 @@ def attempt(cell: Cell) -> Found:
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         try:
-            scene, request = resolve(cell.scene, cell.settings, **cell.options)
+            scene, request = complete(cell.scene, cell.settings, **cell.options)
             return _followed(scene.build(request), request)
         except UsageError as error:
             return Found(REFUSED, str(error))

@@ -24,12 +24,12 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, O
 from contact.verify import judge
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
+from studies.complete import complete
 from studies.experiments.conformance import NOTICED, Element, claims_objectivity
 from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
 from studies.experiments.rigid_body import rotation
 from studies.scenes.tyre.parts import settle_model
 from studies.scenes.tyre.scene import Tyre, TyreModel
-from studies.solve import resolve
 
 EXACT, ROUNDING, TOLERANCE = "exactly zero", "rounding", "solver tolerance"
 DESIGN, ACCIDENT, REFUSED = "broken by design", "broken by accident", "does not apply"
@@ -214,7 +214,7 @@ class Inflated:
 
 def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     settings = {"gamma_deg": f"{gamma:g}", "delta_mm": f"{TYRE_TRAVEL:g}", "element": "paper"}
-    _, request = resolve("tyre", settings, TYRE_MESH, model="full")
+    _, request = complete("tyre", settings, TYRE_MESH, model="full")
     model = Tyre().build_on(request, *Tyre().lines(request))
     shell = replace(model.shell, measure=measure)
     model = replace(model, shell=shell, body=shell)

@@ -19,8 +19,8 @@ from contact.algorithms.semismooth import Semismooth
 from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.load_stepping import follow
 from formulations.strains.catalogue import MEASURES
+from studies.complete import complete
 from studies.scenes.tyre.scene import Tyre
-from studies.solve import resolve
 
 NEAR = 1.0  # deg, how near the search comes to the angle of the maximum
 ANGLES = (0.0, 2.0, 5.0, *range(10, 50, 5), 52.0, *range(55, 90, 5), 88.0, 90.0)
@@ -43,7 +43,7 @@ class Sweep:
         central_MPa: from the image under the half turn.
         """
         settings = {"gamma_deg": f"{gamma:.6g}", "delta_mm": self.delta_mm, "element": "paper"}
-        _, request = resolve("tyre", settings, self.mesh, measure=self.measure, model="half")
+        _, request = complete("tyre", settings, self.mesh, measure=self.measure, model="half")
         row: dict[str, object] = {"measure": self.measure, "mesh": self.mesh, "gamma_deg": gamma, "kind": kind}
         words = [f"--measure {self.measure} --mesh {self.mesh} --model half"]
         words += [f"--set {key}={value}" for key, value in settings.items()]

@@ -12,7 +12,7 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import follow
 from contact.interchange.linearised_step import SYMMETRIC, FrozenStep, asymmetry, freeze
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from studies.solve import resolve
+from studies.complete import complete
 
 PAPER = {"element": "paper", "delta_mm": "15,20"}  # the tyre's element whose tangent is definite without the foundation
 
@@ -60,7 +60,7 @@ class Linearised:
 
 def last_step(scene_name: str, mesh: str, **settings: str) -> Linearised:
     """The step to the last target of the last stage of a scene, linearised at the state before."""
-    scene, request = resolve(scene_name, settings, mesh)
+    scene, request = complete(scene_name, settings, mesh)
     algorithm, found = ALGORITHMS[request.contact](epsilon=math.inf), None
     for stage in scene.build(request).stages():
         problem_at, state = stage.begin(found)

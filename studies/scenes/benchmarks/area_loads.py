@@ -12,9 +12,9 @@ from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation
 from formulations.strains.quantities import N_E
-from studies.scene import SOLVER, Request, Setting
+from studies.request import Request
+from studies.scene import SOLVER, Setting
 from studies.scenes.element import ELEMENT
-from studies.scenes.statics import number
 
 LOAD_FRACTION = Setting(
     "load_fraction", (1.0,), "fractions of the published load to report", "floats", 0.0, 10.0, open_low=True
@@ -48,7 +48,7 @@ class ShearCorrected(Laminate):
 def centred_laminate(request: Request, *plies: Ply) -> ShearCorrected:
     """The plies about their middle surface with the shear correction asked for."""
     thickness = sum(ply.thickness for ply in plies)
-    return ShearCorrected(plies, -0.5 * thickness, number(request, "shear_correction"))
+    return ShearCorrected(plies, -0.5 * thickness, request.number("shear_correction"))
 
 
 def area_load(

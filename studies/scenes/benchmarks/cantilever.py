@@ -11,9 +11,10 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
 
 E, L, B, H = 1.2e6, 10.0, 1.0, 0.1  # MPa, mm; nu = 0
 P_MAX = 4.0  # N, 4 E I / L^2 in all, spread over the edge, dead
@@ -71,4 +72,4 @@ class Cantilever:
             v = discretisation.expand(u)[tip].mean(axis=0)
             return {"tip_shortening_mm": float(-v[:2].mean()), "tip_deflection_mm": float(v[4:].mean())}
 
-        return StaticModel(shell, fractions(request), at_tip)
+        return StaticModel(shell, request.numbers("load_fraction"), at_tip)

@@ -11,10 +11,11 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm
 HOLE = np.deg2rad(18.0)
@@ -66,4 +67,4 @@ class Hemisphere:
             v = discretisation.expand(u)
             return {"outward_mm": float(v[pulled, 4:].mean()), "inward_mm": float(-v[pushed, 4:].mean())}
 
-        return StaticModel(shell, fractions(request), under_loads)
+        return StaticModel(shell, request.numbers("load_fraction"), under_loads)

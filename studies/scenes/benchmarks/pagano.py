@@ -17,11 +17,12 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.data import read_reference
 from studies.scenes.element import discretise
-from studies.scenes.statics import StaticModel, loaded_shell, number
+from studies.scenes.statics import StaticModel, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
 E_L, E_T, G_LT, G_TT, NU = 25.0, 1.0, 0.5, 0.2, 0.25
@@ -61,7 +62,7 @@ class Pagano:
 
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face."""
-        S = number(request, "S")
+        S = request.number("S")
         a, b = S * H, 3 * S * H
         n1, n2 = request.mesh
         grid = Grid.tensor(np.linspace(0, a / 2, n1 + 1), np.linspace(0, b / 2, n2 + 1))

@@ -16,10 +16,11 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
 from studies.scenes.element import discretise
-from studies.scenes.statics import StaticModel, fractions, loaded_shell
+from studies.scenes.statics import StaticModel, loaded_shell
 
 E, NU, RADIUS, LENGTH, H = 3e6, 0.3, 300.0, 600.0, 3.0  # MPa, -, mm, mm, mm
 P = 1.0  # N, each of the two opposite forces; an eighth of the cylinder carries a quarter of one
@@ -63,4 +64,4 @@ class PinchedCylinder:
         def under_load(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
             return {"deflection_mm": float(-discretisation.expand(u)[loaded, 4:].mean())}
 
-        return StaticModel(shell, fractions(request), under_load)
+        return StaticModel(shell, request.numbers("load_fraction"), under_load)

@@ -25,9 +25,10 @@ from formulations.geometry.surfaces import cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation, ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
+from studies.request import Request, Value
+from studies.scene import SOLVER, Reference, SceneModel, Setting, UsageError
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, fractions, loaded_shell, number
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
 
 E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm
 SECTOR = np.pi / 6  # of cylinder and sphere; symmetry holds all four edges or leaves one free
@@ -93,13 +94,15 @@ def _references(
 def _inflated(discretisation: Discretisation, request: Request, largest: float) -> StaticModel:
     """The sector under the pressure ``largest`` E h/R; everything is uniform, so any node tells the stretch."""
     h = discretisation.laminate.thickness
-    pressure = Pressure(largest * E * h / RADIUS, follower=True, area=str(request.settings["pressure_area"]))
+    pressure = Pressure(largest * E * h / RADIUS, follower=True, area=request.choice("pressure_area"))
 
     def uniform(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
         inner, outer = discretisation.expand(u)[:, 4:].mean(axis=0)
         return {"stretch": float(1 + 0.5 * (inner + outer) / RADIUS), "thickness_ratio": float(1 + (outer - inner) / h)}
 
-    return StaticModel(loaded_shell(discretisation, request, pressure=pressure), fractions(request), uniform)
+    return StaticModel(
+        loaded_shell(discretisation, request, pressure=pressure), request.numbers("load_fraction"), uniform
+    )
 
 
 @dataclass(frozen=True)
@@ -133,12 +136,12 @@ class PressurisedCylinder:
         n1, n2 = request.mesh
         grid = Grid.tensor(np.linspace(0, RADIUS / 2, n1 + 1), np.linspace(0, SECTOR, n2 + 1))
         fixed = np.zeros((grid.n_nodes, 6), bool)
-        is_open = request.settings["ends"] == "open"
+        is_open = request.choice("ends") == "open"
         for end in (0.0,) if is_open else (0.0, RADIUS / 2):
             fixed[grid.on_line(0, end), 0:2] = True
         for side in (0.0, SECTOR):
             fixed[grid.on_line(1, side), 2:4] = True
-        laminate = Laminate.single(Ply.isotropic(E, NU, number(request, "h_mm")))
+        laminate = Laminate.single(Ply.isotropic(E, NU, request.number("h_mm")))
         largest = (open_cylinder_load if is_open else fixed_cylinder_load)(LARGEST)
         return _inflated(discretise(request, cylinder(RADIUS), grid, laminate, fixed), request, largest)
 
@@ -169,7 +172,7 @@ class PressurisedSphere:
         for side in (0.0, SECTOR):
             fixed[grid.on_line(0, side), 0:2] = True
             fixed[grid.on_line(1, side), 2:4] = True
-        laminate = Laminate.single(Ply.isotropic(E, NU, number(request, "h_mm")))
+        laminate = Laminate.single(Ply.isotropic(E, NU, request.number("h_mm")))
         return _inflated(discretise(request, sphere(RADIUS), grid, laminate, fixed), request, sphere_load(LARGEST))
 
 
@@ -224,16 +227,16 @@ class PressurisedTorus:
             fixed[grid.on_line(0, end), 0:2] = True
         for side in (0.0, np.deg2rad(10)):
             fixed[grid.on_line(1, side), 2:4] = True
-        laminate = Laminate.single(Ply.isotropic(TORUS_E, NU, number(request, "h_mm")))
+        laminate = Laminate.single(Ply.isotropic(TORUS_E, NU, request.number("h_mm")))
         discretisation = discretise(request, torus(AXIS, TUBE), grid, laminate, fixed)
-        pressure = Pressure(TORUS_PRESSURE, follower=True, area=str(request.settings["pressure_area"]))
+        pressure = Pressure(TORUS_PRESSURE, follower=True, area=request.choice("pressure_area"))
 
         def resultants(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
             faces = shell.resultants(u)[:, :4].reshape(n1, n2, 2, 2).mean(axis=1)  # (n1, direction, face)
             return _at_three_points(faces.sum(axis=-1))
 
         shell = loaded_shell(discretisation, request, pressure=pressure)
-        return StaticModel(shell, fractions(request), resultants)
+        return StaticModel(shell, request.numbers("load_fraction"), resultants)
 
 
 def _at_three_points(N: np.ndarray) -> dict[str, float]:

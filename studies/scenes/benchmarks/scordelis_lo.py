@@ -16,10 +16,11 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.scene import Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.element import discretise
-from studies.scenes.statics import StaticModel, fractions, loaded_shell
+from studies.scenes.statics import StaticModel, loaded_shell
 
 E, RADIUS, LENGTH, H = 4.32e8, 25.0, 50.0, 0.25  # MPa, mm, mm, mm; nu = 0
 HALF_ANGLE = np.deg2rad(40.0)
@@ -67,4 +68,4 @@ class ScordelisLo:
             both_faces = np.mean([face[edge] for face in discretisation.cartesian(u)], axis=0)
             return {"edge_deflection_mm": float(down @ both_faces)}
 
-        return StaticModel(shell, fractions(request), at_edge)
+        return StaticModel(shell, request.numbers("load_fraction"), at_edge)

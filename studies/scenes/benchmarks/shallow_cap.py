@@ -23,11 +23,12 @@ from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell, number
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell
 
 E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
 RISE = BASE**2 / (2 * RADIUS)  # mm, of the shallow cap
@@ -83,7 +84,7 @@ class ShallowSphericalCap:
     def build(self, request: Request) -> SceneModel:
         """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""
         n1, n2 = request.mesh
-        h, hole = thickness(number(request, "shallowness")), BASE * number(request, "hole")
+        h, hole = thickness(request.number("shallowness")), BASE * request.number("hole")
         base, rim = (float(np.arccos(r / RADIUS)) for r in (BASE, hole))
         grid = Grid.tensor(np.linspace(base, rim, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1))
         supports = Supports.none(grid).clamped(grid.on_line(0, base)).symmetric(grid.on_line(0, rim), 0)

@@ -11,10 +11,11 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, fractions, loaded_shell
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, loaded_shell
 
 E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
 P_MAX = 0.8  # N/mm along the free side of the slit, across the plate, dead
@@ -61,4 +62,6 @@ class SlitAnnulus:
             v = discretisation.expand(u)
             return {name: float(v[node, 4:].mean()) for name, node in corners.items()}
 
-        return StaticModel(loaded_shell(discretisation, request, forces=forces), fractions(request), at_corners)
+        return StaticModel(
+            loaded_shell(discretisation, request, forces=forces), request.numbers("load_fraction"), at_corners
+        )

@@ -12,10 +12,11 @@ from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, fractions, loaded_shell
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, loaded_shell
 
 E, L, B, H = 1.2e6, 12.0, 1.0, 0.1  # MPa, mm; nu = 0
 EI = E * B * H**3 / 12
@@ -76,4 +77,6 @@ class RolledCantilever:
             v = discretisation.expand(u)[tip].mean(axis=0)
             return {"tip_shortening_mm": float(-v[:2].mean()), "tip_deflection_mm": float(v[4:].mean())}
 
-        return StaticModel(loaded_shell(discretisation, request, couples=couples), fractions(request), at_tip)
+        return StaticModel(
+            loaded_shell(discretisation, request, couples=couples), request.numbers("load_fraction"), at_tip
+        )

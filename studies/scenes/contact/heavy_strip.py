@@ -15,13 +15,14 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
-from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, strip_wall
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import fractions, loaded_shell, number
+from studies.scenes.statics import loaded_shell
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
 WEIGHT = D * LIFT / UNIT**4  # MPa
@@ -63,7 +64,7 @@ class HeavyStrip:
         supports = Supports.none(grid).hold(end, (2,)).symmetric(grid.on_line(0, LENGTH), 0)
         for side in (0.0, B):
             supports = supports.symmetric(grid.on_line(1, side), 1)
-        laminate = strip_wall(UNIT * number(request, "lam_over_unit"))
+        laminate = strip_wall(UNIT * request.number("lam_over_unit"))
         discretisation = discretise(request, Plate(), grid, laminate, *supports.masks)
         forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(WEIGHT * UP, (*a1.shape, 3)))
         shell = loaded_shell(discretisation, request, forces=forces)
@@ -83,7 +84,7 @@ class HeavyStrip:
 
         plane = RigidPlane(UP, H / 2)
         return ContactModel(
-            *(shell, "load_fraction", fractions(request), lifted, lambda t: plane),
+            *(shell, "load_fraction", request.numbers("load_fraction"), lifted, lambda t: plane),
             *(nodes, outer_face(discretisation, nodes), measured),
             lying=True,
         )

@@ -19,10 +19,11 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, UsageError, Value
+from studies.request import Request, Value
+from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import loaded_shell, number
+from studies.scenes.statics import loaded_shell
 
 E, RADIUS, HALF = 100.0, 100.0, 25.0  # MPa across the fibres, mm, mm: half the width of the panel
 SHAPES = ("cylinder", "sphere", "plate")
@@ -76,21 +77,21 @@ class Panel:
         n1, n2 = request.mesh
         if min(n1, n2) < 2:
             raise UsageError(f"mesh {n1}x{n2} must have at least 2 elements along each side: its edges are clamped")
-        unit, stress = number(request, "length_unit"), number(request, "stress_unit")
+        unit, stress = request.number("length_unit"), request.number("stress_unit")
         surface, halves = _shape(request, unit)
-        across = lines(n2, halves[1], number(request, "irregular"))
-        grid = Grid.tensor(lines(n1, halves[0], number(request, "irregular")), across)
+        across = lines(n2, halves[1], request.number("irregular"))
+        grid = Grid.tensor(lines(n1, halves[0], request.number("irregular")), across)
         edge = np.unique([node for axis in (0, 1) for s in (-1, 1) for node in grid.on_line(axis, s * halves[axis])])
         supports = Supports.none(grid).clamped(edge)
-        h = RADIUS * number(request, "h_over_R") * unit
+        h = RADIUS * request.number("h_over_R") * unit
         discretisation = discretise(request, surface, grid, _wall(request, h, stress), *supports.masks)
-        p = number(request, "inflation") * E * stress * h / (RADIUS * unit)
-        shell = loaded_shell(discretisation, request, pressure=Pressure(p, request.settings["load"] == "follower"))
+        p = request.number("inflation") * E * stress * h / (RADIUS * unit)
+        shell = loaded_shell(discretisation, request, pressure=Pressure(p, request.choice("load") == "follower"))
         nodes = np.setdiff1d(np.arange(grid.n_nodes), edge)
         candidates = outer_face(discretisation, nodes)
-        normal = np.array([0.0, 0.0, 1.0]) if request.settings["shape"] == "plate" else np.array([1.0, 0.0, 0.0])
-        front, delta = float(np.max(candidates.reference @ normal)), number(request, "delta_mm") * unit
-        ball = number(request, "ball_mm") * unit if request.settings["foundation"] == "ball" else None
+        normal = np.array([0.0, 0.0, 1.0]) if request.choice("shape") == "plate" else np.array([1.0, 0.0, 0.0])
+        front, delta = float(np.max(candidates.reference @ normal)), request.number("delta_mm") * unit
+        ball = request.number("ball_mm") * unit if request.choice("foundation") == "ball" else None
 
         def foundation(t: float) -> Foundation:
             at = front - t * delta
@@ -112,25 +113,25 @@ class Panel:
 def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]:
     """The surface, and half of its extent along a1 and a2."""
     n1, n2 = request.mesh
-    along = HALF * n1 / n2 * number(request, "aspect")
-    shape = request.settings["shape"]
+    along = HALF * n1 / n2 * request.number("aspect")
+    shape = request.choice("shape")
     if shape == "plate":
         return Plate(), (along * unit, HALF * unit)
     if shape == "cylinder":
         return cylinder(RADIUS * unit), (along * unit, HALF / RADIUS)
     if along > 1.5 * RADIUS:
-        raise UsageError(f"aspect = {number(request, 'aspect'):g} takes a sphere beyond its poles")
+        raise UsageError(f"aspect = {request.number('aspect'):g} takes a sphere beyond its poles")
     return sphere(RADIUS * unit), (along / RADIUS, HALF / RADIUS)
 
 
 def _wall(request: Request, h: float, stress: float) -> Laminate:
     """One ply about its middle; raises UsageError where it is not elastic."""
-    ratio, nu = number(request, "E_ratio"), number(request, "nu")
+    ratio, nu = request.number("E_ratio"), request.number("nu")
     if ratio == 1:
         return Laminate((Ply.isotropic(E * stress, nu, h),), -h / 2)
     G = E * stress / (2 * (1 + nu))
     try:
-        ply = Ply(ratio * E * stress, E * stress, G, G, nu, nu, np.deg2rad(number(request, "gamma_deg")), h)
+        ply = Ply(ratio * E * stress, E * stress, G, G, nu, nu, np.deg2rad(request.number("gamma_deg")), h)
     except ValueError as error:
         raise UsageError(str(error)) from None
     return Laminate((ply,), -h / 2)

@@ -18,12 +18,13 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
-from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import fractions, loaded_shell, number
+from studies.scenes.statics import loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
 D = E * H**3 / (12 * (1 - NU**2))  # N mm
@@ -68,7 +69,7 @@ class PlateContact:
         f and of f r^2 only, so the radius is taken from the same sums of what the nodes carry beyond the pressure.
         """
         n1, n2 = request.mesh
-        rim = A * number(request, "hole")
+        rim = A * request.number("hole")
         grid = Grid.tensor(np.linspace(rim, A, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1))
         supports = Supports.none(grid).clamped(grid.on_line(0, A)).symmetric(grid.on_line(0, rim), 0)
         for plane in (0.0, np.pi / 2):
@@ -89,6 +90,6 @@ class PlateContact:
 
         foundation = RigidPlane(DOWN, H / 2 + GAP)
         return ContactModel(
-            *(shell, "load_fraction", fractions(request), shell.scaled, lambda t: foundation),
+            *(shell, "load_fraction", request.numbers("load_fraction"), shell.scaled, lambda t: foundation),
             *(nodes, candidates, measured),
         )

@@ -18,11 +18,12 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import loaded_shell, number
+from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0
 AWAY = np.array([1.0, 0.0, 0.0])
@@ -69,14 +70,13 @@ class Ring:
             supports = supports.symmetric(grid.on_line(0, plane), 0)
         for plane in (0.0, right):
             supports = supports.symmetric(grid.on_line(1, plane), 1)
-        h = number(request, "h_mm")
+        h = request.number("h_mm")
         laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
         discretisation = discretise(request, cylinder(RADIUS), grid, laminate, *supports.masks)
         shell = loaded_shell(discretisation, request)
         nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(1, right))
         candidates = outer_face(discretisation, nodes)
-        deltas = request.settings["delta_mm"]
-        assert isinstance(deltas, tuple)
+        deltas = request.numbers("delta_mm")
 
         def measured(delta: float, touch: Touch) -> dict[str, float]:
             total = float(touch.force.sum())

@@ -18,12 +18,13 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
-from studies.scene import EPSILON, SOLVER, Reference, Request, SceneModel, Setting, Value
+from studies.request import Request, Value
+from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import fractions, loaded_shell, number
+from studies.scenes.statics import loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
 D = E * H**3 / 12  # N mm
@@ -97,7 +98,7 @@ class ClampedStrip:
         supports = Supports.none(grid).clamped(grid.on_line(0, 0.0)).symmetric(grid.on_line(0, A), 0)
         for side in (0.0, B):
             supports = supports.symmetric(grid.on_line(1, side), 1)
-        laminate = strip_wall(A * number(request, "lam_over_a"))
+        laminate = strip_wall(A * request.number("lam_over_a"))
         discretisation = discretise(request, Plate(), grid, laminate, *supports.masks)
         forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(Q0 * UP, (*a1.shape, 3)))
         shell = loaded_shell(discretisation, request, forces=forces)
@@ -112,6 +113,6 @@ class ClampedStrip:
             return {"half_force": half_force, "free_length": begins, "edge_pressure": pressure}
 
         return ContactModel(
-            *(shell, "load_fraction", fractions(request), shell.scaled, lambda q: plane),
+            *(shell, "load_fraction", request.numbers("load_fraction"), shell.scaled, lambda q: plane),
             *(nodes, outer_face(discretisation, nodes), measured),
         )

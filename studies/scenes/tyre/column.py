@@ -17,7 +17,8 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.geometry.grid import Grid
 from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
-from studies.scene import Observation, Request, ShellSceneModel, Stage
+from studies.request import Request
+from studies.scene import Observation, ShellSceneModel, Stage
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import foundation
 from studies.scenes.tyre.parts import Part, column_of, sides_alike

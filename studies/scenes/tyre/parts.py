@@ -15,7 +15,8 @@ import numpy as np
 
 from formulations.conditions.dof_map import Images
 from formulations.geometry.grid import Grid
-from studies.scene import UsageError, Value
+from studies.request import Value
+from studies.scene import UsageError
 
 MODELS = ("auto", "full", "half", "mirror", "quarter", "sector", "axisymmetric")
 TURNED = np.array([1.0, -1.0, -1.0])  # a turn by 180 degrees about e_x: Cartesian components

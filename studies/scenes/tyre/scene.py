@@ -17,7 +17,8 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
-from studies.scene import EPSILON, SOLVER, Reference, Request, Setting, ShellSceneModel, Stage, UsageError, Value
+from studies.request import Request, Value
+from studies.scene import EPSILON, SOLVER, Reference, Setting, ShellSceneModel, Stage, UsageError
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT
 from studies.scenes.statics import with_balances
@@ -29,7 +30,7 @@ from studies.scenes.tyre.parts import MODELS, Part, base_of, part_of, settle_mod
 from studies.scenes.tyre.press import Column, PressedTyre, Wall
 from studies.scenes.tyre.sector import SECTOR, check_reach, cut_of, sector_stage, settle_sector, with_line_at, within
 from studies.scenes.tyre.sizes import TyreSizes
-from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflated_shell, number, travels
+from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflated_shell
 
 PAPER = "Grigolyuk, Kulikov, Plotnikova, Mech. Compos. Mater. (2004)"
 SOLID = "3D solid, NGSolve 6.2 cubic hexahedra 18x16x1; CalculiX C3D20R within 0.3 % on force"
@@ -149,7 +150,7 @@ class Tyre:
 
     def lines(self, request: Request) -> tuple[np.ndarray, np.ndarray]:
         """Grid lines psi, phi [rad]; raises UsageError on impossible geometry, plies or meshes."""
-        clamp, grading = checked_wall(request.settings)[3], str(request.settings["grading"])
+        clamp, grading = checked_wall(request.settings)[3], request.choice("grading")
         checked_mesh(request.mesh)
         sizes = self.adapted(request).sizes if grading == "adapted" else None
         psi, phi = tyre_lines(request.mesh, clamp, grading) if sizes is None else sizes.lines(request.mesh)
@@ -172,7 +173,9 @@ class Tyre:
         settings = request.settings
         laminate, _, _, clamp = checked_wall(settings)
         if request.model == "sector":
-            check_reach(cut_of(request), number(settings, "R0_mm") + laminate.thickness, travels(settings)[-1])
+            check_reach(
+                cut_of(request), settings.number("R0_mm") + laminate.thickness, settings.numbers("delta_mm")[-1]
+            )
             part = part_of(base_of(settings), psi, within(phi, cut_of(request)))
         else:
             part = part_of(request.model, psi, phi)
@@ -190,7 +193,7 @@ class Tyre:
             weights=(merge @ shell.discretisation.nodal_areas(area))[free],
             coupling=mass if settings["coupling"] == "consistent" else None,
         )
-        return TyreModel.of(shell, part, candidates, free, travels(settings), foundation(settings), one)
+        return TyreModel.of(shell, part, candidates, free, settings.numbers("delta_mm"), foundation(settings), one)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,14 +14,15 @@ to waves is anything; DECAY/cut is taken instead, the mean rate measured on the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
-from studies.scene import Observation, Request, Setting, Stage, UsageError, Value
+from studies.request import Request, Settings
+from studies.scene import Observation, Setting, Stage, UsageError
 from studies.scenes.tyre.parts import Part
 
 SECTOR = Setting(
@@ -40,20 +41,18 @@ DECAY = 8.0  # e-folds of the energy from the contact to the cut
 SAFETY = 2.0
 
 
-def settle_sector(model: str, settings: Mapping[str, Value]) -> dict[str, Value]:
+def settle_sector(model: str, settings: Settings) -> Settings:
     """The settings with the cut of a sector; raises UsageError for a cut without a sector."""
     if model == "sector":
-        return {**settings, "sector_deg": settings.get("sector_deg", DEFAULT_DEG)}
+        return settings.with_values(sector_deg=settings.get("sector_deg", DEFAULT_DEG))
     if "sector_deg" in settings:
         raise UsageError(f"sector_deg belongs to --model sector, not {model}")
-    return dict(settings)
+    return settings
 
 
 def cut_of(request: Request) -> float:
     """The cut [rad]."""
-    degrees = request.settings["sector_deg"]
-    assert isinstance(degrees, float | int)
-    return float(np.deg2rad(degrees))
+    return float(np.deg2rad(request.number("sector_deg")))
 
 
 def with_line_at(phi: np.ndarray, cut: float) -> np.ndarray:

@@ -23,7 +23,8 @@ from contact.problem import ContactSolution
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
 from formulations.shell import ShellModel
-from studies.scene import Request, Stage, UsageError
+from studies.request import Request
+from studies.scene import Stage, UsageError
 from studies.scenes.tyre.grid_lines import LineSize, tyre_lines
 from studies.scenes.tyre.parts import Part
 
@@ -81,14 +82,12 @@ class TyreSizes:
 
         Raises UsageError when a coarse tyre cannot be pressed so far, or is not pressed at all.
         """
-        settings = dict(request.settings)
-        deltas = settings["delta_mm"]
-        assert isinstance(deltas, tuple)
+        deltas = request.numbers("delta_mm")
         if deltas == (0.0,):
             raise UsageError(
                 "an adapted mesh follows the contact: delta_mm = 0 has none, take grading=patch or uniform"
             )
-        settings["delta_mm"] = ((1 - SECANT) * deltas[-1], deltas[-1])
+        settings = request.settings.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
         coarse = replace(request, settings=settings, mesh=COARSE, model="full")
         lines = tyre_lines(COARSE, clamp_deg)
         found: list[TyreSizes] = []

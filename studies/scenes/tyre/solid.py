@@ -17,14 +17,15 @@ from contact.problem import ContactSolution
 from formulations.geometry.surfaces import torus
 from formulations.solid import SolidMesh, SolidModel
 from studies.fields import write_solid_fields
-from studies.scene import Reference, Request, Setting, UsageError, Value
+from studies.request import Request, Value
+from studies.scene import Reference, Setting, UsageError
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre.foundation import foundation
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.parts import mirrored
 from studies.scenes.tyre.press import PressedTyre, Wall
 from studies.scenes.tyre.scene import Tyre
-from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflation, number, travels
+from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflation
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
 ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
@@ -78,7 +79,7 @@ class SolidTyre:
         quarter = request.model == "quarter"
         if quarter:
             psi, phi = (line[len(line) // 2 :] for line in lines)
-        per_ply = int(number(settings, "per_ply"))
+        per_ply = int(settings.number("per_ply"))
         mesh = SolidMesh.build(torus(R0 - R1, R1), psi, phi, laminate, per_ply=per_ply, periodic=not quarter)
         clamped = np.concatenate([mesh.on(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
         fixed = np.zeros((len(mesh.x), 3), bool)
@@ -92,7 +93,7 @@ class SolidTyre:
         weights = mesh.face_areas(mesh.outer)[nodes]
         candidates = Candidates(mesh.x[nodes], solid.displacement_operator(nodes), weights, coupling)
         wall, ground = whole_wall(solid, nodes, quarter), foundation(settings)
-        return SolidTyreModel(solid, wall, candidates, travels(settings), ground, nodes)
+        return SolidTyreModel(solid, wall, candidates, settings.numbers("delta_mm"), ground, nodes)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -13,7 +13,8 @@ from formulations.geometry.surfaces import torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.scene import Request, UsageError, Value
+from studies.request import Request, Settings
+from studies.scene import UsageError
 from studies.scenes.element import discretise
 from studies.scenes.statics import loaded_shell
 
@@ -37,16 +38,16 @@ def inflated_shell(
         supports = supports.clamped(grid.on_line(0, side * np.deg2rad(clamp)))
     fixed, _ = supports.masks
     discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed, images=images)
-    return loaded_shell(discretisation, request, section=str(settings["section"]), pressure=inflation(settings))
+    return loaded_shell(discretisation, request, section=settings.choice("section"), pressure=inflation(settings))
 
 
-def checked_wall(settings: Mapping[str, Value]) -> tuple[Laminate, float, float, float]:
+def checked_wall(settings: Settings) -> tuple[Laminate, float, float, float]:
     """Laminate, R1, R0 [mm] and clamp [deg]; raises UsageError on impossible geometry or plies."""
     try:
         laminate = _laminate(settings)
     except ValueError as error:
         raise UsageError(str(error)) from None
-    R1, R0, clamp = (number(settings, key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
+    R1, R0, clamp = (settings.number(key) for key in ("R1_mm", "R0_mm", "clamp_deg"))
     if not laminate.thickness < R1:
         raise UsageError(
             f"thickness plies*ply_thickness_mm = {laminate.thickness:g} mm must be below R1_mm = {R1:g} mm"
@@ -56,31 +57,17 @@ def checked_wall(settings: Mapping[str, Value]) -> tuple[Laminate, float, float,
     return laminate, R1, R0, clamp
 
 
-def inflation(settings: Mapping[str, Value]) -> Pressure:
+def inflation(settings: Settings) -> Pressure:
     """The pressure inside."""
-    return Pressure(number(settings, "p0_MPa"), settings["load"] == "follower", area=str(settings["pressure_area"]))
+    return Pressure(settings.number("p0_MPa"), settings["load"] == "follower", area=settings.choice("pressure_area"))
 
 
-def travels(settings: Mapping[str, Value]) -> tuple[float, ...]:
-    """The values of delta [mm]."""
-    deltas = settings["delta_mm"]
-    assert isinstance(deltas, tuple)
-    return deltas
-
-
-def number(settings: Mapping[str, Value], key: str) -> float:
-    """A setting that is one number."""
-    value = settings[key]
-    assert isinstance(value, float | int)
-    return float(value)
-
-
-def _laminate(settings: Mapping[str, Value]) -> Laminate:
-    thickness, plies = number(settings, "ply_thickness_mm"), int(number(settings, "plies"))
+def _laminate(settings: Settings) -> Laminate:
+    thickness, plies = settings.number("ply_thickness_mm"), int(settings.number("plies"))
     if "E_MPa" in settings:
-        ply = Ply.isotropic(number(settings, "E_MPa"), number(settings, "nu"), thickness)
+        ply = Ply.isotropic(settings.number("E_MPa"), settings.number("nu"), thickness)
         return Laminate((ply,) * plies, d_minus=0.0)
-    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (number(settings, key) for key in ORTHOTROPIC)
-    gamma = np.deg2rad(number(settings, "gamma_deg"))
+    E_L, E_T, G_LT, G_TT, nu_LT, nu_TT = (settings.number(key) for key in ORTHOTROPIC)
+    gamma = np.deg2rad(settings.number("gamma_deg"))
     angles = [(-1) ** k * gamma for k in range(plies)]
     return Laminate(tuple(Ply(E_L, E_T, G_LT, G_TT, nu_LT, nu_TT, a, thickness) for a in angles), d_minus=0.0)

@@ -1,0 +1,76 @@
+"""From what a user says to a request: every default filled in, every value checked against its range."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from contact.catalogue import ALGORITHMS
+from formulations.shell import NEWTONS
+from formulations.strains.catalogue import MEASURES
+from studies.algorithm_settings import TOLERANCE, settings_of
+from studies.request import Request, Settings, Value
+from studies.scene import Scene, Setting, SettlingScene, UsageError
+from studies.scenes import SCENES
+
+MODELS = ("auto", "full")
+LARGEST_MESH = 250_000
+
+
+def complete(
+    scene_name: str, given: Mapping[str, str], mesh: str | None = None, **options: Any
+) -> tuple[Scene, Request]:
+    """The scene and the resolved request; raises UsageError with one line.
+
+    options: measure, contact, newton, model, steps.
+    """
+    scene = SCENES.get(scene_name)
+    if scene is None:
+        raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
+    known = {setting.key: setting for setting in (*scene.settings, TOLERANCE)}
+    if "epsilon" in known:  # the scene has contact
+        known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
+    for key in given:
+        if key not in known:
+            raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
+    settings = scene.complete(_with_defaults(known, {key: known[key].parse(text) for key, text in given.items()}))
+    request = Request(scene_name, mesh=_mesh(mesh, scene), **options)
+    for name, value, choices in (
+        ("measure", request.measure, MEASURES),
+        ("contact", request.contact, ALGORITHMS),
+        ("newton", request.newton, NEWTONS),
+        ("model", request.model, scene.models if isinstance(scene, SettlingScene) else MODELS),
+    ):
+        if value not in choices:
+            raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
+    if not 1 <= request.steps <= 10_000:
+        raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
+    if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
+        raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
+    if "epsilon" in known and "epsilon" not in settings:
+        settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
+    request = replace(request, settings=Settings(settings))
+    return scene, scene.settle(request) if isinstance(scene, SettlingScene) else replace(request, model="full")
+
+
+def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> dict[str, Value]:
+    """Given values, before what a preset stands for, before defaults; the name of a preset is resolved away."""
+    settings = {key: setting.default for key, setting in known.items() if setting.default is not None} | dict(given)
+    for key, setting in known.items():
+        if setting.presets:
+            settings = {**setting.presets[str(settings.pop(key))], **settings}
+    return settings
+
+
+def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:
+    if text is None:
+        return scene.default_mesh
+    parts = text.lower().split("x")
+    if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
+        raise UsageError(f"mesh {text!r} must be N1xN2 with two whole numbers, e.g. 42x40")
+    n1, n2 = (int(part) for part in parts)
+    if min(n1, n2) < 1 or n1 * n2 > LARGEST_MESH:
+        raise UsageError(f"mesh {text!r} must have at least 1 and in all at most {LARGEST_MESH} elements")
+    return n1, n2

@@ -1,0 +1,122 @@
+"""What is asked of a solve: one frozen, hashable record, resolved once and carried as data to the tables.
+
+Nothing reads a command or a label back: requests that differ in the mesh alone have the same ``key(("mesh",))``.
+Neither scenes nor files enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+Value = float | int | str | tuple[float, ...]
+
+
+class Settings(Mapping[str, Value]):
+    """Values by key: frozen, hashable, and typed where they are read; raises TypeError for a value of another type."""
+
+    def __init__(self, values: Mapping[str, Value] | None = None) -> None:
+        self._values = dict(values or {})
+
+    def __getitem__(self, key: str) -> Value:
+        return self._values[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __hash__(self) -> int:
+        return hash(frozenset(self._values.items()))
+
+    def __repr__(self) -> str:
+        return f"Settings({self._values!r})"
+
+    def with_values(self, **values: Value) -> Settings:
+        """The settings, some of them changed or added."""
+        return Settings({**self._values, **values})
+
+    def number(self, key: str) -> float:
+        """The value of a setting that is one number."""
+        value = self._values[key]
+        if isinstance(value, float | int):
+            return float(value)
+        raise TypeError(f"{key} = {value!r} is not a number")
+
+    def numbers(self, key: str) -> tuple[float, ...]:
+        """The values of a setting that is a list of numbers."""
+        value = self._values[key]
+        if isinstance(value, tuple):
+            return value
+        raise TypeError(f"{key} = {value!r} is not a list of numbers")
+
+    def choice(self, key: str) -> str:
+        """The value of a setting that is a word."""
+        value = self._values[key]
+        if isinstance(value, str):
+            return value
+        raise TypeError(f"{key} = {value!r} is not a word")
+
+
+@dataclass(frozen=True)
+class Request:
+    """Everything that decides a result, resolved: no default is left open.
+
+    mesh: elements along a1 and a2.  model_reason: why this model, for people; it decides nothing.
+    """
+
+    scene: str
+    measure: str = "exact"
+    contact: str = "semismooth"
+    newton: str = "mixed"
+    mesh: tuple[int, int] = (0, 0)
+    model: str = "auto"
+    model_reason: str = ""
+    steps: int = 1
+    settings: Settings = Settings()  # noqa: RUF009  frozen
+
+    @classmethod
+    def of(cls, data: Mapping[str, Any]) -> Self:
+        """The request of its plain data, as the index of a campaign holds it."""
+        settings = Settings({key: _value(value) for key, value in data["settings"].items()})
+        return cls(**{**data, "mesh": tuple(data["mesh"]), "settings": settings})
+
+    @property
+    def values(self) -> dict[str, Value]:
+        """All that decides the result, by name: fields and settings alike."""
+        fields = ("scene", "measure", "contact", "newton", "mesh", "model", "steps")
+        return {**{name: getattr(self, name) for name in fields}, **self.settings}
+
+    def key(self, without: Collection[str] = ()) -> str:
+        """Equal for two requests that differ in nothing but ``without``; not made to be read back."""
+        values = self.values
+        return " ".join(f"{name}={text_of(values[name])}" for name in sorted(values) if name not in without)
+
+    def number(self, key: str) -> float:
+        """The value of a setting that is one number."""
+        return self.settings.number(key)
+
+    def numbers(self, key: str) -> tuple[float, ...]:
+        """The values of a setting that is a list of numbers."""
+        return self.settings.numbers(key)
+
+    def choice(self, key: str) -> str:
+        """The value of a setting that is a word."""
+        return self.settings.choice(key)
+
+
+def text_of(value: object) -> str:
+    """A value as it is written after KEY= on the command line: the shortest text that reads back to the same."""
+    if isinstance(value, list | tuple):
+        return ",".join(text_of(each) for each in value)
+    short = f"{value:g}" if isinstance(value, float) else str(value)
+    return repr(value) if isinstance(value, float) and float(short) != value else short
+
+
+def _value(data: Any) -> Value:
+    """A value of a setting from JSON, which has neither tuples nor infinities."""
+    if isinstance(data, list):
+        return tuple(float(each) for each in data)
+    return float(data) if data in ("inf", "-inf") else data
