@@ -126,7 +126,7 @@ def test_element_error_under_rigid_rotation_is_of_second_order(curved_patch) -> 
 
 
 @each_element
-@pytest.mark.parametrize("angle", [0.5, 2.0, math.pi])
+@pytest.mark.parametrize("angle", [2.0, math.pi])
 def test_elements_that_turn_without_strain(angle, element) -> None:
     """Flat ones, and the isoparametric ones of every surface: resultants and forces vanish to rounding."""
     size = largest(SKEW_LAMINATE.stiffness())
@@ -173,9 +173,15 @@ def test_internal_forces_of_a_strained_plate_turn_with_it(rng) -> None:
 # --- zero-energy modes --------------------------------------------------------------------------------------------
 
 
-@each_section
-@each_element
+ONE_ELEMENT = [
+    *((patch, section, "projected-compatible-curvilinear") for patch in PATCHES for section in SECTIONS),
+    *(("wavy", "constant-s33", element) for element in ELEMENTS),
+]
+
+
+@pytest.mark.parametrize(("patch", "section", "element"), dict.fromkeys(ONE_ELEMENT))
 def test_one_free_element_has_exactly_six_zero_modes(patch, section, element) -> None:
+    patch, element = PATCHES[patch], ELEMENTS[element]
     shell = make_shell(patch.surface, patch.grid(1, 1, size=0.3), section=section, **element)
     values = np.linalg.svd(shell.linearise(np.zeros(24)).tangent.toarray(), compute_uv=False)
     assert values[17] > GAP * values[18]
