@@ -17,7 +17,16 @@ from contact.problem import ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import LcpError, by_nnls, lemke
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
-from support.contact_problems import Quadratic, definite, dual_by_nnls, random_quadratic
+from support.contact_problems import (
+    OPEN,
+    PRESSED,
+    TOUCHING,
+    Quadratic,
+    definite,
+    dual_by_nnls,
+    manufactured,
+    random_quadratic,
+)
 
 NNLS = 1e-9  # all quantities are of the order one
 BY_BACKEND = 1e-6  # of what a backend alone finds with tolerances of 1e-8
@@ -40,21 +49,9 @@ each_backend = pytest.mark.parametrize("backend", [where_installed(name, name) f
 each_way = pytest.mark.parametrize(
     "way", [where_installed(name, getattr(way, "backend", "osqp")) for name, way in WAYS.items()]
 )
-OPEN, PRESSED, TOUCHING = range(3)
 
 
-def with_states(seed: int, kind: str, states: np.ndarray):
-    """A problem whose only solution is built in, with gaps and pressures of exactly zero at the touching nodes."""
-    rng = np.random.default_rng(seed)
-    data = random_quadratic(rng, kind, len(states))
-    u = rng.normal(size=len(data.f))
-    pressure = np.where(states == PRESSED, rng.uniform(0.5, 2, len(states)), 0.0)
-    gap = np.where(states == OPEN, rng.uniform(0.5, 2, len(states)), 0.0)
-    f = data.K @ u - data.G.T @ (data.w * pressure)
-    return Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), (u, pressure)
-
-
-def agrees(way: str, data, built_in=None) -> None:
+def agrees(way: str, data, *built_in: np.ndarray) -> None:
     """With what is built in, or else with nnls, whose answer the judge has passed."""
     problem = data.problem()
     solution = WAYS[way].solve(problem, ContactSolution.at_rest(len(data.f), len(data.w)))
@@ -72,45 +69,47 @@ def agrees(way: str, data, built_in=None) -> None:
     kind=st.sampled_from(["obstacle", "definite", "inclined"]),
     states=st.lists(st.sampled_from([OPEN, PRESSED, TOUCHING]), min_size=1, max_size=12),
 )
-@settings(deadline=None, derandomize=True, max_examples=100)
+@settings(deadline=None, derandomize=True, max_examples=40)
 def test_any_mixture_of_open_pressed_and_touching(way, seed, kind, states) -> None:
-    agrees(way, *with_states(seed, kind, np.array(states)))
+    agrees(way, *manufactured(np.random.default_rng(seed), kind, np.array(states)))
 
 
 @each_way
 @given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(["obstacle", "definite", "inclined"]))
-@settings(deadline=None, derandomize=True, max_examples=100)
+@settings(deadline=None, derandomize=True, max_examples=20)
 def test_random(way, seed, kind) -> None:
     agrees(way, random_quadratic(np.random.default_rng(seed), kind, 8))
 
 
 @each_way
-@pytest.mark.parametrize("m", [5, 20, 60])
-def test_flattened_patch_without_pressure(way, m) -> None:
+def test_flattened_patch_without_pressure(way) -> None:
     """A beam bent flat against a wall: the rim carries all, the patch between nothing, as in the nonlinear theory."""
-    states = np.full(m, TOUCHING)
-    states[[0, -1]] = PRESSED
-    agrees(way, *with_states(m, "definite", states))
+    for m in (5, 20, 60):
+        states = np.full(m, TOUCHING)
+        states[[0, -1]] = PRESSED
+        agrees(way, *manufactured(np.random.default_rng(m), "definite", states))
 
 
-@pytest.mark.parametrize("seed", range(40))
-def test_nnls_itself_is_right_or_corrected(seed) -> None:
+def test_nnls_itself_is_right_or_corrected() -> None:
     """Gaps of exactly zero mislead scipy's nnls now and then; what we make of it is right each time."""
     states = np.array([OPEN, TOUCHING, PRESSED, TOUCHING, OPEN, TOUCHING, TOUCHING, PRESSED])
-    data, (_, pressure) = with_states(seed, "definite", states)
-    S = data.G @ np.linalg.solve(data.K, data.G.T)
-    found = by_nnls(S, data.g0 + data.G @ np.linalg.solve(data.K, data.f))
-    np.testing.assert_allclose(found.z, data.w * pressure, rtol=0, atol=NNLS)
+    for seed in range(40):
+        data, _, pressure = manufactured(np.random.default_rng(seed), "definite", states)
+        S = data.G @ np.linalg.solve(data.K, data.G.T)
+        found = by_nnls(S, data.g0 + data.G @ np.linalg.solve(data.K, data.f))
+        np.testing.assert_allclose(found.z, data.w * pressure, rtol=0, atol=NNLS, err_msg=f"seed {seed}")
 
 
 def test_nnls_alone_is_no_oracle_of_exact_touch() -> None:
     """Must fail beside must pass, a published solver: nodes that just touch, everything else open, nothing presses."""
     wrong = 0
     for seed in range(300):
-        data, (u, pressure) = with_states(seed, "definite", np.array([0, 0, 0, 2, 0, 2, 0, 2, 0, 0]))
+        data, u, pressure = manufactured(
+            np.random.default_rng(seed), "definite", np.array([0, 0, 0, 2, 0, 2, 0, 2, 0, 0])
+        )
         if np.max(np.abs(dual_by_nnls(data, math.inf)[1] - pressure)) > 1e-3:
             wrong += 1
-            agrees("lcp, nnls", data, (u, pressure))
+            agrees("lcp, nnls", data, u, pressure)
     assert wrong > 0
 
 
@@ -150,18 +149,17 @@ def programme(rng, n: int, m: int) -> tuple[Programme, np.ndarray, np.ndarray]:
 
 
 @each_backend
-@pytest.mark.parametrize(("n", "m"), [(1, 1), (5, 1), (8, 3), (20, 12), (4, 0)])
-def test_backends_have_the_signs_and_rows_that_they_should(rng, backend, n, m) -> None:
-    whole, x, y = programme(rng, n, m)
-    answer = ask(backend, whole, 1e-8, True)
-    assert answer.claimed, answer.status
-    np.testing.assert_allclose(answer.x, x, rtol=0, atol=BY_BACKEND)
-    np.testing.assert_allclose(answer.y, y, rtol=0, atol=BY_BACKEND)
+def test_backends_have_the_signs_and_rows_that_they_should(rng, backend) -> None:
+    for n, m in ((1, 1), (5, 1), (8, 3), (20, 12), (4, 0)):
+        whole, x, y = programme(rng, n, m)
+        answer = ask(backend, whole, 1e-8, True)
+        assert answer.claimed, answer.status
+        np.testing.assert_allclose(answer.x, x, rtol=0, atol=BY_BACKEND)
+        np.testing.assert_allclose(answer.y, y, rtol=0, atol=BY_BACKEND)
 
 
 @each_backend
-@pytest.mark.parametrize("spoilt", ["infeasible", "unbounded", "NaN in P", "NaN in q", "infinite b"])
-def test_what_has_no_answer_is_not_claimed(rng, backend, spoilt) -> None:
+def test_what_has_no_answer_is_not_claimed(rng, backend) -> None:
     good, _, _ = programme(rng, 4, 2)
     bad = {
         "infeasible": replace(good, A=sparse.csc_matrix([[1.0, 0, 0, 0], [-1.0, 0, 0, 0]]), b=np.ones(2)),
@@ -170,9 +168,10 @@ def test_what_has_no_answer_is_not_claimed(rng, backend, spoilt) -> None:
         "NaN in q": replace(good, q=good.q * np.nan),
         "infinite b": replace(good, b=good.b * np.inf),
     }
-    answer = ask(backend, bad[spoilt], 1e-8, True)
-    assert not answer.claimed
-    assert np.all(np.abs(np.append(answer.x, answer.y)) < 1e9)
+    for spoilt, spoilt_programme in bad.items():
+        answer = ask(backend, spoilt_programme, 1e-8, True)
+        assert not answer.claimed, spoilt
+        assert np.all(np.abs(np.append(answer.x, answer.y)) < 1e9), spoilt
 
 
 @pytest.mark.parametrize("failure", [RuntimeError("out of memory"), type("Panic", (BaseException,), {})("unwrap")])
@@ -202,7 +201,7 @@ def test_a_far_candidate_that_the_near_one_pushes_in_is_handed_over(backend) -> 
 
 
 def test_osqp_is_quiet_where_nothing_presses(rng, capfd) -> None:
-    data, _ = with_states(3, "definite", np.array([OPEN, OPEN, OPEN]))
+    data, _, _ = manufactured(rng, "definite", np.array([OPEN, OPEN, OPEN]))
     solution = Qp().solve(data.problem(), ContactSolution.at_rest(len(data.f), 3))
     assert solution.outcome is Outcome.CONVERGED
     assert not solution.active.any()

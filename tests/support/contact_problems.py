@@ -66,6 +66,33 @@ def random_quadratic(rng: np.random.Generator, kind: str, m: int = 6) -> Quadrat
     return Quadratic(K, rng.normal(size=n), G, rng.uniform(-0.3, 0.6, m), rng.uniform(0.5, 2, m))
 
 
+OPEN, PRESSED, TOUCHING = range(3)
+
+
+def manufactured(
+    rng: np.random.Generator, kind: str, states: np.ndarray, epsilon: float = math.inf, size: float | np.ndarray = 1.0
+) -> tuple[Quadratic, np.ndarray, np.ndarray]:
+    """A problem whose only solution u, p is built in: each candidate OPEN, PRESSED, or TOUCHING without pressure.
+
+    ``size`` (m,): how far open [mm] or how strongly pressed [MPa]; the touching have exactly zero of both.
+    """
+    data = random_quadratic(rng, kind, len(states))
+    u = rng.normal(size=len(data.f))
+    pressure = np.where(states == PRESSED, size * rng.uniform(0.5, 2, len(states)), 0.0)
+    gap = np.where(states == OPEN, size * rng.uniform(0.5, 2, len(states)), 0.0) - pressure / epsilon
+    f = data.K @ u - data.G.T @ (data.w * pressure)
+    return Quadratic(data.K, f, data.G, gap - data.G @ u, data.w), u, pressure
+
+
+def applicable(*epsilons: float) -> list[tuple[str, float]]:
+    """The pairs (algorithm, epsilon) that a symmetric problem with lumped coupling is supported by."""
+    any_problem = random_quadratic(np.random.default_rng(0), "definite").problem()
+    pairs = [(name, epsilon) for name in ALGORITHMS for epsilon in epsilons]
+    return [
+        (name, epsilon) for name, epsilon in pairs if ALGORITHMS[name](epsilon=epsilon).supports(any_problem) is None
+    ]
+
+
 def solve_from_rest(
     name: str, problem: ContactProblem, n: int, epsilon: float = math.inf, **options
 ) -> ContactSolution:
