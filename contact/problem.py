@@ -13,10 +13,12 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 from scipy import sparse
+
+from contact.parameters import Parameter
 
 
 class Linearised(Protocol):
@@ -187,16 +189,20 @@ class ContactSolution:
 
 
 class ContactAlgorithm(Protocol):
-    """One algorithm: a frozen record of parameters."""
+    """One algorithm: a frozen record of parameters.
 
-    @property
-    def name(self) -> str:
-        """Name in the catalogue."""
-        ...
+    name: in the catalogue.  parameters: those of its fields that a user may set.  epsilon: regularisation [MPa/mm];
+    infinity enforces the constraint exactly.
+    """
+
+    name: ClassVar[str]
+    parameters: ClassVar[tuple[Parameter, ...]]
+
+    def __init__(self, **parameters: Any) -> None: ...
 
     @property
     def epsilon(self) -> float:
-        """Regularisation [MPa/mm]; infinity enforces the constraint exactly."""
+        """Of the law p = epsilon <-g>."""
         ...
 
     def supports(self, problem: ContactProblem) -> str | None:

@@ -1,37 +1,38 @@
-"""The parameters of Newton and of each contact algorithm as settings, which a scene has beside its own."""
+"""The parameters of the contact algorithms as settings, which a scene has beside its own."""
 
 from __future__ import annotations
 
-import dataclasses
+from collections.abc import Mapping
 
+from contact import parameters
 from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
-from contact.solvers.lcp_pivoting import METHODS
-from contact.solvers.qp_backends import BACKENDS
+from contact.problem import ContactAlgorithm
+from studies.request import Value
 from studies.scene import Setting
 
-TOLERANCE = Setting(
-    "tolerance", RESIDUAL_TOLERANCE, "residual of Newton's iteration over the forces in balance", low=1e-14, high=1e-1
-)
-_MORE = (
-    Setting("settle", None, "fraction of the set that may change before the next linearisation", low=0, high=1),
-    Setting(
-        "c", None, "weight of gap against pressure, first stiffness of the augmented Lagrangian", low=0, unit="MPa/mm"
-    ),
-    Setting("backend", None, "solver of the quadratic programmes", "choice", choices=tuple(BACKENDS)),
-    Setting("eps", None, "tolerance of the quadratic programmes", low=1e-14, high=1),
-    Setting("method", None, "solution of the linear complementarity problem", "choice", choices=tuple(METHODS)),
-)
-KEYS = tuple(setting.key for setting in _MORE)
+TOLERANCE = Setting.of(parameters.TOLERANCE, RESIDUAL_TOLERANCE)
+
+
+def parameters_of(contact: str) -> tuple[Setting, ...]:
+    """All parameters of an algorithm as settings, with its own defaults."""
+    algorithm = ALGORITHMS[contact]
+    return tuple(Setting.of(parameter, getattr(algorithm, parameter.key)) for parameter in algorithm.parameters)
 
 
 def settings_of(contact: str) -> tuple[Setting, ...]:
-    """Those of ``_MORE`` that the algorithm has, with its own defaults; none for an unknown name."""
-    if contact not in ALGORITHMS:
-        return ()
-    algorithm = ALGORITHMS[contact]()
-    return tuple(
-        dataclasses.replace(setting, default=getattr(algorithm, setting.key), open_low=setting.key == "c")
-        for setting in _MORE
-        if hasattr(algorithm, setting.key)
-    )
+    """Those that no scene has; none for an unknown name."""
+    shared = {parameter.key for parameter in parameters.SHARED}
+    own = parameters_of(contact) if contact in ALGORITHMS else ()
+    return tuple(setting for setting in own if setting.key not in shared)
+
+
+def own_keys() -> tuple[str, ...]:
+    """Of the settings that some algorithm of the catalogue has for itself."""
+    return tuple(dict.fromkeys(setting.key for contact in ALGORITHMS for setting in settings_of(contact)))
+
+
+def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
+    """The algorithm with those of the settings that it has; raises ValueError for a value that it cannot have."""
+    algorithm = ALGORITHMS[contact]
+    return algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})

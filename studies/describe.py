@@ -16,7 +16,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
-from studies.algorithm_settings import TOLERANCE, settings_of
+from studies.algorithm_settings import TOLERANCE, parameters_of
 from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
 
@@ -45,7 +45,7 @@ def describe(name: str) -> Description:
     if name in MEASURES:
         return _described(name, "measure", _of_measure(MEASURES[name]), ())
     if name in ALGORITHMS:
-        return _described(name, "algorithm", _of_algorithm(ALGORITHMS[name]()), settings_of(name))
+        return _described(name, "algorithm", _of_algorithm(ALGORITHMS[name]()), parameters_of(name))
     raise UsageError(f"{name!r} must be one of {', '.join((*SCENES, *MEASURES, *ALGORITHMS))}")
 
 
@@ -122,7 +122,6 @@ def _of_algorithm(algorithm: ContactAlgorithm) -> Iterator[str]:
     for paragraph in _paragraphs(algorithm)[1:]:
         yield from paragraph.splitlines()
     yield from ("", f"when: {inspect.getdoc(algorithm.supports)}")
-    yield f"regularisation epsilon: {algorithm.epsilon:g} MPa/mm by default"
 
 
 def _paragraphs(part: object) -> list[str]:

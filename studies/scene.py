@@ -15,8 +15,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 import pandas as pd
 
+from contact import parameters
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.equilibrium_curve import ArcPoint
+from contact.parameters import Parameter
 from contact.problem import ContactProblem, ContactSolution, Linearise
 from formulations.shell import ShellModel
 from studies.fields import write_fields
@@ -58,6 +60,12 @@ class Setting:
         ending = self.key.rpartition("_")[2]
         by_key = ending if ending in UNITS else "-" if self.kind == "choice" else "1"
         object.__setattr__(self, "unit", self.unit or by_key)
+
+    @classmethod
+    def of(cls, parameter: Parameter, default: Value | None, otherwise: str = "") -> Setting:
+        """The parameter of an algorithm as a setting."""
+        values = dict(vars(parameter))
+        return cls(help=values.pop("meaning"), default=default, otherwise=otherwise, **values)
 
     @property
     def range_text(self) -> str:
@@ -105,19 +113,8 @@ class Setting:
         return above and below and (self.infinite or math.isfinite(number))  # NaN is neither above nor below
 
 
-SOLVER = Setting(
-    "solver", "splu", "sparse direct solver; pardiso needs the extra mkl", "choice", choices=("splu", "pardiso")
-)
-EPSILON = Setting(
-    "epsilon",
-    None,
-    "regularisation: pressure over penetration; inf enforces contact exactly",
-    low=0,
-    open_low=True,
-    infinite=True,
-    unit="MPa/mm",
-    otherwise="that of the algorithm",
-)
+EPSILON = Setting.of(parameters.EPSILON, None, otherwise="that of the algorithm")
+SOLVER = Setting.of(parameters.SOLVER, "splu")
 
 
 @dataclass(frozen=True)

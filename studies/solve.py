@@ -19,14 +19,13 @@ from typing import Any
 
 import pandas as pd
 
-from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import PathPoint, follow
 from contact.diagnosis import diagnose
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.verify import claim, gap_residuals, judge
-from studies.algorithm_settings import KEYS
+from studies.algorithm_settings import configured
 from studies.complete import complete
 from studies.request import Request
 from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
@@ -135,10 +134,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 
 def algorithm_of(request: Request) -> ContactAlgorithm:
     """The algorithm with its parameters; raises ValueError for one it cannot have."""
-    chosen = {
-        key: request.settings[key] for key in ("epsilon", "solver", "tolerance", *KEYS) if key in request.settings
-    }
-    return ALGORITHMS[request.contact](**chosen)
+    return configured(request.contact, request.settings)
 
 
 def _run_stages(

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 
 from contact.newton.loop import iterate, settling
 from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
+from contact.parameters import SHARED, STIFFNESS, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
 LOOSEST, TIGHTENING = 1e-3, 0.1  # of the inner Newton
@@ -36,7 +38,11 @@ class AugmentedLagrangian:
     max_iterations: int = 40
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
-    name: str = "augmented-lagrangian"
+    name: ClassVar[str] = "augmented-lagrangian"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        *SHARED,
+        Parameter("c", "stiffness of the first springs", STIFFNESS, low=0, open_low=True),
+    )
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs the exact constraint."""

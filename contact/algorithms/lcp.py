@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.loop import Iterate, Step, StepError, iterate
 from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
+from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import METHODS, LcpError, LcpSolution, NotApplicableError, active_set
 from contact.solvers.sparse import Factor
@@ -35,7 +37,11 @@ class Lcp:
     max_iterations: int = 40
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
-    name: str = "lcp"
+    name: ClassVar[str] = "lcp"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        *SHARED,
+        Parameter("method", "how the complementarity problem is solved", kind="choice", choices=tuple(METHODS)),
+    )
 
     def supports(self, problem: ContactProblem) -> str | None:
         """All problems but consistent coupling with nnls."""

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
 
 from contact.newton.loop import Iterate, Step, StepError, iterate, settle_set
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.solvers.qp_backends import Answer, Programme, ask, missing
+from contact.solvers.qp_backends import BACKENDS, Answer, Programme, ask, missing
 from contact.solvers.sparse import negative_pivots
 
 SYMMETRIC = 1e-9  # largest |K - K^T| over the largest |K| that still counts as rounding
@@ -38,7 +40,12 @@ class Qp:
     max_iterations: int = 40
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
-    name: str = "qp"
+    name: ClassVar[str] = "qp"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        *SHARED,
+        Parameter("backend", "solver of the quadratic programmes", kind="choice", choices=tuple(BACKENDS)),
+        Parameter("eps", "tolerance of the quadratic programmes", low=1e-14, high=1),
+    )
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs its backend and lumped coupling."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from contact.newton.loop import Iterate, Step, iterate
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution
 
 
@@ -25,7 +27,8 @@ class Regularised:
     max_iterations: int = 40
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
-    name: str = "regularised"
+    name: ClassVar[str] = "regularised"
+    parameters: ClassVar[tuple[Parameter, ...]] = SHARED
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs a finite epsilon."""

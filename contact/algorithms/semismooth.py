@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from contact.newton.loop import iterate, settling
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.parameters import SHARED, STIFFNESS, Parameter
 from contact.problem import ContactProblem, ContactSolution
 
 
@@ -33,7 +35,12 @@ class Semismooth:
     max_iterations: int = 40
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
-    name: str = "semismooth"
+    name: ClassVar[str] = "semismooth"
+    parameters: ClassVar[tuple[Parameter, ...]] = (
+        *SHARED,
+        Parameter("settle", "fraction of the set that may change before the next linearisation", low=0, high=1),
+        Parameter("c", "weight of gap against pressure", STIFFNESS, low=0, open_low=True),
+    )
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Applies to every problem."""

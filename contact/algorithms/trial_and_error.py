@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from contact.newton.loop import CYCLE, first_of
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
@@ -27,7 +29,8 @@ class TrialAndError:
     max_sets: int = 200
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
-    name: str = "trial-and-error"
+    name: ClassVar[str] = "trial-and-error"
+    parameters: ClassVar[tuple[Parameter, ...]] = SHARED
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Applies to every problem."""

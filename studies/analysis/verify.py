@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.algorithm_settings import KEYS
+from studies.algorithm_settings import own_keys
 from studies.analysis.richardson import Limit, limit_of
 from studies.analysis.rows import STEP_KEYS, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
@@ -38,7 +38,7 @@ HOW = (
     "tolerance",
     "solver",
     "epsilon",
-    *KEYS,
+    *own_keys(),
 )  # not what is solved
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
 CHOICES = ("measure", *ELEMENT, *HOW)  # what may be chosen to answer; all else is the question

@@ -84,7 +84,13 @@ def test_the_tyre_is_solved_with_the_nodes_near_its_patch(monkeypatch: pytest.Mo
     """And its answer has the digits of the one with all nodes."""
     request = resolve("tyre", {"delta_mm": "5,20"}, "16x18", model="full")
     seen: list[int] = []
-    monkeypatch.setattr("studies.solve.ALGORITHMS", {"semismooth": lambda **s: Watched(Semismooth(**s), seen)})
+
+    class Watching(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            seen.append(len(problem.weights))
+            return super().solve(problem, start)
+
+    monkeypatch.setitem(ALGORITHMS, "semismooth", Watching)
     near = solve(*request)
     monkeypatch.setattr(
         "contact.continuation.load_stepping.solve_within_reach", lambda algorithm, *step: algorithm.solve(*step)

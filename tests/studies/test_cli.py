@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, make_dataclass
 from pathlib import Path
 
 import meshio
@@ -274,7 +273,8 @@ class Refusing(Semismooth):
 def test_a_refusal_is_an_outcome_and_one_line_of_a_solve(
     at: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setitem(ALGORITHMS, "refusing", partial(Refusing, at=at))
+    refusing = make_dataclass("RefusingThere", [("at", str, at)], bases=(Refusing,), frozen=True)
+    monkeypatch.setitem(ALGORITHMS, "refusing", refusing)
     words = ["--mesh", "6x6", "--contact", "refusing", "--set", "epsilon=inf"]
     why = "epsilon must be finite" if at == "birth" else "the matrix is not symmetric"
     scene, request = resolve("tyre", {"delta_mm": "2", "epsilon": "inf"}, "6x6", contact="refusing")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.campaigns.cell import Cell
 from studies.cli import main
@@ -77,17 +78,18 @@ class Lying(Semismooth):
 
 
 def test_a_false_success_is_wrong(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(extremes.ALGORITHMS, "semismooth", Lying)
+    monkeypatch.setitem(ALGORITHMS, "semismooth", Lying)
     found = attempt(panel(inflation="0.1"))
     assert found.kind == WRONG
     assert found.reason.startswith("the judge finds equilibrium, penetration")
 
 
 def test_an_exception_is_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken() -> None:
-        raise ZeroDivisionError("by nothing")
+    class Broken(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            raise ZeroDivisionError("by nothing")
 
-    monkeypatch.setitem(extremes.ALGORITHMS, "semismooth", broken)
+    monkeypatch.setitem(ALGORITHMS, "semismooth", Broken)
     assert attempt(panel()) == Found(CRASHED, "ZeroDivisionError: by nothing")
 
 

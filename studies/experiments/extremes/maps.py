@@ -17,7 +17,7 @@ import pandas as pd
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import follow
 from contact.problem import ContactSolution, Outcome
-from studies.algorithm_settings import KEYS
+from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.complete import complete
 from studies.experiments.extremes.bisection import Located, distance, locate
@@ -127,8 +127,7 @@ def attempt(cell: Cell) -> Found:
 
 
 def _followed(model: SceneModel, request: Request) -> Found:
-    chosen = {key: request.settings[key] for key in ("epsilon", "solver", *KEYS) if key in request.settings}
-    algorithm = ALGORITHMS[request.contact](**chosen)
+    algorithm = configured(request.contact, request.settings)
     state: ContactSolution | None = None
     spent = {"newton_iterations": 0.0, "factorisations": 0.0}
     for stage in model.stages():

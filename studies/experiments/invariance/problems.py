@@ -16,6 +16,7 @@ from scipy import sparse
 from contact.continuation.load_stepping import follow
 from contact.obstacles.drum_sphere import Sphere
 from contact.obstacles.foundation import Foundation, RigidPlane, against
+from contact.parameters import STIFFNESS
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
 from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
@@ -26,7 +27,6 @@ from studies.scenes.contact.base import outer_face
 
 TRAVEL, BALL = 0.1, 0.6  # lengths: how far the foundation comes, radius of a sphere
 LOAD = 0.02  # stress along the normal, spread over the inner face
-DIMENSIONAL = ("epsilon", "c")  # parameters of algorithms that are a stress over a length
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +80,7 @@ class Posed:
 
     def algorithm(self, algorithm: ContactAlgorithm) -> ContactAlgorithm:
         """The algorithm with its parameters in the units of the problem."""
-        own = {key: self.stiffness * getattr(algorithm, key) for key in DIMENSIONAL if hasattr(algorithm, key)}
+        own = {p.key: self.stiffness * getattr(algorithm, p.key) for p in algorithm.parameters if p.unit == STIFFNESS}
         return algorithm if self.stiffness == 1.0 else replace(algorithm, **own)  # type: ignore[type-var]
 
     def solved(self, algorithm: ContactAlgorithm, steps: int = 1) -> tuple[ContactSolution, Outcome]:

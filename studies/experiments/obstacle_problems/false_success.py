@@ -11,9 +11,11 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
+from contact.algorithms.lcp import Lcp
 from contact.algorithms.qp import Scaled
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.solvers.lcp_pivoting import METHODS
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
 from studies.experiments.obstacle_problems.collection import collection
@@ -117,11 +119,11 @@ def by_word(backend: str, eps: float, *, polish: bool, scaled: bool) -> Contende
 
 def contenders() -> dict[str, Contender]:
     """Our defaults and settings, then the words of the solvers that are installed."""
-    ours = {name: by_algorithm(name) for name in ("semismooth", "regularised", "augmented-lagrangian", "qp", "lcp")}
+    ours = {name: by_algorithm(name) for name in ALGORITHMS if name != "trial-and-error"}
     ours |= {f"trial-and-error, {e:g}": by_algorithm("trial-and-error", epsilon=e) for e in (PENALTY, math.inf)}
     ours |= {f"semismooth, {PENALTY:g}": by_algorithm("semismooth", epsilon=PENALTY)}
     ours |= {"semismooth, settle 1": by_algorithm("semismooth", settle=1.0)}
-    ours |= {f"lcp, {method}": by_algorithm("lcp", method=method) for method in ("active-set", "nnls")}
+    ours |= {f"lcp, {method}": by_algorithm("lcp", method=method) for method in METHODS if method != Lcp.method}
     ours |= {"qp, osqp defaults": by_algorithm("qp", eps=1e-3, polish=False)}
     backends = [name for name in BACKENDS if missing(name) is None]
     ours |= {f"qp, {name}": by_algorithm("qp", backend=name) for name in backends if name != "osqp"}
