@@ -6,6 +6,7 @@ Nothing is computed here beyond looking things up. Whatever is wrong with a stor
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -195,7 +196,7 @@ class Cell:
 class Planned:
     """A cell of the plan, and what became of it: ``ended`` is one of CLASSES; asked: the request, as far as it went.
 
-    result: its record, or None where there is none.
+    result: its record, or None where there is none. shown: is it one of the cells behind the pages?
     """
 
     label: str
@@ -206,6 +207,12 @@ class Planned:
     ended: str
     reason: str
     result: Mapping[str, Any] | None
+    shown: bool = False
+
+    def matches(self, wanted: Mapping[str, Any]) -> bool:
+        """Has the resolved request all these values? A number matches a path of one value, "8x4" a mesh."""
+        settings = self.asked.get("settings", {})
+        return all(_same(self.asked.get(key, settings.get(key)), value) for key, value in wanted.items())
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,6 +237,30 @@ class Store:
             lacks = f"no record of cell {label!r} ({ended})" if ended else f"no cell {label!r}"
             raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
         return self.cells[label]
+
+    def select(self, **wanted: Any) -> list[Cell]:
+        """The cells behind the pages whose resolved request has all these values, in the order of the campaign.
+
+        wanted: scene, measure, contact, newton, mesh, model, steps, or any setting. Of equal requests the first one.
+        Raises StoreError for a cell without a record.
+        """
+        matching = [each for each in self.planned if each.shown and each.matches(wanted)]
+        unique = {json.dumps(each.asked, sort_keys=True): each for each in reversed(matching)}
+        return [self.cell(each.label) for each in reversed(unique.values())]
+
+    def find(self, **wanted: Any) -> Cell:
+        """The one cell of ``select``; raises StoreError when there is none, or more than one."""
+        found = self.select(**wanted)
+        if len(found) != 1:
+            asked = ", ".join(f"{key} {value}" for key, value in wanted.items())
+            names = (
+                f" ({', '.join(repr(cell.label) for cell in found[:3])}{', ...' * (len(found) > 3)})" if found else ""
+            )
+            count = f"{len(found)} cells" if found else "no cell"
+            raise StoreError(
+                f"{self.path}: campaign {self.campaign!r} has {count}{names} with {asked}; the pages need one"
+            )
+        return found[0]
 
     def matching(self, pattern: str) -> list[Cell]:
         """The cells whose whole label matches a regular expression; raises StoreError when there is none."""
@@ -322,19 +353,28 @@ def _planned(path: Path, index_path: Path, row: Mapping[str, Any]) -> Planned:
     asked = row["request"] or {**row["options"], "settings": row["settings"]}
     head = (row["label"], row["id"], row["scene"], row["command"], asked)
     if row["id"] is None:
-        return Planned(*head, "unsupported", row["reason"], None)
+        return Planned(*head, "unsupported", row["reason"], None, bool(row["files"]))
     record = path / "cells" / f"{row['id']}.json"
     if record.exists():
         result = _checked(record, RECORD_KEYS)
         if result["id"] != row["id"] or result["scene"] != row["scene"]:
             raise StoreError(f"{record}: of cell {result['id']!r} of {result['scene']}, not of {row['label']!r}")
         _require_steps(result, record)
-        return Planned(*head, result["class"], result["reason"], result)
+        return Planned(*head, result["class"], result["reason"], result, bool(row["files"]))
     failure = path / "failures" / f"{row['id']}.json"
     if failure.exists():
         found = _checked(failure, FAILURE_KEYS)
-        return Planned(*head, found["class"], found["reason"], None)
-    return Planned(*head, "missing", "not solved yet", None)
+        return Planned(*head, found["class"], found["reason"], None, bool(row["files"]))
+    return Planned(*head, "missing", "not solved yet", None, bool(row["files"]))
+
+
+def _same(there: Any, wanted: Any) -> bool:
+    """Are two values of a request the same? As written in JSON, infinity being a word and a path a list."""
+    if isinstance(there, list):
+        if isinstance(wanted, str):
+            return "x".join(map(str, there)) == wanted
+        return there == (list(wanted) if isinstance(wanted, list | tuple) else [wanted])
+    return bool(there == ("inf" if wanted == math.inf else wanted))
 
 
 def load_cell(directory: Path, label: str, command: str = "") -> Cell:

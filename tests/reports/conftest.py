@@ -28,7 +28,7 @@ from studies.experiments.extremes import maps as extremes
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solve import resolve
-from studies.store.atomic import SCHEMA, write_json, write_table
+from studies.store.atomic import SCHEMA, plain, write_json, write_table
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
@@ -305,7 +305,8 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = []
     for i, cell in enumerate(LISTS["report"]):
         write_cell(cell, root / "cells" / str(i))
-        rows.append(Row(cell, str(i), None).as_json())
+        _, request = resolve(cell.scene, cell.settings, **cell.options)
+        rows.append(Row(cell, str(i), plain(asdict(request))).as_json())
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     write_json(root / "references.json", {"schema": SCHEMA, "references": references})

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 import shutil
 from collections.abc import Callable
@@ -167,6 +168,39 @@ def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Pat
     edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
     with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
         rendered(load_store(own_store))
+
+
+PAPER_TYRE = {"scene": "tyre", "measure": "exact", "contact": "semismooth", "newton": "mixed", "mesh": "42x40"}
+
+
+def test_a_cell_is_found_by_its_request(own_store: Path) -> None:
+    loaded = load_store(own_store)
+    rest = {
+        "load": "dead",
+        "coupling": "lumped",
+        "section": "constant-s33",
+        "E_L_MPa": 510.45,
+        "model": "full",
+        "membrane": "compatible",
+    }
+    base = loaded.find(**PAPER_TYRE, **rest, delta_mm=20, epsilon=math.inf)
+    assert base.label == labels.BASE  # and not the one that asks for the same under another label
+    path = [5.0, 10.0, 15.0, *range(20, 28)]
+    assert loaded.find(**PAPER_TYRE, **rest, delta_mm=path).label == labels.PAPER
+    assert [cell.result["mesh"] for cell in loaded.select(scene="tyre-solid", epsilon=math.inf)] == [
+        "14x18",
+        "28x36",
+        "56x72",
+    ]
+    with pytest.raises(
+        StoreError, match=r"has \d cells \('hemisphere 64', .* with scene hemisphere, mesh 64x64; the pages need one"
+    ):
+        loaded.find(scene="hemisphere", mesh="64x64")
+    with pytest.raises(StoreError, match="has no cell with scene tyre, measure odd; the pages need one"):
+        loaded.find(scene="tyre", measure="odd")
+    (own_store / "cells/0.json").unlink()
+    with pytest.raises(StoreError, match="no record of cell 'paper' \\(missing: not solved yet\\)"):
+        load_store(own_store).find(**PAPER_TYRE, **rest, delta_mm=path)
 
 
 def test_benchmark_rows_and_orders(files: dict[str, str]) -> None:
