@@ -71,8 +71,7 @@ def _asked(
     problem: ContactProblem, u: np.ndarray, residual: np.ndarray, may_carry: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Pressures q (m,) that balance r best, zero where a candidate may not carry, and what they leave of it (n,)."""
-    W = sparse.diags_array(problem.weights, format="csr") if problem.coupling is None else problem.coupling
-    push = sparse.csc_matrix(problem.gap_jacobian(u).T @ W)[:, np.flatnonzero(may_carry)]
+    push = sparse.csc_matrix(problem.gap_jacobian(u).T @ problem.weight_matrix)[:, np.flatnonzero(may_carry)]
     q = np.zeros(len(may_carry))
     if push.shape[1]:
         size = np.sqrt(np.asarray(push.multiply(push).sum(axis=0)).ravel())

@@ -107,6 +107,11 @@ class ContactProblem:
     gap_size: float = 0.0
     ordered: bool = False
 
+    @property
+    def weight_matrix(self) -> sparse.csc_array | sparse.csr_matrix:
+        """W (m, m) [mm^2]."""
+        return sparse.diags_array(self.weights, format="csc") if self.coupling is None else self.coupling
+
     def nodal_forces(self, pressure: np.ndarray) -> np.ndarray:
         """Normal forces f = W p (m,) [N] of the foundation on the candidate nodes."""
         return self.weights * pressure if self.coupling is None else self.coupling @ pressure
@@ -114,6 +119,12 @@ class ContactProblem:
     def size_of_gaps(self, u: np.ndarray, gap: np.ndarray) -> float:
         """Largest size [mm] of the terms |g| + |G| |u| that make up a gap; their rounding is the gap's."""
         return float(np.max(np.abs(gap) + abs(self.gap_jacobian(u)) @ np.abs(u), initial=self.gap_size))
+
+    def stiffness(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> sparse.csc_matrix:
+        """K (n, n): the tangent less what the curvature of the gap takes off it under the pressures (m,)."""
+        if self.gap_curvature is None:
+            return lin.tangent
+        return sparse.csc_matrix(lin.tangent - self.gap_curvature(u, self.nodal_forces(pressure)))
 
     def contact_force(self, u: np.ndarray, pressure: np.ndarray) -> np.ndarray:
         """G^T W p (n,): the force of the foundation on the unknowns."""

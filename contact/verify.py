@@ -138,7 +138,7 @@ def judge(
         **gap_residuals(problem, u, pressure, epsilon),
         tension=float(np.max(-pressure, initial=0.0)),
         rounding=rounding,
-        correction=_correction(problem, lin.tangent, imbalance, u, pressure) if decides else np.inf,
+        correction=_correction(problem, lin, imbalance, u, pressure) if decides else np.inf,
         energy=energy,
         force=force,
         energy_rounding=energy_rounding,
@@ -211,14 +211,12 @@ def _force_balance(
 
 
 def _correction(
-    problem: ContactProblem, K: sparse.csc_matrix, imbalance: np.ndarray, u: np.ndarray, pressure: np.ndarray
+    problem: ContactProblem, lin: Linearised, imbalance: np.ndarray, u: np.ndarray, pressure: np.ndarray
 ) -> float:
     """|du|/|u| with K du - G^T W dp = -imbalance and G du = 0 on the pressed nodes; infinite when that is singular."""
     nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
-    W = sparse.diags_array(problem.weights, format="csc") if problem.coupling is None else problem.coupling
-    if problem.gap_curvature is not None:
-        K = K - problem.gap_curvature(u, problem.nodal_forces(pressure))
-    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ W)[:, nodes]])
+    K = problem.stiffness(lin, u, pressure)
+    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ problem.weight_matrix)[:, nodes]])
     below = sparse.hstack([G[nodes], sparse.csr_matrix((len(nodes), len(nodes)))])
     A = sparse.csc_matrix(sparse.vstack([above, below]))
     b = np.append(-imbalance, np.zeros(len(nodes)))

@@ -58,7 +58,8 @@ class Lcp:
 
 
 def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
-    problem, K, G = run.problem, run.stiffness(at.lin, at.u, at.pressure), run.problem.gap_jacobian(at.u)
+    problem, G = run.problem, run.problem.gap_jacobian(at.u)
+    K = problem.stiffness(at.lin, at.u, at.pressure)
     lumped = problem.coupling is None
     # the multiplier: nodal forces, which keep the matrix symmetric, or pressures where a matrix makes forces of them
     push = sparse.csc_matrix(G.T if problem.coupling is None else G.T @ problem.coupling)

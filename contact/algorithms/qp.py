@@ -13,9 +13,8 @@ from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.qp_backends import BACKENDS, Answer, Programme, ask, missing
-from contact.solvers.sparse import negative_pivots
+from contact.solvers.sparse import asymmetry, negative_pivots, symmetric
 
-SYMMETRIC = 1e-9  # largest |K - K^T| over the largest |K| that still counts as rounding
 SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tangent that is not convex
 
 
@@ -61,11 +60,10 @@ class Qp:
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:
             return settle_set(run, at, at.expected)
-        K, begun = run.stiffness(at.lin, at.u, at.pressure), run.clock()
-        asymmetry = _asymmetry(K)
-        if asymmetry > SYMMETRIC:
-            reason = f"the tangent differs from its transpose by {asymmetry:.1e} of its size: no energy to minimise"
-            raise StepError(Outcome.REFUSED, reason)
+        K, begun = run.problem.stiffness(at.lin, at.u, at.pressure), run.clock()
+        if not symmetric(K):
+            off = f"the tangent differs from its transpose by {asymmetry(K):.1e} of its size"
+            raise StepError(Outcome.REFUSED, f"{off}: no energy to minimise")
         scaled = Scaled.of(K, at.lin.residual, run.problem.gap_jacobian(at.u), at.gap, run.problem.weights, run.epsilon)
         shift = next((s for s in (0.0, *SHIFTS) if not negative_pivots(scaled.convexified(s).P)), None)
         if shift is None:
@@ -98,11 +96,6 @@ class Qp:
             if not (found.claimed and pushed_in.any()):
                 return Answer(x, y, found.claimed, found.status)
             near |= pushed_in
-
-
-def _asymmetry(K: sparse.csc_matrix) -> float:
-    difference = abs(K - K.T)
-    return float(difference.max() / abs(K).max()) if K.nnz and abs(K).max() > 0 else 0.0
 
 
 def _pressing(scaled: Scaled, answer: Answer) -> np.ndarray:

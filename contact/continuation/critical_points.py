@@ -28,9 +28,9 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
-from contact.newton.step import NewtonRun, Pivots
+from contact.newton.step import Pivots
 from contact.problem import ContactProblem, ContactSolution
-from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots
+from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, symmetric
 
 NEAR = 0.1  # of the way from the first state: a limit point further ahead is not why the path ends
 NEARLY_SINGULAR = 0.3  # of the eigenvalue at the first state: what is left at NEAR by the law of a limit point
@@ -41,7 +41,6 @@ MODES = 8
 PRECISE = 1e-9  # of an eigenvalue
 ROUNDING = 1e-12  # of the largest compliance: less is that of a motion which the foundation holds
 DENSE = 20  # unknowns up to which all eigenvalues are cheap
-SYMMETRIC = 1e-9  # largest |K - K^T| over the largest |K| that still counts as rounding
 State = tuple[float, ContactSolution]
 
 
@@ -146,9 +145,8 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
 
     Raises SingularMatrixError, and ValueError when two candidates share an unknown.
     """
-    run = NewtonRun(problem, epsilon)
-    K = run.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
-    symmetric = problem.coupling is None and abs(K - K.T).max() <= SYMMETRIC * abs(K).max()
+    K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+    energetic = problem.coupling is None and symmetric(K)
     nodes, pivots, A = np.flatnonzero(state.active), None, K
     if len(nodes):
         pivots = Pivots.choose(problem, state.u, nodes, K, epsilon).homogeneous()
@@ -158,8 +156,8 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
     def comply(b: np.ndarray) -> np.ndarray:
         return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]
 
-    compliances, modes = _largest(comply, K.shape[0], symmetric=symmetric)
-    return Spectrum(1.0 / compliances, modes, _negative(problem, K, nodes, pivots, epsilon) if symmetric else None)
+    compliances, modes = _largest(comply, K.shape[0], symmetric=energetic)
+    return Spectrum(1.0 / compliances, modes, _negative(problem, K, nodes, pivots, epsilon) if energetic else None)
 
 
 def branches_passed(problem_at: Callable[[float], ContactProblem], before: State, after: State, epsilon: float) -> int:
@@ -173,8 +171,8 @@ def branches_passed(problem_at: Callable[[float], ContactProblem], before: State
 
 def negative_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: float) -> int | None:
     """Negative eigenvalues of the tangent on what the set leaves free; None where they cannot be counted."""
-    K = NewtonRun(problem, epsilon).stiffness(problem.linearise(state.u, None), state.u, state.pressure)
-    if problem.coupling is not None or abs(K - K.T).max() > SYMMETRIC * abs(K).max():
+    K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
+    if problem.coupling is not None or not symmetric(K):
         return None
     nodes = np.flatnonzero(state.active)
     try:

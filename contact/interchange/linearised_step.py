@@ -27,6 +27,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.problem import ContactProblem, linear_mechanics
+from contact.solvers.sparse import symmetric
 
 FORMAT, VERSION = "footprint contact step", 1
 
@@ -60,7 +61,7 @@ class FrozenStep:
             lambda du: self.G,
             self.weights,
             self.coupling,
-            energy=energy if asymmetry(self.K) <= SYMMETRIC else None,
+            energy=energy if symmetric(self.K) else None,
         )
 
     def write(self, path: Path) -> None:
@@ -116,20 +117,8 @@ class FrozenStep:
 def freeze(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, meta: Mapping[str, Any]) -> FrozenStep:
     """The problem linearised at u, the curvature of the gap weighed by the pressures there; meta: what JSON knows."""
     lin = problem.linearise(u, None)
-    K = lin.tangent
-    if problem.gap_curvature is not None:
-        K = sparse.csc_matrix(K - problem.gap_curvature(u, problem.nodal_forces(pressure)))
-    G = sparse.csr_matrix(problem.gap_jacobian(u))
+    K, G = problem.stiffness(lin, u, pressure), sparse.csr_matrix(problem.gap_jacobian(u))
     return FrozenStep(K, lin.residual, G, problem.gap(u), problem.weights, lin.scale, problem.coupling, dict(meta))
-
-
-SYMMETRIC = 1e-10  # relative asymmetry of a matrix that is rounding
-
-
-def asymmetry(K: sparse.csc_matrix) -> float:
-    """Largest entry of K - K^T over the largest of K."""
-    largest = float(np.max(np.abs(K.data), initial=0.0)) or 1.0
-    return float(np.max(np.abs((K - K.T).data), initial=0.0)) / largest
 
 
 def _numbers(arrays: Mapping[str, np.ndarray], name: str) -> np.ndarray:

@@ -19,8 +19,8 @@ from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import SuperLU, splu
 
-from contact.interchange.linearised_step import SYMMETRIC, FrozenStep, asymmetry
-from contact.solvers.sparse import checked_solve, factorise
+from contact.interchange.linearised_step import FrozenStep
+from contact.solvers.sparse import asymmetry, checked_solve, factorise, symmetric
 
 TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
 EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding
@@ -57,9 +57,8 @@ def refusal(step: FrozenStep) -> str | None:
     """Why the step is no convex programme with the pressures as multipliers, or None."""
     if step.coupling is not None:
         return "with consistent coupling the pressures are no multipliers of the gaps"
-    off = asymmetry(step.K)
-    if off > SYMMETRIC:
-        return f"K is not symmetric (to {off:.1e}): there is no function to minimise"
+    if not symmetric(step.K):
+        return f"K is not symmetric (to {asymmetry(step.K):.1e}): there is no function to minimise"
     if not positive_definite(step.K):
         return "K is not positive definite: the programme is not convex"
     return None

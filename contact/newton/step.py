@@ -144,7 +144,7 @@ class NewtonRun:
         Raises SingularMatrixError.
         """
         start = self.clock()
-        K = self.stiffness(lin, u, pressure)
+        K = self.problem.stiffness(lin, u, pressure)
         nodes = np.flatnonzero(active)
         A, b, pivots = K, -lin.residual, None
         if len(nodes):
@@ -158,12 +158,6 @@ class NewtonRun:
             du, found[nodes] = pivots.resolve(du)
         self.spend("contact_s", start)
         return du, found
-
-    def stiffness(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> sparse.csc_matrix:
-        """The tangent with what the curvature of the gap adds to it under the pressures (m,)."""
-        if self.problem.gap_curvature is None:
-            return lin.tangent
-        return lin.tangent - self.problem.gap_curvature(u, self.problem.nodal_forces(pressure))
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
         """Factorise, counted and timed; raises SingularMatrixError."""
@@ -261,8 +255,7 @@ class Pivots:
         rows = jacobian[nodes]
         if np.max(np.bincount(rows.indices), initial=0) > 1:
             raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
-        W = sparse.diags_array(problem.weights, format="csc") if problem.coupling is None else problem.coupling
-        push = sparse.csc_matrix(jacobian.T @ W[:, nodes])
+        push = sparse.csc_matrix(jacobian.T @ problem.weight_matrix[:, nodes])
         pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
         each = np.arange(len(nodes))
         slope = np.asarray(rows[each, pivot]).ravel()

@@ -23,6 +23,9 @@ LARGE_FILL = 2e7
 UNLIKE = 2.6  # sum c^2 over (sum c)^2/n; measured: 1.6, 2.1, 2.6 at 10, 40 and 100 thousand unknowns
 
 
+SYMMETRIC = 1e-10  # relative asymmetry of a matrix that is rounding
+
+
 class SingularMatrixError(ArithmeticError):
     """The factorisation failed or its solution does not satisfy the system."""
 
@@ -86,6 +89,17 @@ def factor_flops(factor: Factor) -> float:
     if factor.nnz > LARGE_FILL:
         return UNLIKE * float(factor.nnz) ** 2 / (2 * factor.shape[0])
     return 2.0 * float(np.sum(np.square(np.diff(factor.L.indptr), dtype=float)))
+
+
+def asymmetry(K: sparse.csc_matrix) -> float:
+    """Largest entry of K - K^T over the largest of K."""
+    largest = float(np.max(np.abs(K.data), initial=0.0)) or 1.0
+    return float(np.max(np.abs((K - K.T).data), initial=0.0)) / largest
+
+
+def symmetric(K: sparse.csc_matrix) -> bool:
+    """Whether K differs from its transpose by rounding alone."""
+    return asymmetry(K) <= SYMMETRIC
 
 
 def negative_pivots(A: sparse.csc_matrix) -> int:

@@ -12,10 +12,11 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError, asymmetry, freeze
+from contact.interchange.linearised_step import FrozenStep, FrozenStepError, freeze
 from contact.obstacles.drum_sphere import Sphere
 from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactSolution, Outcome
+from contact.solvers.sparse import asymmetry
 from contact.verify import judge
 from support.contact_problems import dual_by_nnls, linear_mechanics, random_quadratic
 from support.differences import central_difference

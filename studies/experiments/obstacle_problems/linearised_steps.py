@@ -10,8 +10,9 @@ from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import follow
-from contact.interchange.linearised_step import SYMMETRIC, FrozenStep, asymmetry, freeze
+from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.solvers.sparse import symmetric
 from studies.complete import complete
 
 PAPER = {"element": "paper", "delta_mm": "15,20"}  # the tyre's element whose tangent is definite without the foundation
@@ -47,7 +48,7 @@ class Linearised:
     @property
     def symmetric(self) -> bool:
         """Whether there is an energy to minimise."""
-        return asymmetry(self.K) <= SYMMETRIC
+        return symmetric(self.K)
 
     def problem(self) -> ContactProblem:
         """The contact problem in du."""
