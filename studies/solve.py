@@ -19,7 +19,7 @@ from typing import Any
 
 import pandas as pd
 
-from contact.continuation.load_stepping import PathPoint, follow
+from contact.continuation.arc_length import Trace
 from contact.diagnosis import diagnose
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.newton.step import RESIDUAL_TOLERANCE
@@ -30,6 +30,7 @@ from studies.complete import complete
 from studies.request import Request
 from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
 from studies.store.atomic import plain, write_by, write_json, write_table
+from studies.walk import Visited, walk
 
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
@@ -120,7 +121,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
     built = time.perf_counter()
     result.counters["dofs"] = model.n_unknowns
     try:
-        algorithm = algorithm_of(request)
+        algorithm = configured(request.contact, request.settings)
     except ValueError as error:  # a parameter that it cannot have
         result.unsupported = f"{request.contact} does not apply: {error}"
     else:
@@ -132,59 +133,55 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
     return result
 
 
-def algorithm_of(request: Request) -> ContactAlgorithm:
-    """The algorithm with its parameters; raises ValueError for one it cannot have."""
-    return configured(request.contact, request.settings)
-
-
 def _run_stages(
     model: SceneModel, algorithm: ContactAlgorithm, steps: int, result: Result, progress: Callable[[str], None]
 ) -> None:
-    for stage in model.stages():
-        if isinstance(stage, ArcStage):
-            if _trace(stage, result, partial(_tell, progress, stage.name)):
-                continue
-            return
-        problem_at, state = stage.begin(result.last)
-        first = problem_at(stage.targets[0])
-        refused = algorithm.supports(first)
-        if refused is not None:
-            result.unsupported = f"{result.request.contact} does not apply: {refused}"
-            return
-        tell = partial(_tell, progress, stage.name)
-        path = follow(problem_at, 0.0, stage.targets, algorithm, state, steps, tell)
-        for point in path:
-            result.frozen = partial(_freeze, problem_at, point, result, stage.name)
-            _account(result, stage.name, point.solution.counters, point.solution.history)
-            if point.outcome.converged or point.reached != 0.0:
-                result.last = stage.lifted(point.solution)
-            if not point.outcome.converged:
-                result.outcome = point.outcome
-                why = result.history[-1].get("event", "")
-                if point.end is not None and point.end.limit is not None:
-                    result.quantities[f"{stage.name}_limit_point"] = point.end.limit  # in the unit of the path
-                if point.outcome is Outcome.REFUSED:  # known only once the tangent is
-                    result.unsupported = f"{result.request.contact} does not apply: {why}"
-                    return
-                result.reason = f"{stage.name} at {point.requested:g}: {why}; last converged at {point.reached:g}"
-                return
-            problem = problem_at(point.requested)
-            seen = stage.observe(problem, point.solution, point.requested)
+    for visited in walk(model.stages(), algorithm, steps, tell=lambda stage, at: progress(f"{stage} {at:g}")):
+        point, stage = visited.point, visited.stage
+        _account(result, stage.name, point.solution.counters, point.solution.history)
+        if visited.trace is not None:
+            _record_curve(visited, visited.trace, result)
+        else:
+            result.frozen = partial(_freeze, visited, result)
+        if visited.converged or point.reached != 0.0:
+            result.last = visited.state
+        if not visited.converged:
+            _record_end(visited, result)
+        elif visited.trace is None:
+            seen = stage.observe(visited.problem, point.solution, point.requested)
             counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
-            spent = {**counts, "substeps": point.substeps}
             judged: dict[str, Any] = {}
             if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
-                judged = certificate(problem, point.solution, algorithm.epsilon, result.request.number("tolerance"))
-            _record(result, seen, judged, spent)
+                tolerance = result.request.number("tolerance")
+                judged = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)
+            _record(result, seen, judged, {**counts, "substeps": point.substeps})
 
 
-def _freeze(problem_at: Callable[[float], ContactProblem], point: PathPoint, result: Result, stage: str) -> FrozenStep:
+def _record_end(visited: Visited, result: Result) -> None:
+    """Why the path ends before its last point."""
+    point, stage = visited.point, visited.stage.name
+    if point.outcome is Outcome.REFUSED:  # at once, or known only once the tangent is
+        result.unsupported = f"{result.request.contact} does not apply: {visited.said}"
+        return
+    result.outcome = point.outcome
+    if point.end is not None and point.end.limit is not None:
+        result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
+    where = (
+        f"{stage} at {point.requested:g}: {visited.said}"
+        if visited.trace is None
+        else f"{stage}: {visited.trace.reason}"
+    )
+    result.reason = f"{where}; last converged at {point.reached:g}"
+
+
+def _freeze(visited: Visited, result: Result) -> FrozenStep:
     """The contact problem at the end of the path, linearised: at its solution, or where the last step set out from.
 
     Raises UsageError when it has no contact candidates.
     """
-    parameter = point.requested if point.outcome.converged else float(str(result.history[-1]["parameter"]))
-    problem, state = problem_at(parameter), point.solution
+    point, stage = visited.point, visited.stage.name
+    parameter = point.requested if visited.converged else float(str(result.history[-1]["parameter"]))
+    problem, state = visited.problem_at(parameter), point.solution
     if not len(problem.weights):
         raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")
     told = result.as_json()
@@ -194,27 +191,22 @@ def _freeze(problem_at: Callable[[float], ContactProblem], point: PathPoint, res
     return freeze(problem, state.u, state.pressure, plain({**origin, **commit}))
 
 
-def _trace(stage: ArcStage, result: Result, tell: Callable[[float], None]) -> bool:
-    """Trace a curve, record its points and the table ``curve``; False when it did not reach its end."""
-    problem_at, rest = stage.begin(result.last)
-    trace = stage.continuation.trace(stage.linearise, stage.load, stage.targets, tell)
-    _account(result, stage.name, trace.counters, trace.history)
+def _record_curve(visited: Visited, trace: Trace, result: Result) -> None:
+    """The points of a traced curve, each judged, and the table ``curve``."""
+    stage, tolerance = visited.stage, result.request.number("tolerance")
+    assert isinstance(stage, ArcStage)
     for point in trace.points[1:]:
-        result.last = replace(rest, u=point.u)
-        problem = replace(problem_at(point.factor), energy=None)  # costs as much again
-        seen = stage.observe(problem, result.last, point.factor)
+        state = replace(visited.before, u=point.u)
+        problem = replace(visited.problem_at(point.factor), energy=None)  # costs as much again
+        seen = stage.observe(problem, state, point.factor)
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
-        _record(result, seen, certificate(problem, result.last, tolerance=result.request.number("tolerance")), spent)
+        _record(result, seen, certificate(problem, state, tolerance=tolerance), spent)
     result.quantities |= stage.summarise(trace.points)
     columns = [
         {k: v for k, v in step.items() if k not in ("kkt", "balances", "failures", "diagnosis")}
         for step in result.steps
     ]
     result.tables["curve"] = [pd.DataFrame(columns)]
-    if not trace.outcome.converged:
-        result.outcome = trace.outcome
-        result.reason = f"{stage.name}: {trace.reason}; last converged at {trace.points[-1].factor:g}"
-    return trace.outcome.converged
 
 
 def certificate(
@@ -243,10 +235,6 @@ def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent:
     result.quantities |= seen.quantities
     if seen.step is not None:
         result.steps.append({**seen.step, **judged, **spent})
-
-
-def _tell(progress: Callable[[str], None], stage: str, reached: float) -> None:
-    progress(f"{stage} {reached:g}")
 
 
 def _account(result: Result, stage: str, counters: Mapping[str, float], history: Sequence[Mapping[str, Any]]) -> None:

@@ -16,6 +16,7 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
 from studies.complete import complete
 from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.walk import walk
 
 
 @dataclass(frozen=True)
@@ -47,13 +48,8 @@ def bench(mesh: str = "42x40", delta_mm: float = 20.0, repeats: int = 9) -> Iter
 
 def pressed(model: TyreModel) -> tuple[ContactProblem, ContactSolution]:
     """The last problem of the path and its solution."""
-    state: ContactSolution | None = None
-    for stage in model.stages():
-        problem_at, start = stage.begin(state)
-        problem = problem_at(stage.targets[-1])
-        state = stage.lifted(Semismooth().solve(problem, start))
-    assert state is not None
-    return problem, state
+    *_, last = walk(model.stages(), Semismooth())
+    return last.problem, last.state
 
 
 def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution, repeats: int) -> IterationCost:

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 
 from contact.problem import Linearised, without_contact
+from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.complete import complete
 from studies.request import Request
 from studies.scene import UsageError
 from studies.scenes import SCENES
-from studies.solve import algorithm_of
 from studies.store.atomic import SCHEMA, plain
 from studies.store.source_hash import CATALOGUE, sources_hash
 
@@ -74,7 +74,7 @@ def _refusal(request: Request) -> str:
     if "epsilon" not in request.settings and request.contact != Request.contact:
         return f"{request.scene} has no contact: {Request.contact} stands for every algorithm"
     try:
-        refused = algorithm_of(request).supports(_NO_MECHANICS)
+        refused = configured(request.contact, request.settings).supports(_NO_MECHANICS)
     except ValueError as error:
         refused = str(error)
     return f"{request.contact} does not apply: {refused}" if refused else ""

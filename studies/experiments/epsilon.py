@@ -17,11 +17,11 @@ from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, onenormest
 
 from contact.algorithms.semismooth import Semismooth
-from contact.continuation.load_stepping import follow
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 from studies.complete import complete
+from studies.walk import walk
 
 EPSILONS = tuple(10.0**k for k in range(-2, 15))  # MPa/mm
 MOST_ITERATIONS = 60
@@ -80,11 +80,8 @@ def before_contact(case: Case) -> tuple[ContactProblem, ContactSolution]:
     """The last problem of the scene's last stage and the state that stage begins with."""
     scene, request = complete(case.scene, case.settings, case.mesh, measure=case.measure, model="full")
     *before, last = scene.build(request).stages()
-    state = None
-    for stage in before:
-        problem_at, start = stage.begin(state)
-        state = stage.lifted(list(follow(problem_at, 0.0, stage.targets, Semismooth(), start))[-1].solution)
-    problem_at, start = last.begin(state)
+    visited = list(walk(before, Semismooth()))
+    problem_at, start = last.begin(visited[-1].state if visited else None)
     return problem_at(last.targets[-1]), start
 
 

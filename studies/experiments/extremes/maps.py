@@ -15,8 +15,7 @@ import numpy as np
 import pandas as pd
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.load_stepping import follow
-from contact.problem import ContactSolution, Outcome
+from contact.problem import Outcome
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.complete import complete
@@ -24,6 +23,7 @@ from studies.experiments.extremes.bisection import Located, distance, locate
 from studies.request import Request
 from studies.scene import SceneModel, UsageError
 from studies.solve import certificate
+from studies.walk import walk
 
 CUT = 2.0**-4  # of a load step
 CONVERGED, UNTOUCHED, WRONG = "converged", "converged, nothing touches", "wrong"
@@ -128,33 +128,28 @@ def attempt(cell: Cell) -> Found:
 
 def _followed(model: SceneModel, request: Request) -> Found:
     algorithm = configured(request.contact, request.settings)
-    state: ContactSolution | None = None
     spent = {"newton_iterations": 0.0, "factorisations": 0.0}
-    for stage in model.stages():
-        problem_at, start = stage.begin(state)
-        reason = algorithm.supports(problem_at(stage.targets[0]))
-        if reason is not None:
-            return Found(REFUSED, f"{request.contact} does not apply: {reason}")
-        failures: list[str] = []
-        for point in follow(problem_at, 0.0, stage.targets, algorithm, start, request.steps, smallest=CUT):
-            spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
-            if not point.outcome.converged:
-                return _failed(point.outcome, str(point.solution.history[-1].get("event", "")), spent)
-            failures += certificate(problem_at(point.requested), point.solution, algorithm.epsilon)["failures"]
-        if failures:
+    failures: list[str] = []
+    for visited in walk(model.stages(), algorithm, request.steps, smallest=CUT):
+        point = visited.point
+        spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
+        if not visited.converged:
+            refused = f"{request.contact} does not apply: " if point.outcome is Outcome.REFUSED else ""
+            return _failed(point.outcome, refused + visited.said, spent)
+        tolerance = request.number("tolerance")
+        failures += certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)["failures"]
+        if failures and visited.ends_stage:
             told = ", ".join(dict.fromkeys(failures))
             return Found(WRONG, f"the judge finds {told} beyond its bounds", *map(int, spent.values()))
-        state = stage.lifted(point.solution)
-    assert state is not None
-    return Found(CONVERGED if state.active.any() else UNTOUCHED, "", *map(int, spent.values()))
+    touched = visited.state.active.any()
+    return Found(CONVERGED if touched else UNTOUCHED, "", *map(int, spent.values()))
 
 
 def _failed(outcome: Outcome, event: str, spent: Mapping[str, float]) -> Found:
     """The class of a path that does not arrive."""
-    cost = [int(value) for value in spent.values()]
-    if outcome is Outcome.REFUSED:
-        return Found(REFUSED, event, *cost)
-    return Found(END if any(word in event for word in ENDS) else FAILED, event or outcome.value, *cost)
+    ended = any(word in event for word in ENDS)
+    kind = REFUSED if outcome is Outcome.REFUSED else END if ended else FAILED
+    return Found(kind, event or outcome.value, *map(int, spent.values()))
 
 
 # --- the maps -------------------------------------------------------------------------------------------------------

@@ -18,7 +18,6 @@ import pandas as pd
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.continuation.load_stepping import follow
 from contact.newton.step import RESIDUAL_TOLERANCE, ROUNDING_MARGIN
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, rounding_floor
 from contact.verify import judge
@@ -30,6 +29,7 @@ from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORU
 from studies.experiments.rigid_body import rotation
 from studies.scenes.tyre.parts import settle_model
 from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.walk import walk
 
 EXACT, ROUNDING, TOLERANCE = "exactly zero", "rounding", "solver tolerance"
 DESIGN, ACCIDENT, REFUSED = "broken by design", "broken by accident", "does not apply"
@@ -218,25 +218,23 @@ def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     model = Tyre().build_on(request, *Tyre().lines(request))
     shell = replace(model.shell, measure=measure)
     model = replace(model, shell=shell, body=shell)
-    stage = next(iter(model.stages()))
-    problem_at, start = stage.begin(None)
-    point = list(follow(problem_at, 0.0, stage.targets, Semismooth(), start))[-1]
-    return Inflated(gamma, model, point.solution, point.outcome)
+    inflation, _ = model.stages()
+    *_, last = walk([inflation], Semismooth())
+    return Inflated(gamma, model, last.state, last.point.outcome)
 
 
 def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iterator[dict[str, object]]:
     """The pressure of a whole tyre against its images: a turn by 180 degrees about the normal, and two mirrors."""
     for gamma, tyre in tyres.items():
-        _, stage = tyre.model.stages()
-        problem_at, start = stage.begin(tyre.state)
-        point = list(follow(problem_at, 0.0, stage.targets, algorithm, start))[-1]
+        _, press = tyre.model.stages()
+        *_, last = walk([press], algorithm, previous=tyre.state)
         shape = tyre.model.wall.shape
 
         def seen(state: ContactSolution, tyre: Inflated = tyre) -> Seen:
             return Seen(np.zeros((2, 0, 3)), tyre.model.wall.spread(state.pressure))
 
-        outcome = tyre.outcome if not tyre.outcome.converged else point.outcome
-        answer = _answer(problem_at(stage.targets[-1]), point.solution, outcome, algorithm, seen)
+        outcome = tyre.outcome if not tyre.outcome.converged else last.point.outcome
+        answer = _answer(last.problem, last.state, outcome, algorithm, seen)
         p = answer.seen.pressure.reshape(shape)
         turned = (-np.arange(shape[1])) % shape[1]
         images = {"psi": p[::-1], "phi": p[:, turned], "both": p[::-1][:, turned]}

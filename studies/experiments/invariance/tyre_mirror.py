@@ -15,12 +15,12 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import minimize_scalar
 
-from contact.algorithms.semismooth import Semismooth
 from contact.continuation.critical_points import negative_eigenvalues
-from contact.continuation.load_stepping import follow
 from formulations.strains.catalogue import MEASURES
+from studies.algorithm_settings import configured
 from studies.complete import complete
 from studies.scenes.tyre.scene import Tyre
+from studies.walk import walk
 
 NEAR = 1.0  # deg, how near the search comes to the angle of the maximum
 ANGLES = (0.0, 2.0, 5.0, *range(10, 50, 5), 52.0, *range(55, 90, 5), 88.0, 90.0)
@@ -48,16 +48,13 @@ class Sweep:
         words = [f"--measure {self.measure} --mesh {self.mesh} --model half"]
         words += [f"--set {key}={value}" for key, value in settings.items()]
         row["command"] = f"footprint solve tyre {' '.join(words)} --out DIR"
-        model, state = Tyre().build(request), None
-        for stage in model.stages():
-            problem_at, start = stage.begin(state)
-            point = list(follow(problem_at, 0.0, stage.targets, Semismooth(), start))[-1]
-            state = stage.lifted(point.solution)
-            if not point.outcome.converged:
-                return row | {"outcome": point.outcome.name.lower().replace("_", "-")}
-        assert state is not None
-        row |= {"outcome": "converged", "delta_mm": stage.targets[-1]}
-        row["negative"] = negative_eigenvalues(problem_at(stage.targets[-1]), state, np.inf)
+        model = Tyre().build(request)
+        *_, last = walk(model.stages(), configured(request.contact, request.settings), request.steps)
+        if not last.converged:
+            return row | {"outcome": last.point.outcome.name.lower().replace("_", "-")}
+        state = last.state
+        row |= {"outcome": "converged", "delta_mm": last.point.requested}
+        row["negative"] = negative_eigenvalues(last.problem, state, np.inf)
         own, touching = (model.wall.spread(v).reshape(model.wall.shape) for v in (state.pressure, state.active))
         return row | {"peak_MPa": float(own.max()), "contact_nodes": int(touching.sum())} | _images(own, touching)
 

@@ -9,11 +9,11 @@ import numpy as np
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.load_stepping import follow
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import symmetric
 from studies.complete import complete
+from studies.walk import walk
 
 PAPER = {"element": "paper", "delta_mm": "15,20"}  # the tyre's element whose tangent is definite without the foundation
 
@@ -62,13 +62,10 @@ class Linearised:
 def last_step(scene_name: str, mesh: str, **settings: str) -> Linearised:
     """The step to the last target of the last stage of a scene, linearised at the state before."""
     scene, request = complete(scene_name, settings, mesh)
-    algorithm, found = ALGORITHMS[request.contact](epsilon=math.inf), None
-    for stage in scene.build(request).stages():
-        problem_at, state = stage.begin(found)
-        states = [state, *(point.solution for point in follow(problem_at, 0.0, stage.targets, algorithm, state))]
-        before, found, problem = states[-2], stage.lifted(states[-1]), problem_at(stage.targets[-1])
+    *_, last = walk(scene.build(request).stages(), ALGORITHMS[request.contact](epsilon=math.inf))
+    before = last.before
     name = ", ".join([f"{scene_name} {mesh}", *(f"{key} {value}" for key, value in settings.items())])
-    return Linearised(name, freeze(problem, before.u, before.pressure, {}), before)
+    return Linearised(name, freeze(last.problem, before.u, before.pressure, {}), before)
 
 
 def linearised_steps() -> list[Linearised]:

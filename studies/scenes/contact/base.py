@@ -12,7 +12,6 @@ import numpy as np
 
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.verify import judge
 from formulations.shell import Discretisation, ShellModel
 from studies.scene import Observation, ShellSceneModel, Stage
 
@@ -77,9 +76,7 @@ class ContactModel(ShellSceneModel):
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)
         quantities = self.measure_at(t, Touch(state.u, force, state.pressure, gap, state.active))
-        verdict = judge(problem, state.u, state.pressure)
-        counts = {"contact_nodes": int(state.active.sum()), "kkt": verdict.kkt, "rounding": verdict.rounding}
-        return Observation({self.key: t, **quantities, **counts}, quantities)
+        return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the grid's nodes."""

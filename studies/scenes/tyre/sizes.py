@@ -17,8 +17,7 @@ from typing import Protocol
 
 import numpy as np
 
-from contact.catalogue import ALGORITHMS
-from contact.continuation.load_stepping import follow
+from contact.algorithms.semismooth import Semismooth
 from contact.problem import ContactSolution
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
@@ -27,6 +26,7 @@ from studies.request import Request
 from studies.scene import Stage, UsageError
 from studies.scenes.tyre.grid_lines import LineSize, tyre_lines
 from studies.scenes.tyre.parts import Part
+from studies.walk import walk
 
 COARSE = (20, 20)
 PASSES = 2
@@ -151,15 +151,14 @@ def rim_errors(model: Pressed, state: State) -> np.ndarray:
 
 def pressed(request: Request, model: Pressed) -> list[State]:
     """The states at the travels of the request; raises UsageError when one is not reached."""
-    algorithm = ALGORITHMS["semismooth"](epsilon=request.settings["epsilon"], solver=request.settings["solver"])
-    state: ContactSolution | None = None
-    states: list[State] = []
-    for stage in model.stages():
-        problem_at, start = stage.begin(state)
-        states = []
-        for point in follow(problem_at, 0.0, stage.targets, algorithm, start, request.steps):
-            if not point.outcome.converged:
-                raise UsageError(f"grading 'adapted': the coarse tyre is not pressed beyond {point.reached:g}")
-            state = stage.lifted(point.solution)
-            states.append(State(point.requested, state, problem_at(point.requested).gap(point.solution.u)))
-    return states
+    algorithm = Semismooth(
+        epsilon=request.number("epsilon"),
+        tolerance=request.number("tolerance"),
+        solver=request.choice("solver"),
+    )
+    visited = list(walk(model.stages(), algorithm, request.steps))
+    last = visited[-1]
+    if not last.converged:
+        raise UsageError(f"grading 'adapted': the coarse tyre is not pressed beyond {last.point.reached:g}")
+    pressed = (each for each in visited if each.stage is last.stage)
+    return [State(each.point.requested, each.state, each.problem.gap(each.point.solution.u)) for each in pressed]

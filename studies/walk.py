@@ -1,0 +1,96 @@
+"""The one walk over the stages of a scene and their requested points; solving and every experiment go along it.
+
+What is recorded of a point, judged or concluded does not enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+
+from contact.continuation.arc_length import Trace
+from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from studies.scene import ArcStage, Stage
+
+
+@dataclass(frozen=True, eq=False)
+class Visited:
+    """A requested point of a stage, or the end of its path before it.
+
+    before: the state that the path came from, in the stage's unknowns.  trace: of a curve by arc length, of which
+    ``point`` is the end.
+    """
+
+    stage: Stage
+    problem_at: Callable[[float], ContactProblem]
+    before: ContactSolution
+    point: PathPoint
+    trace: Trace | None = None
+
+    @cached_property
+    def problem(self) -> ContactProblem:
+        """The problem at the requested point."""
+        return self.problem_at(self.point.requested)
+
+    @property
+    def converged(self) -> bool:
+        """Whether the point was reached."""
+        return self.point.outcome.converged
+
+    @property
+    def state(self) -> ContactSolution:
+        """The solution in the unknowns of the model."""
+        return self.stage.lifted(self.point.solution)
+
+    @property
+    def ends_stage(self) -> bool:
+        """Whether this is the last point of its stage."""
+        return self.point.requested == self.stage.targets[-1]
+
+    @property
+    def said(self) -> str:
+        """The last event of the history: why the path ends where it does not converge."""
+        history = self.point.solution.history
+        return str(history[-1].get("event", "")) if history else ""
+
+
+def walk(
+    stages: Iterable[Stage],
+    algorithm: ContactAlgorithm,
+    steps: int = 1,
+    *,
+    previous: ContactSolution | None = None,
+    tell: Callable[[str, float], None] = lambda stage, reached: None,
+    smallest: float = SMALLEST,
+) -> Iterator[Visited]:
+    """Every requested point of every stage, in order; the first that is not converged is the last.
+
+    previous: the state before the first stage, in the unknowns of the model.  A stage whose problem the algorithm does
+    not support is a point with the outcome REFUSED.  steps, smallest: as for :func:`follow`.
+    """
+    for stage in stages:
+        problem_at, before = stage.begin(previous)
+        if isinstance(stage, ArcStage):
+            trace = stage.continuation.trace(stage.linearise, stage.load, stage.targets, partial(tell, stage.name))
+            end = replace(before, u=trace.points[-1].u, counters=trace.counters, history=tuple(trace.history))
+            count = len(trace.points) - 1
+            point = PathPoint(stage.targets[-1], trace.points[-1].factor, trace.outcome, end, count)
+            visited = Visited(stage, problem_at, before, point, trace)
+            yield visited
+        else:
+            refused = algorithm.supports(problem_at(stage.targets[0]))
+            if refused is not None:
+                said = replace(before, counters={}, history=({"event": refused},))
+                yield Visited(stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, said, 0))
+                return
+            for point in follow(
+                problem_at, 0.0, stage.targets, algorithm, before, steps, partial(tell, stage.name), smallest
+            ):
+                visited = Visited(stage, problem_at, before, point)
+                yield visited
+                before = point.solution
+        if not visited.converged:
+            return
+        previous = visited.state
