@@ -148,8 +148,9 @@ def pressed(name: str, n: int = 6, **options):
     return shell, problem(1.0), point.solution
 
 
-@pytest.mark.parametrize("name", ["plate", "cylinder", "sphere"])
-@pytest.mark.parametrize("measure", MEASURES)
+@pytest.mark.parametrize(
+    ("name", "measure"), [*(("sphere", measure) for measure in MEASURES), ("plate", "exact"), ("cylinder", "exact")]
+)
 def test_both_balances_close_on_a_shell(name, measure) -> None:
     interpolation = "isoparametric" if MEASURES[measure].kinematics == FULL else "curvilinear"
     shell, problem, answer = pressed(name, measure=measure, interpolation=interpolation)

@@ -102,7 +102,8 @@ def brute_distance(name: str, x: np.ndarray) -> float:
     a, b = np.meshgrid(np.linspace(a0, a1, 801), np.linspace(b0, b1, 81), indexing="ij")
     d = np.linalg.norm(points(a, b) - x, axis=-1)
     best = np.inf
-    starts = np.argsort(d, axis=None)[::7][:40]
+    nearest = np.argpartition(d, 280, axis=None)[:280]
+    starts = nearest[np.argsort(d.ravel()[nearest])][::20]
     for start in starts:
         centre = a.ravel()[start], b.ravel()[start]
         size = (a1 - a0) / 800 * 2, (b1 - b0) / 80 * 2
@@ -132,7 +133,7 @@ def is_open(name: str, x: np.ndarray) -> bool:
 @pytest.mark.parametrize("name", [name for name in FOUNDATIONS if name != "box"])
 def test_gap_is_the_distance_by_brute_force(name, rng) -> None:
     """Against a search over the surface written down otherwise; points outside and inside the material."""
-    x = CENTRE + rng.uniform(-1.3, 1.3, (24, 3))
+    x = CENTRE + rng.uniform(-1.3, 1.3, (16, 3))
     signed = [(1 if is_open(name, point) else -1) * brute_distance(name, point) for point in x]
     assert min(signed) < -0.05
     assert max(signed) > 0.05

@@ -55,6 +55,7 @@ def test_refined_hemisphere_is_within_one_per_cent_on_sixteen_elements(quantity:
     assert paper >= 0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
 def test_hemisphere_approaches_the_published_value(quantity: str) -> None:
     published = reference("hemisphere", quantity, "read")

@@ -114,7 +114,10 @@ STRIP = ("32x1", "64x1", "128x1")
 SIZES = (4.0, 2.0, 1.0)
 
 
-@pytest.mark.parametrize(("lam", "ratio"), [(0.1, 5.0), (0.05, 10.0), (0.2, 2.0)])
+@pytest.mark.parametrize(
+    ("lam", "ratio"),
+    [(0.1, 5.0), *(pytest.param(*each, marks=pytest.mark.slow) for each in ((0.05, 10.0), (0.2, 2.0)))],
+)
 def test_clamped_strip_converges_to_timoshenko(lam, ratio) -> None:
     exact = strip_contact(24 * ratio, lam)
     values = {name: getattr(exact, name) for name in ("half_force", "free_length", "edge_pressure")}
@@ -160,7 +163,7 @@ def test_a_strip_with_shear_touches_in_a_zone_one_without_in_a_point() -> None:
     assert stiff[2]["half_force"] == pytest.approx((24 * 2 - 24) / 2, rel=1e-3)
 
 
-@pytest.mark.parametrize("lam", [0.2, 0.5])
+@pytest.mark.parametrize("lam", [0.2, pytest.param(0.5, marks=pytest.mark.slow)])
 def test_heavy_strip_converges(lam) -> None:
     length, force = lifted_strip(lam)
     exact = {"free_length": length, "lift_force": force}
@@ -183,7 +186,10 @@ def test_lifting_twice_as_high_follows_the_scaling_of_the_beam() -> None:
 # --- plate ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("fraction", "order", "cap"), [(2.0, 1.5, 5e-4), (5.0, 1.5, 3e-4), (20.0, 1.5, 1e-4)])
+@pytest.mark.parametrize(
+    ("fraction", "order", "cap"),
+    [(2.0, 1.5, 5e-4), pytest.param(5.0, 1.5, 3e-4, marks=pytest.mark.slow), (20.0, 1.5, 1e-4)],
+)
 def test_circular_plate_converges(fraction, order, cap) -> None:
     radius, force = plate_contact(64 * fraction)
     found = errors("plate-contact", ("32x1", "64x1", "128x1"), {"contact_force": force}, load_fraction=f"{fraction}")

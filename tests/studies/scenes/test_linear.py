@@ -104,6 +104,7 @@ def test_pinched_cylinder_without_shear_converges_to_the_published_value() -> No
     assert deflection == pytest.approx(course("pinched cylinder")[0], rel=PUBLISHED)
 
 
+@pytest.mark.slow
 def test_pinched_cylinder_with_shear_sinks_in_by_a_logarithm() -> None:
     """What shear adds grows by P ln 2/(2 pi G t) with every halving: the point load has no limit in a Mindlin shell."""
     added = [
@@ -135,6 +136,7 @@ def test_hemisphere_linear(quantity: str) -> None:
     assert course("pinched hemisphere, 18deg hole")[0] < deflection < course("pinched hemisphere, 18deg hole")[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("quantity", "elmer"), ELMER.items())
 def test_hemisphere_under_a_small_load_is_that_of_a_high_order_code(quantity: str, elmer: float) -> None:
     """With the exact measure."""

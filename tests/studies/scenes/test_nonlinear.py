@@ -85,6 +85,7 @@ def test_the_couple_rolls_the_strip_into_a_circle() -> None:
 # --- annulus, pull-out, hemisphere ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_slit_annulus_opens_as_published() -> None:
     corners = ("w_A_mm", "w_B_mm")
     for fraction in (0.25, 0.5, 1.0):
@@ -108,6 +109,7 @@ def hemispheres(solver: Callable[..., Result]) -> list[Result]:
     return [solver("hemisphere", mesh, load_fraction=QUARTERS) for mesh in ("16x16", "24x24", "32x32")]
 
 
+@pytest.mark.slow
 def test_hemisphere_is_pulled_as_published() -> None:
     """The inward point as published from three quarters of the load on; before, S4R lies 0.6 to 0.9 % above our limit.
 

@@ -29,8 +29,9 @@ CURVE = 1.2e-2  # largest distance of a published point from our curve, in units
 
 
 @cache
-def run(scene: str, mesh: str, steps: int = 1, load_fraction: str = "1") -> Result:
-    given = {"thickness_strain": "nodal", "membrane": "compatible", "load_fraction": load_fraction}
+def run(scene: str, mesh: str, steps: int) -> Result:
+    """A tenth beyond the published load."""
+    given = {"thickness_strain": "nodal", "membrane": "compatible", "load_fraction": "1.1"}
     result = solve(*resolve(scene, given, mesh, steps=steps))
     assert result.outcome is Outcome.CONVERGED, result.reason
     for step in result.steps:
@@ -97,7 +98,7 @@ def test_a_curve_is_written_point_by_point(tmp_path: Path) -> None:
 # --- limit points and curves ------------------------------------------------------------------------------------------
 
 ROOFS = ("roof-a", "roof-b", "roof-c", "roof-d", "roof-e", "roof-f")
-QUICK = ("roof-b", "roof-d")  # a thick and a thin one, layers and none; the others take up to a minute
+QUICK = ("roof-d",)  # thin and layered; the others take up to a minute
 LIMIT = "limit_load_fraction"
 MESHES = ("8x8", "12x12", "16x16")
 
@@ -118,13 +119,13 @@ def limit_of(scene: str, kind: str) -> float:
 
 def curve(scene: str, mesh: str, steps: int = 1) -> np.ndarray:
     """Load fraction and displacement (n, 2), from rest."""
-    points = run(scene, mesh, steps, "1.1").steps
+    points = run(scene, mesh, steps).steps
     return np.array([(0.0, 0.0)] + [(step["load_fraction"], step["w_C_mm"]) for step in points])
 
 
 def limits(scene: str) -> tuple[np.ndarray, float]:
     """First limit loads on the three meshes, and extrapolated from the finer two."""
-    found = np.array([run(scene, mesh, load_fraction="1.1").quantities[LIMIT] for mesh in MESHES])
+    found = np.array([run(scene, mesh, 1).quantities[LIMIT] for mesh in MESHES])
     return found, float(extrapolated(found[1], found[2], 4 / 3))
 
 
@@ -140,7 +141,7 @@ def test_limit_load_converges_to_that_of_the_solid(scene: str) -> None:
     assert abs(found[2] - limit) < abs(found[0] - limit)
     assert abs(found[2] / limit - 1) <= ROOF
     for mesh in MESHES:
-        number = run(scene, mesh, load_fraction="1.1").quantities["limit_points"]
+        number = run(scene, mesh, 1).quantities["limit_points"]
         assert number == (4 if scene == "roof-e" else 2)
 
 
@@ -191,7 +192,7 @@ def distances(points: np.ndarray, line: np.ndarray) -> np.ndarray:
 
 
 def test_limit_point_does_not_depend_on_the_steps() -> None:
-    one, four = (run("roof-d", "8x8", steps=steps).quantities for steps in (1, 4))
+    one, four = (run("roof-d", "8x8", steps).quantities for steps in (1, 4))
     for quantity in (LIMIT, "limit_w_C_mm", "w_C_mm"):
         assert four[quantity] == pytest.approx(one[quantity], rel=1e-4)
 

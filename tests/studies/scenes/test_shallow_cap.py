@@ -97,6 +97,7 @@ def test_elements_around_do_not_matter(meshes) -> None:
     assert around == pytest.approx(meshes[0].quantities, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_cost_of_the_hole_falls_with_its_area() -> None:
     """Differences of successive holes, each half of the last."""
     snap = [scene("32x1", hole=hole).quantities["limit_load_fraction"] for hole in (0.1, 0.05, 0.025, 0.0125)]
@@ -112,6 +113,6 @@ def test_a_linear_cap_never_snaps_and_shallow_measures_do_as_well_as_any() -> No
     linear = scene("16x1", measure="linear").quantities
     assert linear["limit_points"] == 0
     exact = scene("16x1").quantities["limit_load_fraction"]
-    for measure in ("donnell", "von-karman", "sanders", "moderate-rotation"):
+    for measure in ("donnell", "moderate-rotation"):
         found = scene("16x1", measure=measure).quantities["limit_load_fraction"]
         assert 1e-5 < abs(found / exact - 1) < 2e-3

@@ -28,7 +28,11 @@ def run(model: str, settings: dict[str, str], **more: str) -> Result:
 
 @pytest.mark.parametrize(
     "settings",
-    [{"delta_mm": "20"}, {**ISOTROPIC, "delta_mm": "20"}, {"gamma_deg": "30", "p0_MPa": "0.3", "delta_mm": "15"}],
+    [
+        {"delta_mm": "20"},
+        pytest.param({**ISOTROPIC, "delta_mm": "20"}, marks=pytest.mark.slow),
+        pytest.param({"gamma_deg": "30", "p0_MPa": "0.3", "delta_mm": "15"}, marks=pytest.mark.slow),
+    ],
     ids=str,
 )
 def test_the_estimate_bounds_the_error_of_the_cut(settings: dict[str, str]) -> None:

@@ -152,6 +152,7 @@ def test_cords_at_an_angle_turn_the_patch() -> None:
     assert found.steps[-1]["mirror_asymmetry"] > 0.01
 
 
+@pytest.mark.slow
 def test_more_elements_through_the_wall_change_little(isotropic: Result) -> None:
     two = run({**TO_10, "per_ply": "2"}, "20x20")
     assert two.counters["dofs"] > 1.5 * isotropic.counters["dofs"]
@@ -180,6 +181,7 @@ def test_isotropic_inflation_is_that_of_another_program(isotropic: Result) -> No
         assert off <= 2 * half_percent * reference["radial_mm"].max()  # ours is interpolated between nodes
 
 
+@pytest.mark.slow
 def test_consistent_coupling_changes_the_force_little(isotropic: Result) -> None:
     found = run({**TO_10, "coupling": "consistent"}, "20x20")
     change = found.steps[-1]["force_N"] / forces(isotropic)[1] - 1
