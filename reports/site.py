@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from reports.chapter import ALL, INDEX, INDEX_TITLE, link_line, listed
+from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, link_line, listed
 from reports.chapters.overview.campaign import campaign_page
 from reports.chapters.overview.index import index_page
 from reports.chapters.overview.outcomes import completeness_line
@@ -17,7 +17,8 @@ from reports.compare import differences
 from reports.contents import CHAPTERS
 from reports.files import write_texts
 from reports.html import REPORT, report_html
-from reports.tables import Store, load_store
+from reports.markdown import Part
+from reports.tables import Store, StoreError, load_store
 
 FIGURES = "figures"
 
@@ -42,7 +43,7 @@ def rendered(store: Store) -> dict[str, str]:
     """All files by name: pictures first, so that a page never links to one that is not there yet."""
     chapters = [each for each in CHAPTERS if each.applies(store)]
     first = index_page if store.pages == ALL else campaign_page
-    made = {each.file: each.render(store) for each in chapters}
+    made = {each.file: _made(each, store) for each in chapters}
     parts = {INDEX: first(store, listed(chapters)), **made}
     pictures = {name: svg for part in parts.values() for name, svg in part.pictures.items()}
     texts = {name: part.text for name, part in parts.items()}
@@ -50,6 +51,15 @@ def rendered(store: Store) -> dict[str, str]:
     linked = {each.file: _under_heading(texts[each.file], link_line(chapters, each.file)) for each in chapters}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     return {**svgs, **texts, **linked, REPORT: report_html(texts, titles, pictures)}
+
+
+def _made(chapter: Chapter, store: Store) -> Part:
+    """A page; raises StoreError for a column that its tables lack, as those of another version may."""
+    try:
+        return chapter.render(store)
+    except KeyError as error:
+        tables = ", ".join(chapter.needs) or "its cells"
+        raise StoreError(f"{store.path}: {chapter.file} lacks {error}, of {tables}") from error
 
 
 def _under_heading(text: str, line: str) -> str:

@@ -45,94 +45,9 @@ TABLE_COLUMNS = {
     ),
     "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
-STORE_COLUMNS = {
-    "rigid_body": ("measure", "surface", "motion", "theta_rad", "component", "strain", "declared", "largest"),
-    "small_motions": ("measure", "surface", "motion", "amount", "strain", "declared", "largest"),
-    "rotation_sweep": ("measure", "surface", "motion", "theta_rad", "strain", "declared"),
-    "thickness_locking": ("load", "section", "nu", "elements", "stiffness_ratio", "law"),
-    "shear_locking": ("l_over_h", "elements", "ratio", "two_node", "fully_integrated"),
-    "curved_beam": ("h_over_R", "elements", "ratio"),
-    "membrane_locking": (
-        *("surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"),
-        *("yardstick_reduced", "yardstick_unreduced"),
-    ),
-    "epsilon": (
-        *("case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"),
-        *("nodes_unlike", "condition"),
-    ),
-    "cycles": ("problem", "plain_period", "trial-and-error", "semismooth, settle 1", "semismooth"),
-    "false_success": ("contender", "problems", "refused", "claimed", "false", "largest_error"),
-    "symmetry": (
-        *("check", "measure", "algorithm", "deviation", "rounding", "tolerance", "class", "reason"),
-        *("contact_nodes", "nodes_unlike", "iterations", "iterations_other"),
-    ),
-    "extremes": ("map", "i", "j", "x", "y", "class", "asked", "complete", "reason", "iterations", "command"),
-    "extremes_maps": ("map", "title", "x_label", "y_label", "y_named", "fixed"),
-    "extremes_check": ("map", "points", "asked", "share", "distance", "unlike"),
-    "mirror": (
-        *("measure", "mesh", "gamma_deg", "kind", "outcome", "delta_mm", "negative", "command"),
-        *("peak_MPa", "contact_nodes", "mirror_MPa", "mirror_both_MPa", "central_MPa"),
-    ),
-    "work_precision": ("element", "family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s"),
-    "peers": ("program", "elements", "unknowns", "force_N", "seconds", "error", "ratio"),
-    "scaling": (
-        *(
-            "mesh",
-            "dofs",
-            "elements",
-            "elements_s",
-            "scatter_s",
-            "assembly_s",
-            "factorisation_s",
-            "solve_s",
-            "contact_s",
-        ),
-        *("total_s", "same_matrix_s", "gemm_s", "copy_s", "peak_GiB", "repeats"),
-    ),
-    "ladders": ("ladder", "scene", "family", "quantity", "at", "mesh"),
-    "verified": ("campaign", "label", "scene", "quantity", "against", "uncertainty", "error", "largest", "asymptotic"),
-    "flags": ("campaign", "flag", "scene", "subject", "cases", "of", "size", "cause", "label"),
-    "fronts": (
-        *(
-            "campaign",
-            "label",
-            "scene",
-            "family",
-            "main",
-            "measure",
-            "contact",
-            "mesh",
-            "tolerance",
-            "quantity",
-            "error",
-        ),
-        *("uncertainty", "flag", "command", "cost.flops", "front.flops"),
-    ),
-    "family_fronts": ("campaign", "family", "scenes", "rung", "error", "cost.flops", "front.flops"),
-    "profiles": ("campaign", "axis", "cost", "competitor", "problems", "factor", "share"),
-    "pairs": (
-        *("campaign", "axis", "cost", "a", "b", "problems", "a_better", "b_better"),
-        *("ratio", "ratio_low", "ratio_high"),
-    ),
-    "flips": ("campaign", "axis", "cost", "removed", "ranking", "flips"),
-    "attribution": ("campaign", "scope", "name", "response", "factor", "cells", "share", "low", "high"),
-    "advice": (
-        *("campaign", "scene", "quantity", "against", "tolerance", "label", "configuration", "bound", "cost"),
-        *("seconds_low", "seconds", "seconds_high", "runner_up", "runner_up_ratio", "next_ratio", "command"),
-    ),
-    "held_out": (
-        *("campaign", "scene", "quantity", "headline", "tolerance", "factor", "advised", "best", "met", "regret"),
-        *("true_error", "estimate"),
-    ),
-    "held_out_summary": (
-        *("campaign", "quantities", "cases", "advised", "met", "median_regret", "mean_regret", "abstained"),
-        "truly_none",
-    ),
-}
-
 WORDS = {  # columns of the analysis that may be empty
     *("flag", "against", "largest", "removed", "flips", "label", "configuration", "runner_up", "command"),
-    *("advised", "best", "measure", "contact", "newton", "element", "model"),
+    *("advised", "best", "measure", "contact", "newton", "element", "model", "scene", "ranking", "ended"),
 }
 CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 
@@ -290,7 +205,7 @@ class Store:
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
-        return _read_table(self.path / "tables" / f"{name}.csv", STORE_COLUMNS[name])
+        return _read_table(self.path / "tables" / f"{name}.csv")
 
     def has_analysis(self, name: str) -> bool:
         """True when a table is there that is of this campaign, or of none."""
@@ -417,7 +332,7 @@ def _require(data: object, keys: Iterable[str], path: Path) -> None:
         raise StoreError(f"{path}: lacks {', '.join(missing)}")
 
 
-def _read_table(path: Path, columns: Iterable[str], comment: str | None = None) -> pd.DataFrame:
+def _read_table(path: Path, columns: Iterable[str] = (), comment: str | None = None) -> pd.DataFrame:
     try:
         table = pd.read_csv(path, comment=comment)
     except FileNotFoundError:

@@ -66,8 +66,15 @@ def _row(archive: Archive, planned: Mapping[str, Any]) -> dict[str, Any]:
         **{f"c.{key}": value for key, value in found["counters"].items()},
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
         **{f"t.{key}": value for key, value in found["timing_s"].items()},
+        **_seconds(found["timing_s"]),
         **{f"k.{key}": _number(value) for key, value in last.get("kkt", {}).items()},
     }
+
+
+def _seconds(timing: Mapping[str, float]) -> dict[str, float]:
+    """The processor time of a cell; where an old record has none, the time on the clock."""
+    spent = timing.get("cpu", timing.get("total"))
+    return {} if spent is None else {"t.seconds": spent}
 
 
 def _asked(planned: Mapping[str, Any]) -> dict[str, Any]:

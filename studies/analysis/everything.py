@@ -11,7 +11,7 @@ from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
 from studies.analysis.fronts import family_fronts, fronts
 from studies.analysis.held_out import held_out, summary
-from studies.analysis.profiles import profiles
+from studies.analysis.profiles import profiles, solved
 from studies.analysis.rows import reference_rows
 from studies.analysis.suspicious import flags
 from studies.analysis.verify import verified
@@ -47,6 +47,7 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         "profiles": profile,
         "pairs": pairs,
         "flips": flips,
+        "solved": solved(scenes),
         "attribution": attribution(table, scenes),
         "advice": advice_table(table, split),
         "held_out": cases,

@@ -14,7 +14,7 @@ from studies.analysis.verify import CLAIMED, family_of, headline, main_questions
 
 WRONG = 0.1  # relative error from which an answer is none
 SAME = 0.01  # errors that differ by less of themselves are one: what is left is the solver's noise
-COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.total"}
+COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.seconds"}
 NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
 SCENE_COLUMNS = (
     "label",

@@ -11,10 +11,8 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.stats import bootstrap
 
 from studies.algorithm_settings import settings_of
-from studies.analysis.fronts import COSTS
 from studies.request import Request
 
 AXES = ("contact", "newton", "measure", "element")  # whose levels compete, where there are two
@@ -23,39 +21,74 @@ TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 FACTORS = tuple(np.round(np.geomspace(1, 20, 40), 4))
 RANKED_AT = 2.0  # the factor at which the ranking is read
 SEED, RESAMPLES, COVER = 2004, 999, 0.95
-PROFILE_COLUMNS = ("axis", "cost", "competitor", "problems", "factor", "share")
-PAIR_COLUMNS = ("axis", "cost", "a", "b", "problems", "a_better", "b_better", "ratio", "ratio_low", "ratio_high")
-FLIP_COLUMNS = ("axis", "cost", "removed", "ranking", "flips")
+RANKED_BY = ("seconds", "flops")
+FEWEST = 5  # problems that a ranking needs
+NOT_ASKED = ("unsupported", "missing")  # outcomes that are no failure
+PROFILE_COLUMNS = ("axis", "cost", "competitor", "problems", "solved", "factor", "share")
+PAIR_COLUMNS = (
+    *("axis", "cost", "a", "b", "problems", "both", "scenes", "a_better", "b_better"),
+    *("ratio", "ratio_low", "ratio_high"),
+)
+FLIP_COLUMNS = ("axis", "cost", "problems", "removed", "ranking", "flips")
+SOLVED_COLUMNS = ("axis", "competitor", "scene", "asked", "solved", "ended")
+
+
+def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
+    """Cost by scene and problem (rows) and competitor (columns): infinite for a failure, NaN for what was not asked.
+
+    For a solver the problem is all else that was asked, and an answer that the judge certifies is a solution; for
+    another axis it is a scene and an error to reach, at whatever mesh and way of solving is cheapest, in the scenes in
+    which all compete.  fronts: of fronts.fronts.
+    """
+    if axis in SOLVERS:
+        rows = _put(fronts, axis)
+        price = rows[f"cost.{cost}"].astype(float).where(rows["outcome"] == "converged", np.inf)
+        keys = ["scene", "problem"]
+        return rows.assign(cost=price).pivot_table(index=keys, columns=axis, values="cost", aggfunc="min", sort=False)
+    main = fronts[fronts["main"] & (fronts["flag"] != "unsupported")].dropna(subset=[axis])
+    asked = main.groupby("scene")[axis].nunique()
+    main = main[main["scene"].isin(asked[asked == asked.max()].index)]
+    good = main[main["flag"] == ""]
+    reached = good.assign(bound=good["error"] + good["uncertainty"], cost=good[f"cost.{cost}"].astype(float))
+    parts = {
+        (scene, f"{target:g}"): own[own["bound"] <= target].groupby(axis)["cost"].min()
+        for scene, own in reached.groupby("scene", sort=False)
+        for target in TARGETS
+    }
+    return pd.DataFrame(parts, index=main[axis].unique()).T.fillna(np.inf) if parts else pd.DataFrame()
 
 
 def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
-    """Cost by problem (rows) and competitor (columns), infinite for one that fails or is wrong.
-
-    For a solver the problem is all else that was asked; for another axis it is a scene and an error to reach, at
-    whatever mesh and way of solving is cheapest.  fronts: of tradeoff.fronts. Problems that nobody solves are left out.
-    """
-    rows = fronts.dropna(subset=[axis]).assign(cost=fronts[f"cost.{cost}"].astype(float))
-    rows = rows[rows["flag"] != "unsupported"]
-    if axis in SOLVERS:
-        good = rows["flag"].isin(("", "unverified"))
-        rows = rows.assign(cost=rows["cost"].where(good, np.inf))
-        rows = rows.assign(problem=[_problem(request, axis) for request in rows["request"]])
-        matrix = rows.pivot_table(index="problem", columns=axis, values="cost", aggfunc="min", sort=False)
+    """As ``field``: the largest part in which everybody was asked everything, without what nobody solves."""
+    matrix = field(fronts, axis, cost)
+    if axis in SOLVERS and len(matrix):
         matrix = _together(matrix)
-    else:
-        main = fronts[fronts["main"]].dropna(subset=[axis])
-        asked = main.groupby("scene")[axis].nunique()
-        whole = asked[asked == asked.max()].index  # as above: scenes in which all compete
-        rows = rows[(rows["flag"] == "") & rows["main"] & rows["scene"].isin(whole)]
-        reached = rows.assign(bound=rows["error"] + rows["uncertainty"])
-        parts = {
-            f"{scene} {target:g}": own[own["bound"] <= target].groupby(axis)["cost"].min()
-            for scene, own in reached.groupby("scene", sort=False)
-            for target in TARGETS
-        }
-        competitors = main[main["scene"].isin(whole)][axis].unique()
-        matrix = pd.DataFrame(parts, index=competitors).T.fillna(np.inf)
     return matrix[np.isfinite(matrix.min(axis=1))] if len(matrix) else matrix
+
+
+def _put(fronts: pd.DataFrame, axis: str) -> pd.DataFrame:
+    """The cells that were put to a solver, each with its problem; problems that one solver alone was asked left out."""
+    rows = fronts[~fronts["outcome"].isin(NOT_ASKED)].dropna(subset=[axis])
+    rows = rows.assign(problem=[_problem(request, axis) for request in rows["request"]])
+    return rows[rows.groupby(["scene", "problem"])[axis].transform("nunique") > 1]
+
+
+def solved(fronts: pd.DataFrame) -> pd.DataFrame:
+    """How many problems were put to each solver, how many it has solved, and how the others ended: SOLVED_COLUMNS.
+
+    A row a scene, and one of all scenes, whose name is empty.
+    """
+    found = []
+    for axis in SOLVERS:
+        rows = _put(fronts, axis)
+        rows = rows.assign(failed=rows["outcome"] != "converged").sort_values("failed", kind="stable")
+        rows = rows.drop_duplicates([axis, "scene", "problem"]).sort_index()
+        for name, own in rows.groupby(axis, sort=False):
+            for scene, cells in [("", own), *own.groupby("scene", sort=False)]:
+                ended = cells["outcome"].value_counts()
+                failed = ", ".join(f"{count} {word}" for word, count in ended.items() if word != "converged")
+                found.append((axis, name, scene, len(cells), int(ended.get("converged", 0)), failed))
+    return pd.DataFrame(found, columns=list(SOLVED_COLUMNS))
 
 
 def _problem(request: Request, axis: str) -> str:
@@ -83,23 +116,28 @@ def _together(matrix: pd.DataFrame) -> pd.DataFrame:
 
 
 def profiles(fronts: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """Profiles against the virtual best, pairs, and the flip check, with the columns above, for all axes and costs."""
-    profile, pairs, flips = [], [], []
+    """Profiles against the virtual best, pairs, and the flip check, with the columns above, for all axes and costs.
+
+    Fewer than FEWEST problems make no profile and no ranking, only their number.
+    """
+    profile: list[tuple[object, ...]] = []
+    pairs: list[tuple[object, ...]] = []
+    flips: list[tuple[object, ...]] = []
     for axis in AXES:
-        if fronts[axis].nunique() < 2:
-            continue
-        for cost in (name for name in COSTS if f"cost.{name}" in fronts):
+        for cost in (name for name in RANKED_BY if f"cost.{name}" in fronts and fronts[axis].nunique() > 1):
             matrix = problems(fronts, axis, cost)
-            if matrix.shape[0] == 0 or matrix.shape[1] < 2:
+            pairs += [(axis, cost, *row) for row in _pairs(field(fronts, axis, cost))]
+            if len(matrix) < FEWEST or matrix.shape[1] < 2:
+                flips.append((axis, cost, len(matrix), "", "", ""))
                 continue
             shares = within(matrix, FACTORS)
+            reached = np.isfinite(matrix).mean()
             profile += [
-                (axis, cost, name, len(matrix), factor, float(share))
+                (axis, cost, name, len(matrix), float(reached[name]), factor, float(share))
                 for name in matrix
                 for factor, share in zip(FACTORS, shares[name], strict=True)
             ]
-            pairs += [(axis, cost, *row) for row in _pairs(matrix)]
-            flips += [(axis, cost, *row) for row in flip_check(matrix)]
+            flips += [(axis, cost, len(matrix), *row) for row in flip_check(matrix)]
     return (
         pd.DataFrame(profile, columns=list(PROFILE_COLUMNS)),
         pd.DataFrame(pairs, columns=list(PAIR_COLUMNS)),
@@ -139,25 +177,31 @@ def flip_check(matrix: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def _pairs(matrix: pd.DataFrame) -> Iterator[tuple[object, ...]]:
-    """Each two alone: problems that one of them solves, who is cheaper how often, and the median of b over a."""
+    """Each two alone: PAIR_COLUMNS from ``a`` on.
+
+    problems: put to both and solved by anybody; ratios, of b over a, on those that both solve, from FEWEST of them on.
+    """
     for a, b in combinations(matrix, 2):
-        pair = matrix[[a, b]]
-        pair = pair[np.isfinite(pair.min(axis=1))]
-        both = pair[np.isfinite(pair).all(axis=1) & (pair > 0).all(axis=1)]
-        low, middle, high = _median_ratio((both[b] / both[a]).to_numpy(float))
-        yield a, b, len(pair), int((pair[a] < pair[b]).sum()), int((pair[b] < pair[a]).sum()), middle, low, high
+        pair = matrix[[a, b]].dropna()
+        pair = pair[np.isfinite(matrix.min(axis=1)).loc[pair.index]]
+        both = pair[(np.isfinite(pair) & (pair > 0)).all(axis=1)]
+        better = int((pair[a] < pair[b]).sum()), int((pair[b] < pair[a]).sum())
+        scenes = both.index.get_level_values(0)
+        ratios = (both[b] / both[a]).to_numpy(float)[: None if len(both) >= FEWEST else 0]
+        yield a, b, len(pair), len(both), scenes.nunique(), *better, *_median_ratio(ratios, np.asarray(scenes))
 
 
-def _median_ratio(ratios: np.ndarray) -> tuple[float, float, float]:
-    """Median with its bootstrap interval; NaN without two values."""
-    if len(ratios) < 2:
-        return np.nan, float(ratios[0]) if len(ratios) else np.nan, np.nan
-    found = bootstrap(
-        (ratios,),
-        np.median,
-        n_resamples=RESAMPLES,
-        confidence_level=COVER,
-        method="percentile",
-        rng=np.random.default_rng(SEED),
-    ).confidence_interval
-    return float(found.low), float(np.median(ratios)), float(found.high)
+def _median_ratio(ratios: np.ndarray, scenes: np.ndarray) -> tuple[float, float, float]:
+    """Median with its bootstrap interval; problems of one scene are alike, so scenes are drawn, not problems.
+
+    NaN for what there is too little of: ratios, or a second scene.
+    """
+    if len(ratios) == 0:
+        return np.nan, np.nan, np.nan
+    groups = [ratios[scenes == name] for name in dict.fromkeys(scenes)]
+    if len(groups) < 2:
+        return float(np.median(ratios)), np.nan, np.nan
+    drawn = np.random.default_rng(SEED).integers(len(groups), size=(RESAMPLES, len(groups)))
+    medians = [np.median(np.concatenate([groups[i] for i in row])) for row in drawn]
+    low, high = np.quantile(medians, [(1 - COVER) / 2, (1 + COVER) / 2])
+    return float(np.median(ratios)), float(low), float(high)

@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
     add_store(parser)
     parser.add_argument("--campaign", default="standard", help="default standard")
-    parser.add_argument("--cost", default="flops", help="dofs, factorisations, flops or seconds; default flops")
+    parser.add_argument("--cost", default="seconds", help="dofs, factorisations, flops or seconds; default seconds")
     add_settings(parser)
 
 

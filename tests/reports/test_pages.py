@@ -75,7 +75,7 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no locking": (lambda root: (root / "tables/membrane_locking.csv").unlink(), "membrane_locking.csv: missing"),
     "column of a table": (
         lambda root: (root / "tables/small_motions.csv").write_text("measure\nexact\n"),
-        "small_motions.csv: lacks the columns surface",
+        "rigid-body.md lacks 'surface', of rigid_body, small_motions",
     ),
     "rung": (
         lambda root: drop_cell(root, "convergence roof-a 8x8 paper"),

@@ -16,7 +16,7 @@ from studies.analysis.attribution import INTERACTIONS, REST, shares
 from studies.analysis.everything import analysed
 from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
-from studies.analysis.profiles import flip_check, problems, profiles, within
+from studies.analysis.profiles import _pairs, flip_check, problems, profiles, solved, within
 from studies.analysis.richardson import limit_of, order_of
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, printed, walls
@@ -80,7 +80,7 @@ def cells(
                 "c.newton_iterations": 5 - round(math.log10(tolerance)),
                 "c.factorisations": 5 - round(math.log10(tolerance)),
                 "c.flops": flops,
-                "t.total": 1e-6 * flops,
+                "t.seconds": 1e-6 * flops,
             }
         )
     return pd.DataFrame(rows)
@@ -285,15 +285,53 @@ def test_profiles_of_a_known_field() -> None:
     assert list(shares_within["b"]) == [0.5, 0.75, 0.75]
 
 
+def two_scenes(contacts: dict[str, float], sizes: tuple[int, ...] = SIZES) -> pd.DataFrame:
+    more = cells("hemisphere", "inward_mm", 8.178, contacts=contacts, sizes=sizes)
+    return pd.concat([cells(contacts=contacts, sizes=sizes), more], ignore_index=True)
+
+
 def test_pairs_have_the_planted_ratio() -> None:
-    table = cells(contacts={"semismooth": 1.0, "lcp": 3.0})
+    table = two_scenes({"semismooth": 1.0, "lcp": 3.0})
     profile, pairs, flips = profiles(fronts(table, verified(table)))
-    row = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == "flops")].iloc[0]
-    assert (row["a"], row["b"], row["problems"], row["a_better"], row["b_better"]) == ("semismooth", "lcp", 4, 4, 0)
+    row = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == "seconds")].iloc[0]
+    assert list(row[["a", "b", "problems", "both", "scenes"]]) == ["semismooth", "lcp", 8, 8, 2]
+    assert (row["a_better"], row["b_better"]) == (8, 0)
     assert row["ratio_low"] == pytest.approx(3.0) == row["ratio"] == row["ratio_high"]
     at_two = profile[(profile["cost"] == "flops") & np.isclose(profile["factor"], 2.0, atol=0.1)]
     assert set(at_two["share"][at_two["competitor"] == "lcp"]) == {0.0}
     assert set(flips["flips"]) == {""}
+
+
+def test_a_pair_is_timed_on_what_both_solve_and_failures_are_counted() -> None:
+    """lcp fails in one scene: no ratio there, and its share says so; a missing or refused cell is no failure."""
+    table = two_scenes({"semismooth": 1.0, "lcp": 3.0})
+    table.loc[(table["contact"] == "lcp") & (table["scene"] == "hemisphere"), "outcome"] = "cap-hit"
+    table.loc[(table["contact"] == "lcp") & (table["n1"] == 64), "outcome"] = "missing"
+    scenes = fronts(table, verified(table))
+    _, pairs, _ = profiles(scenes)
+    row = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == "seconds")].iloc[0]
+    assert list(row[["problems", "both", "scenes"]]) == [6, 3, 1]
+    assert np.isnan(row["ratio_low"])  # one scene says nothing about another
+    found = solved(scenes).set_index(["competitor", "scene"])
+    assert list(found.loc[("lcp", "")]) == ["contact", 6, 3, "3 cap-hit"]
+    assert list(found.loc[("lcp", "cantilever")]) == ["contact", 3, 3, ""]
+    assert list(found.loc[("semismooth", "")]) == ["contact", 6, 6, ""]
+
+
+def test_an_interval_is_as_wide_as_the_scenes_differ() -> None:
+    """Ratios of 1 in ten problems of one scene and of 3 in two of another: either scene may be drawn alone."""
+    index = pd.MultiIndex.from_tuples([("one", i) for i in range(10)] + [("two", i) for i in range(2)])
+    matrix = pd.DataFrame({"a": 1.0, "b": [1.0] * 10 + [3.0] * 2}, index=index)
+    (row,) = _pairs(matrix)
+    assert row[-3:] == (1.0, 1.0, 3.0)
+
+
+def test_too_few_problems_are_not_ranked() -> None:
+    table = cells(contacts={"semismooth": 1.0, "lcp": 3.0})
+    profile, _, flips = profiles(fronts(table, verified(table)))
+    assert profile.empty
+    assert set(flips["problems"]) == {4}
+    assert set(flips["ranking"]) == {""}
 
 
 def test_who_was_not_asked_has_not_failed() -> None:
@@ -385,8 +423,8 @@ def test_advice_is_the_cheapest_that_qualifies() -> None:
     assert found.next_best["n1"] == 32
     text = "\n".join(lines(found))
     assert "cheapest: exact semismooth mixed refined 16x1, tolerance 1e-10: error at most 0.782 %" in text
-    assert "runner-up: exact lcp mixed refined 16x1, tolerance 1e-10: 2 times the flops" in text
-    assert "next step, 0.5 %: exact semismooth mixed refined 32x1, tolerance 1e-10: 2.83 times the flops" in text
+    assert "runner-up: exact lcp mixed refined 16x1, tolerance 1e-10: 2 times the seconds" in text
+    assert "next step, 0.5 %: exact semismooth mixed refined 32x1, tolerance 1e-10: 2.83 times the seconds" in text
 
 
 def test_none_qualifies_is_said() -> None:
@@ -466,7 +504,7 @@ def test_an_estimate_that_is_too_small_elsewhere_raises_the_factor() -> None:
 def test_all_tables_of_the_analysis() -> None:
     tables = analysed(several_scenes())
     assert set(tables) == {
-        *("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "attribution"),
+        *("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "solved", "attribution"),
         *("advice", "held_out", "held_out_summary"),
     }
     assert len(tables["fronts"]) == 64

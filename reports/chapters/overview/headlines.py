@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable
 
@@ -9,13 +10,13 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from reports.chapters.overview.outcomes import completeness_line
-from reports.markdown import fixed, percent, prose
+from reports.markdown import fixed, machine, percent, prose
 from reports.tables import Store
 
-COST = "flops"  # the same on every machine
+COST = "seconds"  # of processor time
 DEFAULT = "semismooth"  # the contact algorithm that the others are held against
 CONFIDENCE = 0.95
-NEEDED = ("attribution", "pairs", "held_out_summary", "verified")
+NEEDED = ("attribution", "pairs", "solved", "held_out_summary", "verified")
 
 
 def headlines(store: Store) -> str:
@@ -27,9 +28,7 @@ algorithms ({_list(c.result["contact"] for c in cells)}) and Newton iterations
 scenes. Every sentence with a number in it is computed from the stored results.""")
     parts = [compared]
     if all(map(store.has_analysis, NEEDED)):
-        found = (_axes(store.analysis("attribution")), _algorithms(store.analysis("pairs")), _advice(store))
-        told = "\n".join(f"{i}. {text}" for i, text in enumerate(found, start=1))
-        parts.append(f"**Who wins, and when?** Brackets are 95 % intervals.\n\n{told}")
+        parts += [_algorithms(store), machine(_advice(store)), _axes(store.analysis("attribution"))]
     return "\n\n".join([*parts, _trust(store)])
 
 
@@ -51,19 +50,50 @@ axis of each family of scenes: {"; ".join(said) or "not enough cells"}. [More](t
 _LEFT = ("interactions", "rest")
 
 
-def _algorithms(data: pd.DataFrame) -> str:
-    """What each contact algorithm costs over the default one, on the problems that both solve."""
-    own = data[(data["axis"] == "contact") & (data["cost"] == COST)]
-    said = [_pair(row["b"], row, 1.0) for row in own[own["a"] == DEFAULT].to_dict("records")]
-    said += [_pair(row["a"], row, -1.0) for row in own[own["b"] == DEFAULT].to_dict("records")]
-    return prose(f"""**Contact algorithms.** Operations in factorisations over those of `{DEFAULT}`, medians over the
-problems that were put to all: {"; ".join(said) or "none in common"}. Pivots of `lcp` and iterations inside `qp` come on
-top. [More](tradeoff.md#who-wins-how-often)""")
+def _algorithms(store: Store) -> str:
+    """What each contact algorithm solves, and what it costs over the default one on the problems that both solve."""
+    solved = store.analysis("solved")
+    own = solved[(solved["axis"] == "contact") & (solved["scene"] == "")].sort_values("solved", ascending=False)
+    if own.empty:
+        return "**Contact algorithms.** No problem was put to two of them."
+    shares = [_share(row, solved) for row in own.to_dict("records")]
+    told = prose(f"""**Contact algorithms: solved.** Of the problems put to at least two of them: {"; ".join(shares)}.
+[Which failed where](tradeoff.md#solved-and-failed)""")
+    pairs = store.analysis("pairs")
+    pairs = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == COST)]
+    over = [(row["b"], row, 1) for row in pairs[pairs["a"] == DEFAULT].to_dict("records")]
+    over += [(row["a"], row, -1) for row in pairs[pairs["b"] == DEFAULT].to_dict("records")]
+    few = [f"`{name}` not ranked: {row['both']} problems" for name, row, _ in over if math.isnan(row["ratio"])]
+    ranked = sorted((each for each in over if not math.isnan(each[1]["ratio"])), key=lambda e: -(e[1]["ratio"] ** e[2]))
+    share = {row["competitor"]: _percent(row) for row in own.to_dict("records")}
+    said = [_pair(name, row, power, share.get(name, "")) for name, row, power in ranked] + few
+    cost = prose(f"""**Contact algorithms: cost.** Processor time over that of `{DEFAULT}`, the dearest first; medians
+over the problems that both solve, and the 95 % interval of drawing scenes: {"; ".join(said) or "none in common"}.
+[More](tradeoff.md#compared-in-cost)""")
+    return f"{told}\n\n{machine(cost)}"
 
 
-def _pair(name: str, row: dict, power: float) -> str:
+def _percent(row: dict) -> str:
+    return percent(row["solved"] / row["asked"], 0 if row["solved"] == row["asked"] else 1, sign=False)
+
+
+def _share(row: dict, solved: pd.DataFrame) -> str:
+    """The share of an algorithm, and the scenes in which it has failed."""
+    lost = solved[
+        (solved["competitor"] == row["competitor"]) & (solved["scene"] != "") & (solved["axis"] == row["axis"])
+    ]
+    lost = lost.assign(failed=lost["asked"] - lost["solved"])
+    lost = lost[lost["failed"] > 0].sort_values("failed", ascending=False, kind="stable")
+    where = ", ".join(f"{each['failed']} of {each['asked']} in {each['scene']}" for each in lost.to_dict("records"))
+    return f"`{row['competitor']}` {_percent(row)} of {row['asked']}" + (f" (failed: {where})" if where else "")
+
+
+def _pair(name: str, row: dict, power: int, share: str) -> str:
     ratio, *ends = (row[key] ** power for key in ("ratio", "ratio_low", "ratio_high"))
-    return f"`{name}` {fixed(ratio, 2)} [{fixed(min(ends), 2)}, {fixed(max(ends), 2)}] ({row['problems']})"
+    interval = f"[{fixed(min(ends), 2)}, {fixed(max(ends), 2)}]"
+    return (
+        f"`{name}` {fixed(ratio, 2)} {interval} (both solve {row['both']}, of {row['scenes']} scenes; solves {share})"
+    )
 
 
 def _advice(store: Store) -> str:
@@ -74,7 +104,8 @@ def _advice(store: Store) -> str:
     low, high = binomtest(round(met * n), n).proportion_ci(CONFIDENCE, method="wilson")
     return prose(f"""**Which configuration is enough?** `footprint advise` says it. On scenes left out of what it learnt
 from, its advice meets the tolerance in {percent(met, 0, sign=False)} [{percent(low, 0, sign=False)},
-{percent(high, 0, sign=False)}] of {n} cases and costs {fixed(own["median_regret"], 2)} times the best in the median.
+{percent(high, 0, sign=False)}] of {n} cases and costs {fixed(own["median_regret"], 2)} times the best in the median,
+{fixed(own["mean_regret"], 2)} in the mean.
 [More](advice.md)""")
 
 

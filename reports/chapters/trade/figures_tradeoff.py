@@ -26,7 +26,7 @@ COST_WORDS = {
     "flops": "floating-point operations of factorisations",
     "factorisations": "factorisations",
     "dofs": "unknowns",
-    "seconds": "time [s]",
+    "seconds": "processor time [s]",
 }
 
 
@@ -110,7 +110,8 @@ def profiles(data: pd.DataFrame, cost: str) -> str:
             lines = own[own["axis"] == kind]
             for i, (name, line) in enumerate(lines.groupby("competitor", sort=False)):
                 colour, dashes = COLOURS[i % len(COLOURS)], LINES[i % len(LINES)]
-                axes.step(line["factor"], line["share"], where="post", label=str(name), color=colour, linestyle=dashes)
+                words = f"{name} ({100 * line['solved'].iloc[0]:.0f} % solved)"
+                axes.step(line["factor"], line["share"], where="post", label=words, color=colour, linestyle=dashes)
             axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, lines["factor"].max()))
             axes.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
             axes.set_xticks([], minor=True)

@@ -24,7 +24,8 @@ from reports.markdown import (
 )
 from reports.tables import Store
 
-COST = "flops"  # the same on every machine
+COST = "seconds"  # of processor time; other runs and machines have others
+OPERATIONS = "flops"  # of the factorisations only, the same on every machine
 PRECISION, PROFILES, SHARES = "tradeoff-precision.svg", "tradeoff-profiles.svg", "tradeoff-shares.svg"
 LARGEST = {"mesh": "mesh", "solver": "solver", "formulation": "formulation", "reference": "reference"}
 FEW = 12  # rows of a family's front
@@ -36,9 +37,10 @@ def tradeoff_page(store: Store) -> Part:
 
 Every cell of the campaign `{store.campaign}` is verified: against the scene's reference where one holds for its
 settings, else against the limit of a ladder of meshes by the exact measure, so that what a measure loses is an error.
-Costs are floating-point operations of the factorisations, the same on every machine; what a quadratic programme or
-pivots take beside them is in the wall times only.""")
-    parts = (_split, _fronts, _families, _profiles, _attribution, _flags)
+Costs are seconds of processor time of a whole cell, one run each: they differ from machine to machine and from run to
+run, and with them what is on a front. Floating-point operations stand beside them where said; they are the same
+everywhere, but count the factorisations alone, neither assembly nor pivots nor iterations of a quadratic programme.""")
+    parts = (_split, _fronts, _families, _solved, _profiles, _attribution, _flags)
     return joined([Part(introduction), *(part(store) for part in parts)])
 
 
@@ -83,18 +85,16 @@ def _fronts(store: Store) -> Part:
     ]
     text = prose(f"""## Cost against verified error
 
-Cells compete that were asked the same question; shown is the one that each scene was asked most often. Of {len(data)}
-planned cells {len(front)} are on the front of their scene: nobody is both cheaper and more accurate. An
-error below what the reference is uncertain by (the grey band) counts as that. {wrong} answers are wrong by more than
+Of {len(data)} planned cells those compete that were asked the same question; shown is the one that each scene was asked
+most often. On the front of its scene is a cell to which nobody is both cheaper and more accurate. An error below what
+the reference is uncertain by (the grey band) counts as that. {wrong} answers are wrong by more than
 {percent(figures_tradeoff.WORST, 0, sign=False)}, or rest on a formulation that is: however cheap, they are on no
 front.""")
-    header = ["scene", "measure", "contact", "mesh", "tolerance", "error", "reference known to", COST]
+    header = ["scene", "measure", "contact", "mesh", "tolerance", "error", "reference known to", "seconds"]
     listed = folded("The fronts as a table", table("Fronts per scene", header, rows, words=3))
     shown = picture(PRECISION, "Verified error over cost, by scene")
-    reproduce = commands(front["command"])
-    return Part(
-        f"{text}\n\n{shown}\n\n{listed}\n\n{reproduce}", {PRECISION: figures_tradeoff.work_precision(data, COST)}
-    )
+    found = machine(f"{len(front)} cells are on the front of their scene.\n\n{listed}\n\n{commands(front['command'])}")
+    return Part(f"{text}\n\n{shown}\n\n{found}", {PRECISION: figures_tradeoff.work_precision(data, COST)})
 
 
 def _families(store: Store) -> Part:
@@ -119,42 +119,92 @@ def _families(store: Store) -> Part:
 Configurations that have solved all scenes of a family, none wrongly: geometric means over its scenes of the error and
 of the cost, the latter over the cheapest cell of each scene. *Mesh*: 1 is the coarsest of each scene.""")
     header = ["family", "scenes", *names, "mesh", "error", "cost"]
-    return Part(f"{text}\n\n{table('Fronts per family', header, rows, words=2 + len(names))}")
+    return Part(f"{text}\n\n{machine(table('Fronts per family', header, rows, words=2 + len(names)))}")
+
+
+def _solved(store: Store) -> Part:
+    """Solved and failed, by algorithm and iteration."""
+    data = store.analysis("solved")
+    if data.empty:
+        return Part("## Solved and failed\n\nNo problem was put to two algorithms.")
+    shown = data[(data["scene"] == "") | (data["solved"] < data["asked"])]
+    rows = [
+        [
+            f"`{row['competitor']}`",
+            f"`{row['scene']}`" if row["scene"] else "all",
+            str(row["asked"]),
+            str(row["solved"]),
+            percent(row["solved"] / row["asked"], 1, sign=False),
+            row["ended"] or NOTHING,
+        ]
+        for row in shown.to_dict("records")
+    ]
+    text = prose("""## Solved and failed
+
+Of the problems that were put to two algorithms, or iterations, at least: how many each has solved, in all, and in each
+scene in which it has failed. What an algorithm refuses, and what is not solved yet, is not put to it.""")
+    header = ["algorithm", "scene", "put to it", "solved", "share", "how the others ended"]
+    return Part(f"{text}\n\n{table('Problems solved', header, rows, words=2)}")
 
 
 def _profiles(store: Store) -> Part:
     """Profiles, pairs, flips."""
-    data = store.analysis("profiles")
-    pairs, flips = (store.analysis(name) for name in ("pairs", "flips"))
-    if data.empty:
-        return Part("## Who wins how often\n\nNo axis of this campaign has two competitors.")
-    rows = [_pair(row) for row in pairs[pairs["cost"] == COST].to_dict("records")]
-    checked = flips[flips["cost"] == COST]
-    lines = []
-    for axis, each in checked.groupby("axis", sort=False):
-        whole = each[each["removed"] == ""]["ranking"].iloc[0]
-        turned = each[each["flips"] != ""]
-        found = "; ".join(f"without `{row['removed']}`: {row['flips']}" for row in turned.to_dict("records"))
-        verdict = f"it is not stable, {found} change places" if found else "removing any one turns no pair"
-        lines.append(f"- {axis}: {whole}; {verdict}.")
-    text = prose("""## Who wins how often
+    data, pairs, flips = (store.analysis(name) for name in ("profiles", "pairs", "flips"))
+    if flips.empty:
+        return Part("## Compared in cost\n\nNo axis of this campaign has two competitors.")
+    lines = [_ranking(str(axis), own) for axis, own in flips[flips["cost"] == COST].groupby("axis", sort=False)]
+    text = prose("""## Compared in cost
 
-For how many problems is each within a factor of the best? Contact algorithms and Newton iterations solve the same
-problem; measures and elements are compared by the least cost to reach an error. A failure, or a wrong answer, is
-infinitely dear. A profile depends on the whole field, so pairs are compared alone, too, and the ranking (by the share
-within twice the best) is repeated without each competitor.""")
-    header = ["axis", "a", "b", "problems", "a cheaper", "b cheaper", "median of b over a [95 %]"]
-    body = table(f"Pairs, {COST}", header, rows, words=3)
-    timed = [_pair(row) for row in pairs[pairs["cost"] == "seconds"].to_dict("records")]
-    if timed:
-        body += "\n\n" + machine(folded("Pairs by wall time", table("Pairs, seconds", header, timed, words=3)))
-    shown = picture(PROFILES, "Share of problems within a factor of the best")
-    return Part("\n\n".join([text, "\n".join(lines), shown, body]), {PROFILES: figures_tradeoff.profiles(data, COST)})
+Contact algorithms and Newton iterations solve the same problem; measures and elements are compared by the least cost
+to reach an error. The profile is the share of problems within a factor of the best: it ends at the share that is
+solved, and depends on the whole field. So pairs are compared alone, too, on the problems that both solve, and the
+ranking (by the share within twice the best) is repeated without each competitor. Problems of one scene are alike: the
+intervals are those of drawing scenes. Fewer than five problems make no comparison.""")
+    parts = [text, machine("\n".join(lines))]
+    pictures = {}
+    if len(data):
+        parts.append(picture(PROFILES, "Share of problems within a factor of the best"))
+        pictures = {PROFILES: figures_tradeoff.profiles(data, COST)}
+    parts += [
+        machine(_pairs(pairs, COST)),
+        folded("Pairs by operations of the factorisations", _pairs(pairs, OPERATIONS)),
+    ]
+    return Part("\n\n".join(parts), pictures)
+
+
+def _ranking(axis: str, checked: pd.DataFrame) -> str:
+    whole = checked[checked["removed"] == ""].iloc[0]
+    if not whole["ranking"]:
+        return f"- {axis}: not ranked: {whole['problems']} problem{'s' * (whole['problems'] != 1)}."
+    turned = checked[checked["flips"] != ""].to_dict("records")
+    found = "; ".join(f"without `{row['removed']}`: {row['flips']}" for row in turned)
+    verdict = f"not stable, {found} change places" if found else "the same without any one of them"
+    return f"- {axis}, {whole['problems']} problems: {whole['ranking']}; {verdict}."
+
+
+def _pairs(pairs: pd.DataFrame, cost: str) -> str:
+    """The pairs with enough problems in common, the largest ratio first within each axis."""
+    own = pairs[(pairs["cost"] == cost) & pairs["ratio"].notna()]
+    rows = [_pair(row) for row in own.to_dict("records")]
+    header = [
+        "axis",
+        "a",
+        "b",
+        "put to both",
+        "both solve",
+        "scenes",
+        "a cheaper",
+        "b cheaper",
+        "median of b over a [95 %]",
+    ]
+    return (
+        table(f"Pairs, {cost}", header, rows, words=3) if rows else f"No pair has enough problems in common ({cost})."
+    )
 
 
 def _pair(row: dict) -> list[str]:
     ratio = f"{fixed(row['ratio'], 2)} [{fixed(row['ratio_low'], 2)}, {fixed(row['ratio_high'], 2)}]"
-    counts = (str(row[name]) for name in ("problems", "a_better", "b_better"))
+    counts = (str(row[name]) for name in ("problems", "both", "scenes", "a_better", "b_better"))
     return [row["axis"], f"`{row['a']}`", f"`{row['b']}`", *counts, ratio]
 
 
@@ -164,7 +214,7 @@ def _attribution(store: Store) -> Part:
     if data.empty:
         return Part("## Which axis explains it\n\nToo few cells of any scene differ.")
     said = []
-    for response, words in (("error", "the error"), (COST, f"the {COST}")):
+    for response, words in (("error", "the error"), (OPERATIONS, "the operations")):
         own = data[(data["response"] == response) & ~data["factor"].isin(("interactions", "rest"))]
         best = own.loc[own.groupby(["scope", "name"], sort=False)["share"].idxmax()]
         counts = best["factor"].value_counts()
@@ -174,18 +224,19 @@ def _attribution(store: Store) -> Part:
             f"families (in `{top['name']}` {top['factor']} alone {_interval(top)})."
         )
     rows = []
-    for (_, name), own in data[data["response"].isin(("error", COST))].groupby(["scope", "name"], sort=False):
+    for (_, name), own in data[data["response"].isin(("error", OPERATIONS))].groupby(["scope", "name"], sort=False):
         for of, each in own.groupby("response", sort=False):
             shown = [f"{row['factor']} {_interval(row)}" for row in each.to_dict("records") if row["share"] >= 0.005]
             rows.append([f"`{name}`", str(of), str(each["cells"].iloc[0]), ", ".join(shown)])
     text = prose(f"""## Which axis explains it
 
-Shares of the variance of the logarithm of error and cost (type II, with 95 % bootstrap intervals). {" ".join(said)}""")
+Shares of the variance of the logarithm of error and operations (type II, with 95 % bootstrap intervals).
+{" ".join(said)}""")
     listed = table("Shares of the variance", ["scene or family", "of", "cells", "explained by"], rows, words=4)
     shown_picture = picture(SHARES, "Shares of the variance by axis")
     return Part(
         f"{text}\n\n{shown_picture}\n\n{folded('The shares as a table', listed)}",
-        {SHARES: figures_tradeoff.attribution(data, ("error", COST))},
+        {SHARES: figures_tradeoff.attribution(data, ("error", OPERATIONS))},
     )
 
 
@@ -240,5 +291,5 @@ CHAPTER = Chapter(
     "Cost and accuracy",
     "what accuracy costs, by measure, algorithm and mesh, and which axis explains it.",
     tradeoff_page,
-    needs=("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "attribution"),
+    needs=("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "solved", "attribution"),
 )
