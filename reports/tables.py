@@ -32,11 +32,7 @@ TYRE_STEP_KEYS = (
     *("failures", "substeps"),
     *("newton_iterations", "central_asymmetry", "mirror_asymmetry"),
 )
-STEP_KEYS: Mapping[str, tuple[str, ...]] = {
-    **dict.fromkeys(TYRES, TYRE_STEP_KEYS),
-    "ring": ("delta_mm", "kkt", "failures", "rounding", "newton_iterations", "substeps"),
-}
-STATIC_STEP_KEYS = ("load_fraction", "kkt", "failures", "rounding", "newton_iterations", "substeps")
+STEP_KEYS = ("kkt", "failures", "rounding", "newton_iterations", "substeps")  # of every other scene
 TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
     "profile": (
@@ -301,7 +297,7 @@ def load_cell(directory: Path, label: str, command: str = "") -> Cell:
 
 def _require_steps(result: Mapping[str, Any], path: Path) -> None:
     for step in result["steps"]:
-        _require(step, STEP_KEYS.get(result["scene"], STATIC_STEP_KEYS), path)
+        _require(step, TYRE_STEP_KEYS if result["scene"] in TYRES else STEP_KEYS, path)
 
 
 def _checked(path: Path, keys: Iterable[str]) -> dict[str, Any]:

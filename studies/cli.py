@@ -35,6 +35,9 @@ COMMANDS = {
 }
 
 
+WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
+
+
 class _Parser(argparse.ArgumentParser):
     """argparse, but an error is one line."""
 
@@ -57,10 +60,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     # before numpy is loaded: threads of small matrices only wait for one another, 5 times as long on a busy machine
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    options = _parser(sys.argv[1:] if arguments is None else arguments).parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
     from studies.scene import UsageError
 
     try:
+        _load_plugins(words)
+        options = _parser(words).parse_args(words)
         return int(options.run(options))
     except (UsageError, OSError) as error:
         print(f"footprint: {error}", file=sys.stderr)
@@ -73,6 +78,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
             gc.freeze()
 
 
+def _load_plugins(words: Sequence[str]) -> None:
+    """Parts from outside come into the catalogues before a command is imported that may list them."""
+    early = _Parser(prog="footprint", add_help=False, allow_abbrev=False)
+    early.add_argument("--use", action="append", default=[])
+    files = early.parse_known_args(words)[0].use
+    if files or next(iter(words), None) in {*COMMANDS} - WITHOUT_PARTS:
+        from studies.plugins import load
+
+        load(files)
+
+
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Parser of all commands, with the arguments of the one that is asked for."""
     parser = _Parser(prog="footprint", description="Compare shell strain measures and contact algorithms.")
@@ -83,6 +99,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
         if name == next(iter(arguments), None):
             module = importlib.import_module(f"studies.commands.{name}")
             module.add_arguments(command)
+            command.add_argument("--use", action="append", metavar="FILE.py", help="parts of your own, from a file")
             command.set_defaults(run=module.run)
     return parser
 

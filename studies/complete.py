@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +12,7 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import TOLERANCE, settings_of
 from studies.request import Request, Settings, Value
-from studies.scene import Scene, Setting, SettlingScene, UsageError
+from studies.scene import CompletingScene, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
 
 MODELS = ("auto", "full")
@@ -20,11 +20,11 @@ LARGEST_MESH = 250_000
 
 
 def complete(
-    scene_name: str, given: Mapping[str, str], mesh: str | None = None, **options: Any
+    scene_name: str, given: Mapping[str, object], mesh: str | Sequence[int] | None = None, **options: Any
 ) -> tuple[Scene, Request]:
     """The scene and the resolved request; raises UsageError with one line.
 
-    options: measure, contact, newton, model, steps.
+    given, mesh: text, or Python's values.  options: measure, contact, newton, model, steps.
     """
     scene = SCENES.get(scene_name)
     if scene is None:
@@ -35,7 +35,9 @@ def complete(
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
-    settings = scene.complete(_with_defaults(known, {key: known[key].parse(text) for key, text in given.items()}))
+    settings = _with_defaults(known, {key: known[key].parse(value) for key, value in given.items()})
+    if isinstance(scene, CompletingScene):
+        settings = scene.complete(settings)
     request = Request(scene_name, mesh=_mesh(mesh, scene), **options)
     for name, value, choices in (
         ("measure", request.measure, MEASURES),
@@ -45,7 +47,7 @@ def complete(
     ):
         if value not in choices:
             raise UsageError(f"{name} {value!r} must be one of {', '.join(choices)}")
-    if not 1 <= request.steps <= 10_000:
+    if not isinstance(request.steps, int) or not 1 <= request.steps <= 10_000:
         raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
@@ -64,9 +66,10 @@ def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> 
     return settings
 
 
-def _mesh(text: str | None, scene: Scene) -> tuple[int, int]:
-    if text is None:
+def _mesh(mesh: str | Sequence[int] | None, scene: Scene) -> tuple[int, int]:
+    if mesh is None:
         return scene.default_mesh
+    text = mesh if isinstance(mesh, str) else "x".join(map(str, mesh)) if isinstance(mesh, Sequence) else repr(mesh)
     parts = text.lower().split("x")
     if len(parts) != 2 or not all(part.isascii() and part.isdigit() for part in parts):
         raise UsageError(f"mesh {text!r} must be N1xN2 with two whole numbers, e.g. 42x40")

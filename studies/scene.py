@@ -240,12 +240,17 @@ class Scene(Protocol):
         """Values to compare with."""
         ...
 
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Fill in what depends on other settings; raises UsageError on combinations that exclude each other."""
-        ...
-
     def build(self, request: Request) -> SceneModel:
         """Check what ranges alone cannot and build; raises UsageError."""
+        ...
+
+
+@runtime_checkable
+class CompletingScene(Protocol):
+    """A scene with settings that depend on one another."""
+
+    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
+        """Fill in what depends on other settings; raises UsageError on combinations that exclude each other."""
         ...
 
 

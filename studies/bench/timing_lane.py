@@ -23,6 +23,7 @@ from scipy.stats import bootstrap
 
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import plan, solved_rows
+from studies.plugins import used
 from studies.pool.process import Child, Limits
 from studies.scene import UsageError
 from studies.solve import CONVERGED, provenance
@@ -139,7 +140,7 @@ def time_campaign(
     child, limits = Child(), Limits()
 
     def ask(kind: str, **task: Any) -> dict[str, Any]:
-        wanted = {"kind": kind, "files": "", "modules": campaign.modules, "folder": campaign.folder, **task}
+        wanted = {"kind": kind, "files": "", "use": [*used(), *campaign.use], **task}
         wanted |= {"time_s": limits.time_s, "memory_MB": limits.memory_MB}
         answer = child.ask(wanted, limits.time_s)
         if answer["class"]:

@@ -23,11 +23,9 @@ tolerances`` settings, and ``vary = { KEY = [...] }`` makes an axis of any other
 
 from __future__ import annotations
 
-import importlib
 import itertools
-import sys
 import tomllib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -37,6 +35,7 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
 from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.plugins import load_file
 from studies.request import text_of
 from studies.scene import UsageError
 from studies.scenes import SCENES
@@ -60,15 +59,14 @@ ALL_PAGES = "all"
 
 @dataclass(frozen=True)
 class Campaign:
-    """Cells by unique labels, tables of the whole store; ``modules`` in ``folder`` are imported before all."""
+    """Cells by unique labels, tables of the whole store; ``use``: the files of its modules, imported before all."""
 
     name: str
     title: str
     cells: tuple[Cell, ...]
     tables: tuple[str, ...] = ()
     pages: str = ""
-    modules: tuple[str, ...] = ()
-    folder: str = ""
+    use: tuple[str, ...] = ()
 
 
 def find(name: str) -> Campaign:
@@ -95,25 +93,23 @@ def read(path: Path) -> Campaign:
     except (OSError, ValueError) as error:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
     _known(path, data, KEYS)
-    modules, folder = tuple(data.get("modules", ())), str(path.parent.resolve())
-    load_modules(modules, folder)
+    use = _modules(path, data.get("modules", []))
     cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]]
     for cross in data.get("cross", []):
         cells += _crossed(path, cross)
     unique = _without_repeats(path, cells)
     tables = tuple(dict.fromkeys(table for name in data.get("lists", ()) for table in TABLES_OF.get(name, ())))
-    return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), modules, folder)
+    return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), use)
 
 
-def load_modules(modules: tuple[str, ...], folder: str) -> None:
-    """Import a user's own modules, which lie in ``folder``; raises UsageError."""
-    if modules and folder not in sys.path:
-        sys.path.insert(0, folder)
-    for name in modules:
-        try:
-            importlib.import_module(name)
-        except Exception as error:
-            raise UsageError(f"module {name!r} in {folder}: {type(error).__name__}: {error}") from error
+def _modules(path: Path, names: Sequence[str]) -> tuple[str, ...]:
+    """The files of a user's own modules, which lie beside the campaign, imported; raises UsageError."""
+    files = []
+    for name in names:
+        place = path.parent.resolve() / name
+        files.append(next((file for file in (place / "__init__.py",) if file.exists()), place.with_suffix(".py")))
+        load_file(files[-1])
+    return tuple(map(str, files))
 
 
 def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:

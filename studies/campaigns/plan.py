@@ -15,6 +15,7 @@ from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.complete import complete
+from studies.plugins import modules_of
 from studies.request import Request
 from studies.scene import UsageError
 from studies.scenes import SCENES
@@ -53,7 +54,8 @@ def identity(cell: Cell) -> str:
 
 def _identity(request: Request) -> str:
     """Resolved request, schema, and the sources of what solves it and of its scene; no date, no machine."""
-    sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__), without=CATALOGUE)
+    outside = modules_of(request.measure, request.contact, request.scene)
+    sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__, *outside), without=CATALOGUE)
     content = json.dumps(plain([SCHEMA, sources, asdict(request)]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan, solved_rows
+from studies.plugins import used
 from studies.pool.engine import engine as engine_of
 from studies.pool.process import Limits, StoreFullError, Task
 from studies.scene import UsageError
@@ -105,7 +106,11 @@ def _write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
 
 
 def _tables(campaign: Campaign) -> list[Task]:
-    return [Task("table", name, f"table {name}", files=True) for name in campaign.tables]
+    return [Task("table", name, f"table {name}", files=True, use=_used(campaign)) for name in campaign.tables]
+
+
+def _used(campaign: Campaign) -> tuple[str, ...]:
+    return (*used(), *campaign.use)
 
 
 def _missing(archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None]) -> list[Task]:
@@ -119,5 +124,5 @@ def _missing(archive: Archive, campaign: Campaign, rows: list[Row], say: Callabl
         except DamagedError as error:
             say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
         asked = (cell.scene, cell.options, cell.settings, cell.artefacts)
-        tasks.append(Task("cell", cell_id, cell.label, *asked, campaign.modules, campaign.folder))
+        tasks.append(Task("cell", cell_id, cell.label, *asked, _used(campaign)))
     return tasks

@@ -17,6 +17,7 @@ from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.work_precision import work_precision_study
+from studies.plugins import modules
 from studies.store.atomic import SCHEMA, write_table_once
 from studies.store.source_hash import sources_hash
 
@@ -44,5 +45,5 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
 def make_table(name: str, directory: Path) -> bool:
     """Make a table unless the one there was made by the same sources; returns whether it was made now."""
     make = TABLES[name]
-    identity = f"{SCHEMA} {sources_hash([make.__module__])}"
+    identity = f"{SCHEMA} {sources_hash([make.__module__, *modules()])}"
     return write_table_once(directory / f"{name}.csv", identity, make)

@@ -106,15 +106,18 @@ def _data_MB() -> float:
 
 
 def _record(task: dict[str, Any]) -> str:
-    from studies.campaigns.file import load_modules
+    from studies.plugins import load
     from studies.store.record import record_of
 
-    load_modules(tuple(task["modules"]), task["folder"])
+    load(task["use"])
     directory = Path(task["files"]) if task["files"] else None
     return record_of(task["id"], task["scene"], task["options"], task["settings"], directory)
 
 
 def _table(task: dict[str, Any]) -> str:
+    from studies.plugins import load
+
+    load(task["use"])
     from studies.experiments.tables import make_table
 
     make_table(task["name"], Path(task["files"]))

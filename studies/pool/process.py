@@ -46,8 +46,7 @@ class Task:
     options: Mapping[str, Any] | None = None
     settings: Mapping[str, str] | None = None
     files: bool = False
-    modules: tuple[str, ...] = ()
-    folder: str = ""
+    use: tuple[str, ...] = ()
 
 
 class StoreFullError(OSError):
@@ -188,7 +187,7 @@ def perform(task: Task, root: str, limits: Limits) -> str:
     time_s = limits.time_s * (TABLES_TAKE if task.kind == "table" else 1)
     request = {
         **{"kind": task.kind, "id": task.id, "name": task.id, "scene": task.scene},
-        **{"options": task.options, "settings": task.settings, "modules": task.modules, "folder": task.folder},
+        **{"options": task.options, "settings": task.settings, "use": task.use},
         "files": str(archive.tables if task.kind == "table" else archive.files(task.id)) if task.files else "",
         **{"time_s": time_s, "memory_MB": limits.memory_MB},
     }

@@ -20,11 +20,17 @@ CATALOGUE = "studies.scenes"
 
 def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> str:
     """Hash of the sources, by module name, of the closure of ``modules``; neither machine nor place enter."""
-    return _hash(frozenset(modules), root, without)
+    named = frozenset(modules)
+    ours = all(name.split(".")[0] in PACKAGES for name in named)
+    return _hash(named, root, without) if ours else _digest(named, root, without)  # a file of a user's may change
 
 
 @cache
 def _hash(modules: frozenset[str], root: Path, without: str) -> str:
+    return _digest(modules, root, without)
+
+
+def _digest(modules: frozenset[str], root: Path, without: str) -> str:
     digest = hashlib.sha256()
     for name in sorted(closure(modules, root, without=without)):
         path = _path_of(name, root)
@@ -36,7 +42,7 @@ def _hash(modules: frozenset[str], root: Path, without: str) -> str:
 def closure(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> set[str]:
     """Names of all our modules that ``modules`` import, directly or not, with themselves; ``without`` is not followed.
 
-    A module outside our packages counts when it is named (a scene of a user's own), not when it is imported.
+    A module outside our packages counts when it is named (a part of a user's own), and what it imports from its folder.
     """
     found: set[str] = set()
     ahead = [name for name in modules if _path_of(name, root) is not None]
@@ -48,11 +54,20 @@ def closure(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> 
     return found
 
 
-@cache
 def _imports(name: str, root: Path) -> tuple[str, ...]:
-    """Our modules that a module imports, with the packages they lie in."""
+    """Our modules that a module imports, with the packages they lie in; those from its folder of one from outside."""
     path = _path_of(name, root)
     assert path is not None
+    if name.split(".")[0] in PACKAGES:
+        return _ours(name, path, root)
+    package = name if path.name == "__init__.py" else name.rpartition(".")[0]
+    beside = {each for each in _named(ast.parse(path.read_bytes()), package) if each.split(".")[0] not in PACKAGES}
+    places = {each: _path_of(each, root) for each in beside}
+    return (*_ours(name, path, root), *(each for each, at in places.items() if at and path.parent in at.parents))
+
+
+@cache
+def _ours(name: str, path: Path, root: Path) -> tuple[str, ...]:
     named = set(_named(ast.parse(path.read_bytes())))
     parents = {
         ".".join(parts[:i]) for each in (*named, name) for parts in [each.split(".")] for i in range(1, len(parts))
@@ -61,22 +76,27 @@ def _imports(name: str, root: Path) -> tuple[str, ...]:
     return tuple(sorted(each for each in ours if _path_of(each, root) is not None))
 
 
-def _named(tree: ast.Module) -> Iterator[str]:
-    """Everything that is imported: modules, and names that may be modules."""
+def _named(tree: ast.Module, package: str = "") -> Iterator[str]:
+    """Everything that is imported: modules, and names that may be modules; relative ones in a package."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-            yield node.module
-            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and (package or not node.level):
+            parents = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
+            module = ".".join((*parents, *([node.module] if node.module else [])))
+            yield module
+            yield from (f"{module}.{alias.name}" for alias in node.names)
+
+
+def _path_of(name: str, root: Path) -> Path | None:
+    """The file of a module; None when there is none, as of a name inside a module."""
+    if name.split(".")[0] in PACKAGES:
+        return _our_path(name, root)
+    file = getattr(sys.modules.get(name), "__file__", None)
+    return Path(file) if file else None
 
 
 @cache
-def _path_of(name: str, root: Path) -> Path | None:
-    """The file of a module; None when there is none, as of a name inside a module."""
-    if name.split(".")[0] not in PACKAGES:
-        loaded = sys.modules.get(name)
-        file = getattr(loaded, "__file__", None)
-        return Path(file) if file else None
+def _our_path(name: str, root: Path) -> Path | None:
     base = root.joinpath(*name.split("."))
     return next((path for path in (base.with_suffix(".py"), base / "__init__.py") if path.is_file()), None)

@@ -383,7 +383,7 @@ TWICE = "".join(f"[[cross]]\nsteps = {n}\nmeshes = ['4x1']\n[cross.scenes.cantil
         ("[[cross]]\nmeasures = ['exat']\n[cross.scenes.tyre]", "'exat' in measures must be one of"),
         ("lists = ['all']", "'all' in lists must be one of"),
         (TWICE, "two cells have the label"),
-        ("modules = ['nowhere_to_be_found']", "module 'nowhere_to_be_found' in"),
+        ("modules = ['nowhere_to_be_found']", "nowhere_to_be_found.py: no such file"),
         ("title = ", "campaign"),
     ],
 )

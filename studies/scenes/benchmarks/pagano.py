@@ -8,7 +8,6 @@ transverse shears from the equilibrium of each ply, since a constant shear strai
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,7 +16,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.data import read_reference
@@ -55,10 +54,6 @@ class Pagano:
         *SHELL_SETTINGS,
     )
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face."""

@@ -16,7 +16,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
 from studies.scenes.element import discretise
@@ -38,10 +38,6 @@ class PinchedCylinder:
     default_mesh: tuple[int, int] = (32, 32)
     settings: tuple[Setting, ...] = (LOAD_FRACTION, *SHELL_SETTINGS)
     references: tuple[Reference, ...] = (Reference("deflection_mm", 1.82488e-5, AT, "read", SOURCE, 0.005),)
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""

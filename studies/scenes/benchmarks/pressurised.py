@@ -25,7 +25,7 @@ from formulations.geometry.surfaces import cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation, ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting, UsageError
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
@@ -127,10 +127,6 @@ class PressurisedCylinder:
         fixed = _references({"ends": "fixed"}, fixed_cylinder_stretch, fixed_cylinder_load(LARGEST), NU / (1 - NU))
         return fixed + _references({"ends": "open"}, open_cylinder_stretch, open_cylinder_load(LARGEST), NU)
 
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
-
     def build(self, request: Request) -> SceneModel:
         """Length of half a radius."""
         n1, n2 = request.mesh
@@ -159,10 +155,6 @@ class PressurisedSphere:
     def references(self) -> tuple[Reference, ...]:
         """Stretches at the default fractions of the load."""
         return _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """No rigid motion is left."""
@@ -211,10 +203,6 @@ class PressurisedTorus:
             for place, (phi, uncertainty) in points.items()
             for name, value in zip(("phi", "theta"), torus_resultants(phi), strict=True)
         )
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""

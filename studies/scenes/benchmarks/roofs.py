@@ -5,7 +5,6 @@ The load passes two or four limit points, the displacement may turn back: the cu
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +13,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
@@ -76,10 +75,6 @@ class Roof:
             )
             for quantity, value, weight in zip(("limit_load_fraction", "limit_w_C_mm"), values, (1, 2), strict=True)
         )
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def laminate(self) -> Laminate:
         """One isotropic layer or the three plies, about the middle surface."""

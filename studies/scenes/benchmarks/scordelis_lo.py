@@ -16,7 +16,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.element import discretise
@@ -43,10 +43,6 @@ class ScordelisLo:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = (LOAD_FRACTION, *SHELL_SETTINGS)
     references: tuple[Reference, ...] = REFERENCES
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""

@@ -12,7 +12,6 @@ symmetry, which a quarter with few elements around cannot show.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +22,7 @@ from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
@@ -76,10 +75,6 @@ class ShallowSphericalCap:
     default_mesh: tuple[int, int] = (32, 4)
     settings: tuple[Setting, ...] = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +10,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
@@ -40,10 +39,6 @@ class SlitAnnulus:
     default_mesh: tuple[int, int] = (10, 80)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the line force on each face, along e3."""

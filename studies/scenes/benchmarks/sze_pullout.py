@@ -6,7 +6,6 @@ curve is traced by arc length.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
 from studies.scenes.element import ELEMENT, discretise
@@ -47,10 +46,6 @@ class PullOut:
     default_mesh: tuple[int, int] = (16, 24)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""

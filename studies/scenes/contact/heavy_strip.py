@@ -5,7 +5,6 @@ The strip hangs under a ceiling, so to say: its weight presses the outer face on
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +14,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
@@ -51,10 +50,6 @@ class HeavyStrip:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (LIFTS, LAMBDA, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""

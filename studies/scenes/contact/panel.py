@@ -6,7 +6,6 @@ It has no reference: what is asked of it is where it can be solved at all, and w
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +18,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.element import ELEMENT, discretise
@@ -67,10 +66,6 @@ class Panel:
     default_mesh: tuple[int, int] = (6, 6)
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = ()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Pressure and travel grow together; results in mm, N, MPa whatever the units of the problem."""

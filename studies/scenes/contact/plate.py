@@ -7,7 +7,6 @@ squeezed by the line force over some 0.6 h around the rim; its contact radius is
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
@@ -57,10 +56,6 @@ class PlateContact:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (PRESSURES, HOLE, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results over a and D g/a^2.

@@ -8,7 +8,6 @@ of it at delta = R/2, which is 2.4e-4 with the thickness h = R/100 (measured).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
@@ -55,10 +54,6 @@ class Ring:
     default_mesh: tuple[int, int] = (1, 64)
     settings: tuple[Setting, ...] = (TRAVELS, THICKNESS, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides; P is the whole force of a plate."""

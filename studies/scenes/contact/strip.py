@@ -8,7 +8,6 @@ spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,7 +17,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
-from studies.request import Request, Value
+from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
@@ -86,10 +85,6 @@ class ClampedStrip:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (PRESSURES, LAMBDA, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
-
-    def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Nothing depends on anything."""
-        return dict(settings)
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""

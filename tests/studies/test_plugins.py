@@ -1,0 +1,200 @@
+"""Parts written outside: a measure, an algorithm with two parameters and a scene, by ``--use`` and by entry points."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PLUGIN = ROOT / "tests" / "plugin"
+USE = ["--use", str(PLUGIN / "stranger.py")]
+CAMPAIGN = """
+[[cross]]
+name = "ours"
+measures = ["exact", "no-drilling"]
+contacts = ["semismooth", "stiffening"]
+[cross.scenes.pressed-arch]
+meshes = ["1x8", "1x16", "1x32"]
+"""
+
+
+def footprint(*words: object, path: Path | None = None) -> tuple[int, str, str]:
+    """Exit code, output and errors of the command line, with one more place to find packages in."""
+    places = [*([str(path)] if path else []), str(ROOT)]
+    done = subprocess.run(
+        [sys.executable, "-m", "studies.cli", *map(str, words)],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(places)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def installed(folder: Path, source: str, entries: dict[str, dict[str, str]]) -> Path:
+    """A folder that looks as if pip had installed the plug-in into it."""
+    (folder / "stranger.py").write_text(source, encoding="utf-8")
+    info = folder / "stranger-0.1.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 0.1\n")
+    lines = [f"[{group}]\n" + "".join(f"{k} = {v}\n" for k, v in names.items()) for group, names in entries.items()]
+    (info / "entry_points.txt").write_text("\n".join(lines))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def source() -> str:
+    return (PLUGIN / "stranger.py").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def entries() -> dict[str, dict[str, str]]:
+    project = tomllib.loads((PLUGIN / "pyproject.toml").read_text())["project"]
+    return dict(project["entry-points"])
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory: pytest.TempPathFactory, source: str, entries: dict[str, dict[str, str]]) -> Path:
+    return installed(tmp_path_factory.mktemp("site"), source, entries)
+
+
+@pytest.fixture(scope="module")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("campaign") / "ours.toml"
+    path.write_text(CAMPAIGN)
+    return path
+
+
+@pytest.fixture(scope="module")
+def store(campaign: Path) -> Path:
+    """The campaign solved by worker processes, with the plug-in as a file."""
+    store = campaign.parent / "store"
+    code, said, errors = footprint("run", campaign, "--store", store, "--engine", "local:2", *USE)
+    assert code == 0, errors
+    assert said == "ours: 12 cells: 12 converged; 12 solved now\n"
+    return store
+
+
+def test_the_plugin_is_short() -> None:
+    assert sum(len(path.read_text().splitlines()) for path in PLUGIN.iterdir() if path.is_file()) < 120
+
+
+def test_a_file_solves_with_parameters_of_its_own(tmp_path: Path) -> None:
+    own = ["--measure", "no-drilling", "--contact", "stiffening", "--set", "first=50", "--set", "rounds=1"]
+    code, _, errors = footprint("solve", "pressed-arch", *own, "--out", tmp_path, *USE)
+    assert code == 0, errors
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert result["settings"].items() >= {"first": 50.0, "rounds": 1, "epsilon": "inf"}.items()
+    assert result["class"] == "converged"
+    code, _, errors = footprint("solve", "pressed-arch", *own, "--set", "rounds=9", "--out", tmp_path, *USE)
+    assert code == 2
+    assert errors == "footprint: rounds = '9' must be a whole number in [1, 6]\n"
+
+
+def test_list_and_show_take_it_in() -> None:
+    _, said, _ = footprint("list", *USE)
+    for line in (
+        "no-drilling           Green-Lagrange strain; neglects the squares of w",
+        "stiffening            Springs of growing stiffness",
+        "pressed-arch          Clamped arch pressed by a plane",
+    ):
+        assert " ".join(line.split()) in " ".join(said.split())
+    _, said, _ = footprint("show", "stiffening", *USE)
+    assert "times that it grows tenfold" in said
+    code, _, errors = footprint("show", "stiffening")
+    assert code == 2
+    assert errors.count("\n") == 1
+
+
+def test_pages_and_advice_take_it_in(store: Path, tmp_path: Path) -> None:
+    code, _, errors = footprint("analyse", "ours", "--store", store, *USE)
+    assert code == 0, errors
+    code, _, errors = footprint("report", "--store", store, "--out", tmp_path)
+    assert code == 0, errors
+    pages = "".join(path.read_text() for path in tmp_path.glob("*.md"))
+    for name in ("pressed-arch", "stiffening", "no-drilling"):
+        assert name in pages
+    code, said, errors = footprint(
+        "advise", "pressed-arch", "--error", "2%", "--store", store, "--campaign", "ours", *USE
+    )
+    assert code == 0, errors
+    assert "1x" in said
+
+
+def test_entry_points_give_the_same_cells(site: Path, store: Path, campaign: Path, tmp_path: Path) -> None:
+    """By its name and source a part is the same, however it came; a changed source is another one."""
+    code, said, errors = footprint("run", campaign, "--store", store, "--engine", "local:1", path=site)
+    assert code == 0, errors
+    assert said == "ours: 12 cells: 12 converged; 0 solved now\n"
+    code, _, errors = footprint("solve", "pressed-arch", "--contact", "stiffening", "--out", tmp_path, path=site)
+    assert code == 0, errors
+
+
+def test_worker_processes_find_entry_points_and_a_new_source_is_solved_again(
+    site: Path, source: str, entries: dict[str, dict[str, str]], tmp_path: Path
+) -> None:
+    changed = tmp_path / "site"
+    changed.mkdir()
+    installed(changed, source + "\n# edited\n", entries)
+    small = tmp_path / "small.toml"
+    small.write_text(
+        '[[cross]]\nmeasures = ["no-drilling"]\n[cross.scenes.cantilever]\nmeshes = ["2x1"]\n'
+        '[[cross]]\ncontacts = ["stiffening"]\n[cross.scenes.panel]\nmeshes = ["4x4"]\n'
+        '[[cross]]\n[cross.scenes.cantilever]\nmeshes = ["4x1"]\n'
+    )
+    for place, solved in ((site, 3), (site, 0), (changed, 2)):
+        code, said, errors = footprint("run", small, "--store", tmp_path / "store", "--engine", "local:1", path=place)
+        assert code == 0, errors
+        assert said == f"small: 3 cells: 3 converged; {solved} solved now\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("import nothing_of_this_name", "ModuleNotFoundError: No module named 'nothing_of_this_name'"),
+        ("def", "SyntaxError: invalid syntax"),
+        ("raise SystemExit(0)", "SystemExit: 0"),
+        (None, "no such file"),
+    ],
+)
+def test_a_broken_file_is_one_line(text: str | None, says: str, tmp_path: Path) -> None:
+    path = tmp_path / "broken.py"
+    if text is not None:
+        path.write_text(text)
+    code, _, errors = footprint("list", "--use", path)
+    assert code == 2
+    assert errors.startswith(f"footprint: plug-in {path}: {says}")
+    assert errors.count("\n") == 1
+
+
+def test_a_file_with_the_name_of_another_module_is_one_line(tmp_path: Path) -> None:
+    path = tmp_path / "json.py"
+    path.write_text("")
+    code, _, errors = footprint("list", "--use", path)
+    assert code == 2
+    assert errors.startswith(f"footprint: plug-in {path}: the name 'json' is taken by ")
+
+
+@pytest.mark.parametrize(
+    ("entry", "says"),
+    [
+        ({"footprint.scenes": {"pressed-arch": "stranger:NOTHING"}}, "has no attribute 'NOTHING'"),
+        ({"footprint.measures": {"exact": "stranger:NO_DRILLING"}}, "the name of the part is 'no-drilling'"),
+        ({"footprint.contact": {"semismooth": "stranger:Stiffening"}}, "the name of the part is 'stiffening'"),
+    ],
+)
+def test_a_broken_entry_point_is_one_line(
+    entry: dict[str, dict[str, str]], says: str, source: str, tmp_path: Path
+) -> None:
+    ((group, names),) = entry.items()
+    code, _, errors = footprint("list", path=installed(tmp_path, source, entry))
+    assert code == 2
+    assert errors.startswith(f"footprint: plug-in {next(iter(names))!r} of {group} (")
+    assert says in errors
+    assert errors.count("\n") == 1
