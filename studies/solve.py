@@ -21,6 +21,7 @@ import pandas as pd
 
 from contact.continuation.arc_length import Trace
 from contact.diagnosis import diagnose
+from contact.events import EventKind, events
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -37,7 +38,6 @@ UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refus
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
-CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 resolve = complete
 REPORTED_PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "meshio")
 
@@ -52,6 +52,7 @@ class Result:
     request: Request
     model: SceneModel
     outcome: Outcome = Outcome.CONVERGED
+    cause: Outcome = Outcome.CONVERGED
     reason: str = ""
     unsupported: str = ""
     quantities: dict[str, float] = field(default_factory=dict)
@@ -80,7 +81,7 @@ class Result:
             "reason": self.unsupported or self.reason or self.outcome.value,
             "quantities": self.quantities,
             "steps": self.steps,
-            "cuts": [str(row["event"]) for row in self.history if CUT in str(row.get("event", ""))],
+            "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
             "counters": self.counters,
             "timing_s": self.timing,
             "provenance": provenance(),
@@ -93,9 +94,7 @@ class Result:
             return UNSUPPORTED
         if self.outcome.converged:
             return WRONG if any(step["failures"] for step in self.steps) else CONVERGED
-        limit = Outcome.ITERATION_LIMIT
-        capped = self.outcome is limit or (self.outcome is Outcome.STEP_LIMIT and limit.value in self.reason)
-        return CAP_HIT if capped else NOT_CONVERGED
+        return CAP_HIT if Outcome.ITERATION_LIMIT in (self.outcome, self.cause) else NOT_CONVERGED
 
     def write(self, directory: Path) -> None:
         """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
@@ -163,7 +162,7 @@ def _record_end(visited: Visited, result: Result) -> None:
     if point.outcome is Outcome.REFUSED:  # at once, or known only once the tangent is
         result.unsupported = f"{result.request.contact} does not apply: {visited.said}"
         return
-    result.outcome = point.outcome
+    result.outcome, result.cause = point.outcome, point.cause
     if point.end is not None and point.end.limit is not None:
         result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
     where = (

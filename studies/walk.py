@@ -11,6 +11,7 @@ from functools import cached_property, partial
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
+from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from studies.scene import ArcStage, Stage
 
@@ -82,7 +83,7 @@ def walk(
         else:
             refused = algorithm.supports(problem_at(stage.targets[0]))
             if refused is not None:
-                said = replace(before, counters={}, history=({"event": refused},))
+                said = replace(before, counters={}, history=({"event": Event(EventKind.FAILED, refused)},))
                 yield Visited(stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, said, 0))
                 return
             for point in follow(

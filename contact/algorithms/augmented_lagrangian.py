@@ -8,6 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from contact.events import Event, EventKind
 from contact.newton.loop import iterate, settling
 from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, STIFFNESS, Parameter
@@ -70,7 +71,8 @@ class AugmentedLagrangian:
             # a node in the set is off by its spring, which is what the pressure has just changed by
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
             exact = error <= GAP_TOLERANCE * whole.gap_size(state.u, gap)
-            whole.history[first_row]["event"] = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
+            update = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
+            whole.history[first_row]["event"] = Event(EventKind.UPDATE, update)
             if exact and tolerance == self.tolerance:
                 return state
             if error > SLOW * before:

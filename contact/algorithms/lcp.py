@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from scipy import sparse
 
+from contact.events import Event, EventKind
 from contact.newton.loop import Iterate, Step, StepError, iterate
 from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
@@ -70,7 +71,8 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
     # where the set holds a gap closed, rounding is no penetration
     rounding = GAP_TOLERANCE * run.gap_size(at.u, at.gap)
     nodes, columns = np.zeros(0, int), np.zeros((len(free), 0))
-    multiplier, event, entering = np.zeros(len(free)), "", np.flatnonzero(at.expected | (free < -rounding))
+    event: Event | None = None
+    multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.expected | (free < -rounding))
     while len(entering):
         start = run.clock()
         columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
@@ -124,7 +126,8 @@ def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> L
         found = active_set(M, q, expected)
     except LcpError as error:
         raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {why}; by the active set: {error}") from None
-    return LcpSolution(found.z, found.pivots, f"lcp by {method}: {why}; the active set was used instead")
+    instead = Event(EventKind.SUBSTITUTE, f"lcp by {method}: {why}; the active set was used instead")
+    return LcpSolution(found.z, found.pivots, instead)
 
 
 def _compliance(factor: Factor, G: sparse.csr_matrix, push: sparse.csc_matrix) -> np.ndarray:

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import ClassVar
 
 import numpy as np
 from scipy import sparse
 
+from contact.events import Event, EventKind
 from contact.newton.loop import Iterate, Step, StepError, iterate, settle_set
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
@@ -72,13 +75,14 @@ class Qp:
         run.spend("contact_s", begun)
         claimed = _pressing(scaled, answer)
         step = settle_set(run, at, claimed)
-        events = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []
+        told = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []
         if not answer.claimed:
-            events.append(f"{self.backend} says {answer.status!r}")
+            told.append(f"{self.backend} says {answer.status!r}")
         wrong = int(np.sum(claimed ^ step.active))
         if wrong:
-            events.append(f"set of {self.backend} ({answer.status}) corrected at {wrong} nodes by exact steps")
-        return Step(step.du, step.pressure, step.active, "; ".join([*events, *([step.event] if step.event else [])]))
+            told.append(f"set of {self.backend} ({answer.status}) corrected at {wrong} nodes by exact steps")
+        events = [Event(EventKind.SUBSTITUTE, text) for text in told] + ([step.event] if step.event else [])
+        return Step(step.du, step.pressure, step.active, reduce(add, events) if events else None)
 
     def _answer(self, whole: Programme, at: Iterate, y: np.ndarray) -> Answer:
         """Of the candidates expected to press, and the nearest, joined by those pushed in until there are no more.

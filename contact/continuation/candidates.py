@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 
 REACH = 1.0  # of the deepest penetration at the start of the step: who is nearer than that may touch
@@ -37,7 +38,8 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
         if not (found.outcome.converged and missed.any()):
             return found
         *rows, last = found.history
-        event = f"{int(missed.sum())} candidates that were left out penetrate: they are taken in"
+        told = f"{int(missed.sum())} candidates that were left out penetrate: they are taken in"
+        event = Event(EventKind.TAKEN_IN, told)
         before = replace(found, history=(*rows, {**last, "event": event}))
         chosen |= missed
 

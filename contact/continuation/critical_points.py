@@ -21,6 +21,7 @@ Analysis (2010), chapter 5. No algorithm may enter here.
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -62,10 +63,19 @@ class Spectrum:
         return float(self.eigenvalues[best]), float(cosines[best])
 
 
+class PathEnd(enum.Enum):
+    """What there is at the end of a path."""
+
+    LIMIT_POINT = "limit point"
+    BIFURCATION = "bifurcation"
+    NEITHER = "neither"  # or nobody can tell
+
+
 @dataclass(frozen=True)
 class Ending:
-    """Why a path ends, in one sentence; ``limit``: the parameter of the limit point, where there is one."""
+    """Why a path ends, and in one sentence; ``limit``: the parameter of the limit point, where there is one."""
 
+    kind: PathEnd
     sentence: str
     limit: float | None = None
 
@@ -78,23 +88,26 @@ def why_it_ends(
     Four are best: the yardstick and three near the end, two secants to see the law by.
     """
     if len(states) < 3:
-        return Ending("too few converged steps to tell why")
+        return Ending(PathEnd.NEITHER, "too few converged steps to tell why")
     try:
         found = [spectrum(problem_at(t), state, epsilon) for t, state in states]
     except (SingularMatrixError, ValueError) as error:
-        return Ending(f"the tangent does not tell why: {error}")
+        return Ending(PathEnd.NEITHER, f"the tangent does not tell why: {error}")
     if not all(len(each.eigenvalues) for each in found):
-        return Ending("no limit point: nothing is free to move")
+        return Ending(PathEnd.NEITHER, "no limit point: nothing is free to move")
     (first, _), (last, _) = states[0], states[-1]
     limit = _limit_point(states, found)
     passed = _passed(first, found)
     if limit is not None:
-        return Ending(f"limit point of the path at about {limit.at:.7g}: {limit.told}{passed}", limit.at)
+        sentence = f"limit point of the path at about {limit.at:.7g}: {limit.told}{passed}"
+        return Ending(PathEnd.LIMIT_POINT, sentence, limit.at)
     least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
     told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
-        return Ending(f"bifurcation near {last:.7g}: {told}, and the path does not speed up along its mode{passed}")
-    return Ending(f"no limit point: {told}{passed}; the solver fails, and the tangent gives no reason")
+        sentence = f"bifurcation near {last:.7g}: {told}, and the path does not speed up along its mode{passed}"
+        return Ending(PathEnd.BIFURCATION, sentence)
+    sentence = f"no limit point: {told}{passed}; the solver fails, and the tangent gives no reason"
+    return Ending(PathEnd.NEITHER, sentence)
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from contact.events import Event, EventKind
 from contact.newton.step import NewtonRun
 from contact.problem import Linearisation, Linearise, Linearised, without_contact
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
@@ -82,7 +83,7 @@ class Curve:
         for iteration in range(self.max_iterations + 1):
             lin = self._loaded(u, factor, memory)
             error = self.run.imbalance(lin, u, NO_CONTACT)
-            self.run.note(error, NO_SET, NO_SET, event if iteration == 0 else "")
+            self.run.note(error, NO_SET, NO_SET, Event(EventKind.POINT, event) if iteration == 0 else None)
             self.run.history[-1] |= {"parameter": factor, "iteration": iteration}
             if self.run.balanced(lin, u, error):
                 return ArcPoint(u, factor, iteration)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 from contact.continuation.candidates import solve_within_reach
 from contact.continuation.critical_points import Ending, State, branches_passed, why_it_ends
+from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
@@ -18,6 +20,7 @@ class PathPoint:
     """The state at a requested parameter, or the last converged one when the path ended before it.
 
     requested, reached: the path parameter asked for and got.  outcome: CONVERGED, or why the path ends here.
+    cause: outcome of the last attempt at a step, which tells what failed at the smallest one.
     solution: the converged state at ``reached`` with the counters and history of ALL sub-steps since the last point.
     end: what the tangent says of the end of the path, where no step is small enough; it is the last event, too.
     """
@@ -27,6 +30,7 @@ class PathPoint:
     outcome: Outcome
     solution: ContactSolution
     substeps: int
+    cause: Outcome = Outcome.CONVERGED
     end: Ending | None = None
 
 
@@ -49,67 +53,113 @@ def follow(
     """
     at = start
     for target in targets:
-        point = _reach(problem_at, at, target, algorithm, solution, steps, on_substep, smallest)
+        asked = (target - at) / steps
+        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), ((at, solution),), asked)
+        while stepper.outcome.converged and stepper.reached != target:
+            attempt = stepper.attempt()
+            stepper = stepper.accept(attempt) if attempt.failure is None else stepper.reject(attempt, attempt.failure)
+            if attempt.failure is None and on_substep is not None:
+                on_substep(attempt.parameter)
+        point = stepper.point()
         yield point
         if not point.outcome.converged:
             return
         at, solution = target, point.solution
 
 
-def _reach(
-    problem_at: Callable[[float], ContactProblem],
-    at: float,
-    target: float,
-    algorithm: ContactAlgorithm,
-    solution: ContactSolution,
-    steps: int,
-    on_substep: Callable[[float], None] | None,
-    smallest: float,
-) -> PathPoint:
-    asked = (target - at) / steps
-    step, substeps = asked, 0
-    counters: dict[str, float] = {}
-    history: list[dict[str, object]] = []
-    reached, outcome, end, cut = at, Outcome.CONVERGED, None, False
-    states: list[State] = [(at, solution)]
-    while reached != target:
-        last = abs(target - reached) <= abs(step) * (1 + 1e-9)
-        trial = target if last else reached + step
-        attempt = solve_within_reach(algorithm, problem_at(trial), solution)
-        counters = {key: counters.get(key, 0) + value for key, value in attempt.counters.items()}
-        # an algorithm without a history still gets a row, for the event
-        rows = [{"parameter": trial, "iteration": i, **row} for i, row in enumerate(attempt.history or ({},))]
-        history += rows
-        failure = None if attempt.outcome.converged else _why(attempt)
-        if failure is None and cut and attempt.active.any():  # the way is difficult: is it still the same?
-            passed = branches_passed(problem_at, states[0], (trial, attempt), algorithm.epsilon)
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """A step to ``parameter``: what the algorithm makes of it, and why that is no state of the path, if it is none."""
+
+    parameter: float
+    solution: ContactSolution
+    failure: Event | None
+
+
+@dataclass(frozen=True, eq=False)
+class Stepper:
+    """Steps of adapted size to ``target``; each attempt is accepted or rejected, which gives the next stepper.
+
+    asked: the step that is asked for, the largest; smallest: size below which it is not cut.  states: converged, the
+    first and the last three; step: the next one; cut: whether one has been; the rest goes into the :class:`PathPoint`.
+    """
+
+    problem_at: Callable[[float], ContactProblem]
+    algorithm: ContactAlgorithm
+    target: float
+    asked: float
+    smallest: float
+    states: tuple[State, ...]
+    step: float
+    cut: bool = False
+    substeps: int = 0
+    counters: Mapping[str, float] = field(default_factory=dict)
+    history: tuple[Mapping[str, Any], ...] = ()
+    outcome: Outcome = Outcome.CONVERGED
+    cause: Outcome = Outcome.CONVERGED
+    end: Ending | None = None
+
+    @property
+    def reached(self) -> float:
+        """Parameter of the last converged state."""
+        return self.states[-1][0]
+
+    def attempt(self) -> Attempt:
+        """The next step from the last converged state."""
+        last = abs(self.target - self.reached) <= abs(self.step) * (1 + 1e-9)
+        trial = self.target if last else self.reached + self.step
+        found = solve_within_reach(self.algorithm, self.problem_at(trial), self.states[-1][1])
+        failure = None if found.outcome.converged else _why(found)
+        if failure is None and self.cut and found.active.any():  # the way is difficult: is it still the same?
+            passed = branches_passed(self.problem_at, self.states[0], (trial, found), self.algorithm.epsilon)
             if passed:
-                failure = f"a state beyond the path, {passed} more eigenvalues are negative than at {at:g}"
-        if failure is None:
-            solution, reached, substeps = attempt, trial, substeps + 1
-            states = [states[0], *states[1:][-2:], (reached, replace(attempt, history=()))]
-            if on_substep is not None:
-                on_substep(trial)
-            easy = attempt.counters["newton_iterations"] <= EASY_ITERATIONS
-            if easy and abs(step) < abs(asked) and reached != target:
-                step = 2 * step
-                rows[-1]["event"] = f"easy step: the next one grows to {step:.6g}"
-            continue
-        if attempt.outcome is Outcome.REFUSED:  # no smaller step would change that
-            outcome = Outcome.REFUSED
-            break
-        if abs(step) / 2 < smallest * abs(asked):
-            outcome = Outcome.STEP_LIMIT
-            end = why_it_ends(problem_at, states, algorithm.epsilon)
-            rows[-1]["event"] = f"{failure}; {outcome.value}; {end.sentence}"
-            break
-        step, cut = (trial - reached) / 2, True
-        rows[-1]["event"] = f"{failure}: step cut to {step:.6g}"
-    spent = replace(solution, counters=counters, history=tuple(history))
-    return PathPoint(target, reached, outcome, spent, substeps, end)
+                since = f"than at {self.states[0][0]:g}"
+                text = f"a state beyond the path, {passed} more eigenvalues are negative {since}"
+                failure = Event(EventKind.FAILED, text)
+        return Attempt(trial, found, failure)
+
+    def accept(self, attempt: Attempt) -> Stepper:
+        """At the new state; after an easy step the next one grows, up to the one asked for."""
+        first, *others = self.states
+        states = (first, *others[-2:], (attempt.parameter, replace(attempt.solution, history=())))
+        easy = attempt.solution.counters["newton_iterations"] <= EASY_ITERATIONS
+        grows = easy and abs(self.step) < abs(self.asked) and attempt.parameter != self.target
+        step = 2 * self.step if grows else self.step
+        event = Event(EventKind.STEP_GROWN, f"easy step: the next one grows to {step:.6g}") if grows else None
+        return replace(self._spent(attempt, event), states=states, step=step, substeps=self.substeps + 1)
+
+    def reject(self, attempt: Attempt, failure: Event) -> Stepper:
+        """Where it was, with half the step; with an outcome where no smaller one would do."""
+        if attempt.solution.outcome is Outcome.REFUSED:
+            return replace(self._spent(attempt, None), outcome=Outcome.REFUSED)
+        if abs(self.step) / 2 < self.smallest:
+            end = why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
+            text = f"{failure}; {Outcome.STEP_LIMIT.value}; {end.sentence}"
+            ended = self._spent(attempt, Event(failure.kind | EventKind.PATH_END, text))
+            return replace(ended, outcome=Outcome.STEP_LIMIT, end=end)
+        step = (attempt.parameter - self.reached) / 2
+        event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: step cut to {step:.6g}")
+        return replace(self._spent(attempt, event), step=step, cut=True)
+
+    def point(self) -> PathPoint:
+        """What has come of it."""
+        solution = replace(self.states[-1][1], counters=self.counters, history=self.history)
+        return PathPoint(self.target, self.reached, self.outcome, solution, self.substeps, self.cause, self.end)
+
+    def _spent(self, attempt: Attempt, event: Event | None) -> Stepper:
+        """With the counters and the history of the attempt, whose last row tells the event."""
+        found = attempt.solution
+        counters = {key: self.counters.get(key, 0) + value for key, value in found.counters.items()}
+        # an algorithm without a history still gets a row, for the event
+        rows = [{"parameter": attempt.parameter, "iteration": i, **row} for i, row in enumerate(found.history or ({},))]
+        if event is not None:
+            rows[-1]["event"] = event
+        return replace(self, counters=counters, history=(*self.history, *rows), cause=found.outcome)
 
 
-def _why(failed: ContactSolution) -> str:
+def _why(failed: ContactSolution) -> Event:
     """The outcome, with what the algorithm itself has said of it."""
     said = failed.history[-1].get("event") if failed.history else None
-    return f"{failed.outcome.value} ({said})" if said else failed.outcome.value
+    if said is None:
+        return Event(EventKind.FAILED, failed.outcome.value)
+    return Event(EventKind.FAILED | said.kind, f"{failed.outcome.value} ({said})")

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.events import Event, EventKind
 from contact.newton.step import NewtonRun
 from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
 FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
 MOST_UPDATES = 60  # on one linearisation, and beyond one an iteration in all of a solve; releases are not counted
-CYCLE = "cycle detected: from here on only the first violating node is swapped"
+CYCLE = Event(EventKind.CYCLE, "cycle detected: from here on only the first violating node is swapped")
 
 
 class StepError(ArithmeticError):
@@ -51,7 +52,7 @@ class Step:
     du: np.ndarray
     pressure: np.ndarray
     active: np.ndarray
-    event: str = ""
+    event: Event | None = None
     updates: int = 0
 
 
@@ -66,7 +67,8 @@ def iterate(
     Iterations that only release nodes do not count against ``max_iterations``.
     """
     u, pressure, active, memory = start.u, start.pressure, start.active, None
-    noted, counted, event = active, 0, ""
+    noted, counted = active, 0
+    event: Event | None = None
     run.gap_size(u, run.problem.gap(u))
     while True:
         lin = run.linearise(u, memory)
@@ -88,10 +90,10 @@ def iterate(
         try:
             step = solve_step(run, Iterate(lin, u, gap, pressure, expected))
         except SingularMatrixError as error:
-            run.tell(str(error))
+            run.tell(Event(EventKind.FAILED, str(error)))
             return run.finish(u, pressure, active, Outcome.SINGULAR)
         except StepError as error:
-            run.tell(str(error))
+            run.tell(Event(EventKind.FAILED, str(error)))
             return run.finish(u, pressure, active, error.outcome)
         u, memory = run.advance(lin, u, step.du, step.active)
         pressure, active, event = step.pressure, step.active, step.event
@@ -129,7 +131,8 @@ def settle_set(
     returned as it is: a tangent far from equilibrium may have no consistent set, and another one is not far.
     Raises SingularMatrixError.
     """
-    jacobian, seen, event = run.problem.gap_jacobian(at.u), set[bytes](), ""
+    jacobian, seen = run.problem.gap_jacobian(at.u), set[bytes]()
+    event: Event | None = None
     most, updates = MOST_UPDATES if last else FEW_UPDATES, 0
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
@@ -137,7 +140,7 @@ def settle_set(
         wrong = run.misplaced(at.lin, at.u + du, gap, pressure, active, c, solved=True)
         after = active ^ wrong
         seen.add(active.tobytes())
-        cycling = bool(event) or after.tobytes() in seen
+        cycling = event is not None or after.tobytes() in seen
         enough = wrong.sum() <= settle * (active | after).sum()
         if enough or updates == most or (cycling and not last):
             return Step(du, pressure, active, event, updates)

@@ -13,6 +13,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
+from contact.events import Event
 from contact.problem import (
     ROUNDING_ALONE,
     ContactProblem,
@@ -200,15 +201,15 @@ class NewtonRun:
         self.spend("assembly_s", start)
         return memory
 
-    def note(self, residual: float, active: np.ndarray, before: np.ndarray, event: str = "") -> None:
+    def note(self, residual: float, active: np.ndarray, before: np.ndarray, event: Event | None = None) -> None:
         """One row of history; the set changes are counted."""
         added, removed = int(np.sum(active & ~before)), int(np.sum(before & ~active))
         self.counters["set_changes"] += bool(added or removed)
         row: dict[str, object] = {"residual": residual, "contact_nodes": int(active.sum())}
         row |= {"added": added, "removed": removed}
-        self.history.append(row | ({"event": event} if event else {}))
+        self.history.append(row | ({} if event is None else {"event": event}))
 
-    def tell(self, event: str) -> None:
+    def tell(self, event: Event) -> None:
         """Write an event into the last row of history."""
         self.history[-1]["event"] = event
 

@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from contact.events import Event, EventKind
+
 ROUNDING = 1e-13  # of the terms that make up w_i; less than that below zero is no violation
 SYMMETRIC = 1e-9  # largest |M - M^T| over the largest |M| that still counts as rounding
 MOST_PIVOTS = 100_000  # Lemke and single pivots do need 2^n on published problems
 PATIENCE = 10
-SINGLY = "cycle detected or no progress: single indices were swapped"
+SINGLY = Event(EventKind.CYCLE, "cycle detected or no progress: single indices were swapped")
 
 
 class LcpError(ArithmeticError):
@@ -33,7 +35,7 @@ class LcpSolution:
 
     z: np.ndarray
     pivots: int
-    event: str = ""
+    event: Event | None = None
 
 
 def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
@@ -107,8 +109,8 @@ def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> Lc
         raise LcpError("nnls needs a positive definite matrix; this one has no Cholesky factor") from None
     claimed = nnls(L.T, -np.linalg.solve(L, q))[0] > 0
     found = active_set(M, q, claimed)
-    event = f"set of nnls corrected in {found.pivots} updates" if found.pivots else ""
-    return LcpSolution(found.z, int(claimed.sum()) + found.pivots, event)
+    event = Event(EventKind.SUBSTITUTE, f"set of nnls corrected in {found.pivots} updates")
+    return LcpSolution(found.z, int(claimed.sum()) + found.pivots, event if found.pivots else None)
 
 
 def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
@@ -120,7 +122,8 @@ def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) ->
     """
     active = np.zeros(len(q), bool) if start is None else start
     seen: set[bytes] = set()
-    fewest, patience, event = len(q) + 1, PATIENCE, ""
+    fewest, patience = len(q) + 1, PATIENCE
+    event: Event | None = None
     most = 10 * len(q) + 100
     for pivots in range(most):
         z, wrong = _violations(M, q, active)

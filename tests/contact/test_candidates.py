@@ -11,6 +11,7 @@ from scipy import sparse
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.continuation.candidates import solve_within_reach
+from contact.events import EventKind, events
 from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.solve import resolve, solve
@@ -57,7 +58,7 @@ def test_who_was_left_out_and_penetrates_is_taken_in(name, arm) -> None:
     np.testing.assert_allclose(near.u, every.u, rtol=0, atol=1e-9)
     np.testing.assert_allclose(near.pressure, every.pressure, rtol=1e-9, atol=1e-12)
     np.testing.assert_array_equal(near.active, every.active)
-    told = [row for row in near.history if "are taken in" in str(row.get("event", ""))]
+    told = events(near.history, EventKind.TAKEN_IN)
     assert len(told) == len(algorithm.seen) - 1
     assert near.counters["factorisations"] >= every.counters["factorisations"]
 

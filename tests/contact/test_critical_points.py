@@ -8,7 +8,7 @@ from scipy import sparse
 from scipy.linalg import null_space
 
 from contact.catalogue import ALGORITHMS
-from contact.continuation.critical_points import MODES, spectrum, why_it_ends
+from contact.continuation.critical_points import MODES, PathEnd, spectrum, why_it_ends
 from contact.continuation.load_stepping import follow
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from support.contact_problems import Quadratic, random_quadratic
@@ -64,6 +64,7 @@ T_LIMIT = truss_state(W_LIMIT)[0]
 def test_a_truss_ends_at_its_limit_point(nearness) -> None:
     states = [truss_state(W_LIMIT * (1 - part)) for part in (1.0, 3 * nearness, 2 * nearness, nearness)]
     found = why_it_ends(truss(), states)
+    assert found.kind is PathEnd.LIMIT_POINT
     assert found.sentence.startswith("limit point")
     # the next term of the law is of third order in the deflection, of order 3/2 in the parameter
     assert found.limit == pytest.approx(T_LIMIT, abs=3 * nearness**3 * T_LIMIT)
@@ -101,6 +102,7 @@ def link():
 def test_a_link_ends_at_its_bifurcation() -> None:
     times = [part * T_BUCKLING for part in (0.0, 0.9, 0.95, 0.99)]
     found = why_it_ends(link(), [(t, in_contact([0.0, t], C_LINK * t)) for t in times])
+    assert found.kind is PathEnd.BIFURCATION
     assert found.sentence.startswith("bifurcation near 0.297: ")
     assert "1 % of that at 0," in found.sentence
     assert found.limit is None
@@ -154,7 +156,7 @@ def test_a_chain_that_can_carry_no_more_ends_at_its_limit() -> None:
     assert points[1].reached <= limit
     assert end is not None
     assert end.limit == pytest.approx(limit, abs=LIMIT * (4.0 - 1.0))
-    assert points[1].solution.history[-1]["event"].endswith(end.sentence)
+    assert str(points[1].solution.history[-1]["event"]).endswith(end.sentence)
 
 
 def test_a_solver_that_fails_is_not_taken_for_the_end_of_the_path() -> None:
@@ -226,6 +228,6 @@ def test_a_state_beyond_the_path_is_no_state_of_it() -> None:
     (point,) = follow(at, 0.0, [1.0], ALGORITHMS["semismooth"](), in_contact([0.0, 0.5], 0.5))
     assert point.outcome is Outcome.STEP_LIMIT
     assert point.reached <= 2 / 3
-    assert any("a state beyond the path" in row.get("event", "") for row in point.solution.history)
+    assert any("a state beyond the path" in str(row.get("event", "")) for row in point.solution.history)
     assert point.end is not None
     assert point.end.limit == pytest.approx(2 / 3, abs=1e-3)

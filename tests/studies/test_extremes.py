@@ -7,6 +7,7 @@ import pytest
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
+from contact.continuation.critical_points import PathEnd
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.campaigns.cell import Cell
 from studies.cli import main
@@ -96,10 +97,11 @@ def test_an_exception_is_a_crash(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_path_that_ends_is_told_from_one_that_is_lost() -> None:
     spent = {"newton_iterations": 3.0, "factorisations": 4.0}
     told = "step cut; limit point of the path at about 0.5: an eigenvalue falls"
-    assert extremes._failed(Outcome.STEP_LIMIT, told, spent) == Found(END, told, 3, 4)
-    assert extremes._failed(Outcome.STEP_LIMIT, "step cut; no limit point: the", spent).kind == FAILED
-    assert extremes._failed(Outcome.SINGULAR, "", spent).reason == Outcome.SINGULAR.value
-    assert extremes._failed(Outcome.REFUSED, "no minimum", spent).kind == REFUSED
+    for end in (PathEnd.LIMIT_POINT, PathEnd.BIFURCATION):
+        assert extremes._failed(Outcome.STEP_LIMIT, told, end, spent) == Found(END, told, 3, 4)
+    assert extremes._failed(Outcome.STEP_LIMIT, told, PathEnd.NEITHER, spent).kind == FAILED
+    assert extremes._failed(Outcome.SINGULAR, "", None, spent).reason == Outcome.SINGULAR.value
+    assert extremes._failed(Outcome.REFUSED, "no minimum", None, spent).kind == REFUSED
 
 
 # --- maps -----------------------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ import numpy as np
 import pandas as pd
 
 from contact.catalogue import ALGORITHMS
+from contact.continuation.critical_points import PathEnd
 from contact.problem import Outcome
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
@@ -29,7 +30,7 @@ CUT = 2.0**-4  # of a load step
 CONVERGED, UNTOUCHED, WRONG = "converged", "converged, nothing touches", "wrong"
 END, FAILED, REFUSED, CRASHED = "end of the path", "not converged", "refused", "crashed"
 CLASSES = (CONVERGED, UNTOUCHED, WRONG, END, FAILED, REFUSED, CRASHED)
-ENDS = ("limit point of the path", "bifurcation near")  # the tangent's word that there is nothing to follow
+ENDS = (PathEnd.LIMIT_POINT, PathEnd.BIFURCATION)  # the tangent's word that there is nothing to follow
 
 
 @dataclass(frozen=True)
@@ -135,7 +136,7 @@ def _followed(model: SceneModel, request: Request) -> Found:
         spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
         if not visited.converged:
             refused = f"{request.contact} does not apply: " if point.outcome is Outcome.REFUSED else ""
-            return _failed(point.outcome, refused + visited.said, spent)
+            return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None, spent)
         tolerance = request.number("tolerance")
         failures += certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)["failures"]
         if failures and visited.ends_stage:
@@ -145,11 +146,10 @@ def _followed(model: SceneModel, request: Request) -> Found:
     return Found(CONVERGED if touched else UNTOUCHED, "", *map(int, spent.values()))
 
 
-def _failed(outcome: Outcome, event: str, spent: Mapping[str, float]) -> Found:
+def _failed(outcome: Outcome, told: str, end: PathEnd | None, spent: Mapping[str, float]) -> Found:
     """The class of a path that does not arrive."""
-    ended = any(word in event for word in ENDS)
-    kind = REFUSED if outcome is Outcome.REFUSED else END if ended else FAILED
-    return Found(kind, event or outcome.value, *map(int, spent.values()))
+    kind = REFUSED if outcome is Outcome.REFUSED else END if end in ENDS else FAILED
+    return Found(kind, told or outcome.value, *map(int, spent.values()))
 
 
 # --- the maps -------------------------------------------------------------------------------------------------------

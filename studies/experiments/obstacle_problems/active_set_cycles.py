@@ -10,6 +10,7 @@ import pandas as pd
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
+from contact.events import EventKind, events
 from contact.problem import ContactSolution
 from studies.experiments.obstacle_problems.collection import Bounded, classic, obstacle, torsion
 
@@ -75,7 +76,7 @@ def cycles() -> pd.DataFrame:
         row: dict[str, object] = {"problem": body.name, "plain_period": plain_period(body)}
         for way, (name, settings) in WAYS.items():
             found = ALGORITHMS[name](epsilon=math.inf, **settings).solve(body.problem(), _begin(body))
-            noticed = any("cycle detected" in str(line.get("event", "")) for line in found.history)
+            noticed = events(found.history, EventKind.CYCLE)
             row[way] = found.outcome.name.lower().replace("_", "-") + (", cycle detected" if noticed else "")
         rows.append(row)
     return pd.DataFrame(rows)
