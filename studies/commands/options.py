@@ -49,11 +49,12 @@ def count(name: str, value: int) -> int:
 
 @contextmanager
 def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
-    """Bar, count and remaining time on stderr; the function takes (done, planned, label)."""
+    """Bar, count and remaining time on stderr if that is a terminal; the function takes (done, planned, label)."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(name, total=None)
         yield lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label)

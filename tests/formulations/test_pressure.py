@@ -122,6 +122,20 @@ def test_follower_pressure_on_a_deformed_patch_has_the_resultant_of_its_boundary
     assert SECOND_ORDER[0] <= fitted_order(1 / counts, errors) <= SECOND_ORDER[1]
 
 
+def test_follower_pressure_of_interpolated_positions_turns_with_the_body(curved_patch, rng) -> None:
+    """F(R (x + u)) = R f(x + u) to rounding on every mesh, however coarse: the deformed face is that of the nodes."""
+    grid, R = curved_patch.grid(2, 2), rotation(np.array([0.3, -0.7, 0.5]), 2.5)
+    shell = make_shell(curved_patch.surface, grid, interpolation="isoparametric")
+    x, frame = np.stack(shell.discretisation.positions(), axis=1), curved_patch.surface.frame(*grid.nodes.T)
+    u = 0.1 * rng.normal(size=x.shape)  # (N, face, 3)
+    spatial = []
+    for field in (u, (x + u) @ R.T - x):
+        local = np.einsum("nix,nfx->nif", frame, field).ravel()
+        force = pressure_forces(curved_patch.surface, grid, local, "isoparametric", value=0.7, follower=True)
+        spatial.append(np.einsum("nif,nix->nfx", force.reshape(-1, 3, 2), frame))
+    np.testing.assert_allclose(spatial[1], spatial[0] @ R.T, rtol=0, atol=10 * ROUNDING)
+
+
 def test_unknown_area_is_refused_with_the_choices() -> None:
     with pytest.raises(ValueError, match="'inner' is not one of " + ", ".join(PRESSURE_AREAS)):
         Pressure(1.0, area="inner")

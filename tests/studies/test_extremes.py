@@ -155,6 +155,7 @@ def test_a_table_of_a_made_up_map() -> None:
     assert set(table["class"]) <= set(CLASSES)
 
 
+@pytest.mark.slow
 def test_a_real_map_against_all_of_its_points() -> None:
     """A ball that may be smaller than its travel: it is touched, or it has passed through."""
     (row,) = check_table(("ball-travel",)).to_dict("records")

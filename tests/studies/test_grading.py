@@ -65,7 +65,7 @@ def test_uniform_and_patch_lines() -> None:
 def test_recovery_error_falls_with_the_size(axis: int) -> None:
     """The energy of the recovery error of an inflated and pressed tyre falls about as h^2, per direction."""
     found = []
-    for n in (24, 48):
+    for n in (12, 24):
         lines = tyre_lines((n, n), 120.0, "uniform")
         scene, request = resolve("tyre", {"delta_mm": "8", "grading": "uniform"}, f"{n}x{n}", model="full")
         result = solve(scene, request)
@@ -75,11 +75,10 @@ def test_recovery_error_falls_with_the_size(axis: int) -> None:
     assert found[1] < 0.5 * found[0]
 
 
-@pytest.mark.parametrize("grading", ["uniform", "adapted"])
-def test_the_lines_keep_the_symmetry_of_the_parts(grading: str) -> None:
+def test_the_lines_keep_the_symmetry_of_the_parts() -> None:
     forces = []
     for model in ("half", "full"):
-        result = solve(*resolve("tyre", {"delta_mm": "10", "grading": grading}, "16x18", model=model))
+        result = solve(*resolve("tyre", {"delta_mm": "10", "grading": "adapted"}, "16x18", model=model))
         assert result.outcome.converged
         assert result.steps[-1]["failures"] == []
         forces.append(result.steps[-1]["force_N"])
@@ -110,7 +109,7 @@ def test_a_wrong_error_is_refused(text: str) -> None:
         parse_error(text)
 
 
-@pytest.mark.parametrize("element", ["paper", "refined"])
+@pytest.mark.parametrize("element", [pytest.param("paper", marks=pytest.mark.slow), "refined"])
 def test_mesh_for_an_error(element: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The mesh that is chosen has the error asked for, and the band covers the true one."""
     arguments = ["solve", "tyre", "--set", "delta_mm=20", "--set", f"element={element}", "--error", "1%"]

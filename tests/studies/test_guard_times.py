@@ -25,13 +25,15 @@ def night(
     return pd.DataFrame(rows)
 
 
-def test_twenty_nights_of_the_same_raise_no_alarm(rng: np.random.Generator) -> None:
+@pytest.mark.parametrize("nights", [1, pytest.param(5, marks=pytest.mark.slow)])
+def test_nights_of_the_same_raise_no_alarm(nights: int, rng: np.random.Generator) -> None:
     for noise in (0.002, 0.01, 0.05, 0.3):
-        for _ in range(5):
+        for _ in range(nights):
             found = compare_times(night(rng, noise), night(rng, noise))
             assert set(found["verdict"]) == {"same"}
 
 
+@pytest.mark.slow
 def test_real_cells_repeated_raise_no_alarm() -> None:
     """Twenty runs of two real solves on whatever machine this is; the two sides take turns, as in the timing lane."""
     requests = {

@@ -102,6 +102,7 @@ def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: py
         summary(store, "another")
 
 
+@pytest.mark.slow
 def test_the_bench_of_the_harness_says_what_it_has_done() -> None:
     costs = harness(repeats=2, large=50)
     assert [cost.what for cost in costs] == [
