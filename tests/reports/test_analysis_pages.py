@@ -122,6 +122,17 @@ def test_what_depends_on_the_clock_is_not_compared(store: Path, files: dict[str,
     assert check_pages(store, tmp_path / "pages") == []
 
 
+def test_too_few_problems_are_said_and_not_ranked(store: Path) -> None:
+    for name in ("flips", "pairs", "solved"):
+        path = store / "tables" / f"{name}.csv"
+        table = pd.read_csv(path)
+        few = {"problems": 1, "ranking": "", "flips": "", "removed": "", "ratio": np.nan, "asked": 1, "solved": 1}
+        table.assign(**{key: value for key, value in few.items() if key in table}).to_csv(path, index=False)
+    files = rendered(load_store(store))
+    assert "- contact: not ranked: problems in common: 1." in files["tradeoff.md"]
+    assert "No pair has enough problems in common (seconds)." in files["tradeoff.md"]
+
+
 def test_without_its_tables_there_is_no_page(store: Path) -> None:
     (store / "tables" / "flips.csv").unlink()
     assert set(analysis_pages(load_store(store))) == {"advice.md"}

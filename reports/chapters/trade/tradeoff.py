@@ -175,7 +175,7 @@ intervals are those of drawing scenes. Fewer than five problems make no comparis
 def _ranking(axis: str, checked: pd.DataFrame) -> str:
     whole = checked[checked["removed"] == ""].iloc[0]
     if not whole["ranking"]:
-        return f"- {axis}: not ranked: {whole['problems']} problem{'s' * (whole['problems'] != 1)}."
+        return f"- {axis}: not ranked: problems in common: {whole['problems']}."
     turned = checked[checked["flips"] != ""].to_dict("records")
     found = "; ".join(f"without `{row['removed']}`: {row['flips']}" for row in turned)
     verdict = f"not stable, {found} change places" if found else "the same without any one of them"
