@@ -1,7 +1,8 @@
 """The shell model: surface, grid, section, measure, supports and loads as one function of the free displacements.
 
 ``linearise(u, memory)`` serves ANY measure, plain and mixed Newton. Parts are frozen records; state goes in and comes
-out; the only mutable things are scratch arrays whose contents never survive a call. No contact may enter here.
+out; the only mutable things are scratch arrays: what the element methods return lies in them, until the next of these
+methods is called. No contact may enter here.
 """
 
 from __future__ import annotations
@@ -307,7 +308,7 @@ class ShellModel:
         return np.einsum("nif,nij->j", nodal.reshape(-1, 3, 2), frame)
 
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
-        """Element forces, external element forces that follow (or None), element tangents."""
+        """Element forces (E, 24), external ones that follow (or None), tangents (E, 24, 24), until the next call."""
         force, tangent = self.discretisation.scratch
         predicted = memory if isinstance(memory, np.ndarray) else None
         return *self._integrate(self._element_vectors(u), predicted, force, tangent), tangent

@@ -216,7 +216,8 @@ def _sample(
     run = _Kept(problem, clock=CLOCK)
     total = timed(partial(iterate, run, state, memory))
     elements = timed(partial(shell.element_contributions, state.u, memory))
-    scatter = timed(partial(shell.discretisation.assemble, shell.discretisation.scratch[1]))
+    tangents = shell.element_contributions(state.u, memory)[2]
+    scatter = timed(partial(shell.discretisation.assemble, tangents))
     counted = {part: run.counters[f"{part}_s"] for part in ("factorisation", "solve", "contact")}
     times = {"elements": elements, "scatter": scatter, "assembly": elements + scatter, **counted, "total": total}
     assert run.matrix is not None
