@@ -161,6 +161,6 @@ class Scaled:
         return np.asarray(np.maximum(forces, 0.0) * self.row / self.size)
 
     def unscaled(self, answer: Answer) -> tuple[np.ndarray, np.ndarray]:
-        """Du (n,) and nodal forces (m,) of an answer."""
+        """du (n,) and nodal forces (m,) of an answer."""
         n = len(self.stretch)
         return self.size * self.stretch * answer.x[:n], self.size * answer.y / self.row

@@ -185,7 +185,7 @@ def limit_point(curve: Curve, before: ArcPoint, after: ArcPoint) -> ArcPoint | N
 
 
 def _hermite(low: _End, high: _End, part: float) -> np.ndarray:
-    """X at the fraction ``part`` of the interval on the cubic with the ends' values and slopes."""
+    """x at the fraction ``part`` of the interval on the cubic with the ends' values and slopes."""
     rest, length = 1.0 - part, high.s - low.s
     value = rest**2 * (1 + 2 * part) * low.x + part**2 * (1 + 2 * rest) * high.x
     return value + length * part * rest * (rest * low.slope - part * high.slope)

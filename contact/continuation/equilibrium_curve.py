@@ -63,7 +63,7 @@ class Curve:
         return replace(self, m=factor / max(displacement, np.finfo(float).tiny))
 
     def place(self, point: ArcPoint) -> np.ndarray:
-        """X = (m u, t) (n + 1,)."""
+        """x = (m u, t) (n + 1,)."""
         return np.append(self.m * point.u, point.factor)
 
     def tangent(self, u: np.ndarray, along: np.ndarray) -> np.ndarray:

@@ -293,7 +293,7 @@ class Pivots:
         return sparse.csc_matrix(sparse.eye_array(n, format="csc") + place @ follow)[:, others]
 
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Du and the pressures of the set from the solution of the substituted system."""
+        """du and the pressures of the set from the solution of the substituted system."""
         pressure, du = self.scale * x[self.pivot], x.copy()
         du[self.pivot] = 0.0
         du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope

@@ -1,4 +1,4 @@
-"""Prismatic foundations: a plane with a step or a cleat across it, all corners rounded, by exact signed distance.
+"""Prismatic foundations: a plane with a cleat across it or another profile, corners rounded, by exact signed distance.
 
 The profile is a smooth curve of straight pieces and arcs in a plane (s, t), s along the travel and t the height above
 the base. Its tangent turns continuously, so the nearest point of the curve lies inside a piece or at a joint that two
@@ -125,11 +125,6 @@ def cleat(height: float, top: float, flank_deg: float, radius: float) -> tuple[L
     if not top > 0:
         raise ValueError(f"the width on top must be positive, got {top}")
     return rounded([(-top / 2 - foot, 0), (-top / 2, height), (top / 2, height), (top / 2 + foot, 0)], radius)
-
-
-def step(height: float, flank_deg: float, radius: float) -> tuple[Line | Arc, ...]:
-    """The pieces of a kerb that rises at s = 0 and stays up; numbers and errors as in :func:`cleat`."""
-    return rounded([(0.0, 0.0), (_foot(height, flank_deg), height)], radius)
 
 
 def _foot(height: float, flank_deg: float) -> float:

@@ -1,8 +1,8 @@
 """Rigid frictionless foundations: the signed distance of an obstacle from points in space, and who may touch it.
 
 A foundation sees positions only; how they depend on the unknowns comes as a sparse matrix. This file has the plane and
-the contact problem against any foundation; drum and sphere are in :mod:`contact.obstacles.drum_sphere`, step and cleat
-in :mod:`contact.obstacles.cleat`.
+the contact problem against any foundation; drum and sphere are in :mod:`contact.obstacles.drum_sphere`, cleats
+and other profiles in :mod:`contact.obstacles.cleat`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ class Foundation(Protocol):
     """
 
     def gap(self, x: np.ndarray) -> np.ndarray:
-        """G (m,)."""
+        """g (m,)."""
         ...
 
     def gradient(self, x: np.ndarray) -> np.ndarray:
@@ -60,7 +60,7 @@ class RigidPlane:
         require_unit("the normal of a plane", self.normal)
 
     def gap(self, x: np.ndarray) -> np.ndarray:
-        """Offset - n.x, (m,)."""
+        """offset - n.x, (m,)."""
         return self.offset - x @ self.normal
 
     def gradient(self, x: np.ndarray) -> np.ndarray:
@@ -89,7 +89,7 @@ class Candidates:
     coupling: sparse.csr_matrix | None = None
 
     def positions(self, u: np.ndarray) -> np.ndarray:
-        """X (m, 3)."""
+        """x (m, 3)."""
         return self.reference + (self.operator @ u).reshape(-1, 3)
 
     def only(self, chosen: np.ndarray) -> Candidates:

@@ -16,7 +16,7 @@ from contact.events import Event, EventKind
 
 ROUNDING = 1e-13  # of the terms that make up w_i; less than that below zero is no violation
 SYMMETRIC = 1e-9  # largest |M - M^T| over the largest |M| that still counts as rounding
-MOST_PIVOTS = 100_000  # Lemke and single pivots do need 2^n on published problems
+MOST_PIVOTS = 100_000  # Lemke does need 2^n on published problems
 PATIENCE = 10
 SINGLY = Event(EventKind.CYCLE, "cycle detected or no progress: single indices were swapped")
 
@@ -139,21 +139,6 @@ def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) ->
         seen.add(active.tobytes())
         active = active ^ wrong
     raise LcpError(f"the active set has not settled in {most} updates")
-
-
-def single_pivots(
-    M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, *, last: bool = False, most: int = MOST_PIVOTS
-) -> LcpSolution:
-    """Swap the first violating index, or the last, until none is left (Murty 1974): finite for every P-matrix."""
-    active = np.zeros(len(q), bool) if start is None else start.copy()
-    for pivots in range(most):
-        z, wrong = _violations(M, q, active)
-        violating = np.flatnonzero(wrong)
-        if len(violating) == 0:
-            return LcpSolution(z, pivots)
-        swapped = violating[-1 if last else 0]
-        active[swapped] = not active[swapped]
-    raise LcpError(f"single pivots have found no solution in {most} steps")
 
 
 def _violations(M: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

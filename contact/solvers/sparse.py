@@ -34,7 +34,7 @@ class Factor(Protocol):
     """A factorised matrix."""
 
     def solve(self, b: np.ndarray) -> np.ndarray:
-        """X with A x = b."""
+        """x with A x = b."""
         ...
 
 

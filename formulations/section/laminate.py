@@ -111,7 +111,7 @@ class Laminate:
 
     @property
     def thickness(self) -> float:
-        """H [mm]."""
+        """h [mm]."""
         return math.fsum(ply.thickness for ply in self.plies)
 
     @property

@@ -29,7 +29,7 @@ def _slope(amount: float, zeta: float) -> float:
 
 
 def _thin(theta: float, zeta: float) -> float:
-    """Zeta (zeta - 1)(1 - cos theta): the stretch of the faces is missing."""
+    """zeta (zeta - 1)(1 - cos theta): the stretch of the faces is missing."""
     return zeta * (zeta - 1) * (1 - math.cos(theta))
 
 

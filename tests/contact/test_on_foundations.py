@@ -10,7 +10,7 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.obstacles.cleat import Profile, cleat, step
+from contact.obstacles.cleat import Profile, cleat, rounded
 from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
@@ -157,7 +157,7 @@ def test_rope_over_an_obstacle_on_a_plane(kind) -> None:
     """Only the rounded edges turn it and carry; on the level top it lies with no pressure, its tension the same."""
     n, w, high = 80, 0.5, 0.4 if kind == "cleat" else 0.75
     rope = Rope(np.array([[-2.0, 0, 0.4], [2.0, 0, high]]), n, 10.0 * n / 4, 0.8 * 4 / n)
-    pieces = cleat(0.3, 0.8, 60.0, 0.1) if kind == "cleat" else step(0.3, 60.0, 0.1)
+    pieces = cleat(0.3, 0.8, 60.0, 0.1) if kind == "cleat" else rounded([(0.0, 0.0), (0.3 / math.sqrt(3.0), 0.3)], 0.1)
     down, along = np.array([0, 0, -1.0]), np.array([1.0, 0, 0])
     grounds = [Profile(down, -z, along, 0.0, pieces) for z in np.linspace(0.12, 0.36, 9)]
     candidates = rope.candidates(np.full(n - 1, w))

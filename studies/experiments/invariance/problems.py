@@ -151,7 +151,7 @@ class Panel:
 
     @property
     def outer_curvature(self) -> float:
-        """K2 times the distance of the outer face from the surface, in the middle."""
+        """k2 times the distance of the outer face from the surface, in the middle."""
         k = self.surface(1.0).geometry(np.zeros(1), np.zeros(1)).k
         return float(k[0, 1] * layup().d_plus)
 

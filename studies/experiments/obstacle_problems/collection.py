@@ -51,10 +51,6 @@ class Bounded:
         gap = self.problem().gap(self.start)
         return ContactSolution(self.start, np.zeros(len(gap)), gap == 0, Outcome.CONVERGED)
 
-    def objective(self, x: np.ndarray) -> float:
-        """x.K.x/2 - f.x."""
-        return float(x @ (self.K @ x) / 2 - self.f @ x)
-
 
 def _membrane(points: int) -> sparse.csc_matrix:
     """Sum over the interior points of a quarter of the four squared differences, boundary values zero.
