@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.events import Event, EventKind
-from contact.newton.loop import iterate, settling
+from contact.newton.loop import iterate, settle_most
 from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, STIFFNESS, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -54,25 +54,22 @@ class AugmentedLagrangian:
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Outer loop from the pressure and set of ``start``."""
         whole = NewtonRun(problem, solver=self.solver)
-        whole.gap_size(start.u, problem.gap(start.u))
+        begun, tally = whole.begin(start.u), whole.tally
         loosest = max(LOOSEST, self.tolerance)
         state, c, before, tolerance = start, self.c, np.inf, loosest
         for outer in range(self.max_outer):
             known = state.pressure
             shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
-            inner = NewtonRun(
-                shifted, c, self.solver, whole.counters, whole.history, tolerance, flops_by_fill=whole.flops_by_fill
-            )
-            first_row = len(whole.history)
-            state = iterate(inner, state, settling(SETTLE), self.max_iterations)
+            inner, first_row = NewtonRun(shifted, c, self.solver, tolerance, tally), len(tally.history)
+            state = iterate(inner, state, partial(settle_most, settle=SETTLE), self.max_iterations)
             if not state.outcome.converged:
                 return state
             gap = problem.gap(state.u)
             # a node in the set is off by its spring, which is what the pressure has just changed by
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
-            exact = error <= GAP_TOLERANCE * whole.gap_size(state.u, gap)
+            exact = error <= GAP_TOLERANCE * whole.gap_size(begun, state.u, gap)
             update = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
-            whole.history[first_row]["event"] = Event(EventKind.UPDATE, update)
+            tally.tell(Event(EventKind.UPDATE, update), first_row)
             if exact and tolerance == self.tolerance:
                 return state
             if error > SLOW * before:

@@ -69,12 +69,12 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
     free_du = run.solution(factor, K, -at.lin.residual)
     free = at.gap + G @ free_du
     # where the set holds a gap closed, rounding is no penetration
-    rounding = GAP_TOLERANCE * run.gap_size(at.u, at.gap)
+    rounding = GAP_TOLERANCE * run.gap_size(at.state, at.u, at.gap)
     nodes, columns = np.zeros(0, int), np.zeros((len(free), 0))
     event: Event | None = None
     multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.expected | (free < -rounding))
     while len(entering):
-        start = run.clock()
+        start = run.tally.clock()
         columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
         nodes = np.append(nodes, entering)
         M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
@@ -83,7 +83,7 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
         pushed_in = free + columns @ found.z < -rounding
         pushed_in[nodes] = False
         entering = np.flatnonzero(pushed_in)
-        run.spend("contact_s", start)
+        run.tally.spend("contact_s", start)
     du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
     pressure, active = multiplier / per_pressure, multiplier > 0
     return Step(_closed(run, at, G, du, pressure, active), pressure, active, event)

@@ -63,7 +63,7 @@ class Qp:
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:
             return settle_set(run, at, at.expected)
-        K, begun = run.problem.stiffness(at.lin, at.u, at.pressure), run.clock()
+        K, begun = run.problem.stiffness(at.lin, at.u, at.pressure), run.tally.clock()
         if not symmetric(K):
             off = f"the tangent differs from its transpose by {asymmetry(K):.1e} of its size"
             raise StepError(Outcome.REFUSED, f"{off}: no energy to minimise")
@@ -72,7 +72,7 @@ class Qp:
         if shift is None:
             raise StepError(Outcome.UNSOLVED, "the tangent is far from convex: no programme was made of it")
         answer = self._answer(scaled.convexified(shift), at, scaled.multipliers(run.problem.nodal_forces(at.pressure)))
-        run.spend("contact_s", begun)
+        run.tally.spend("contact_s", begun)
         claimed = _pressing(scaled, answer)
         step = settle_set(run, at, claimed)
         told = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []

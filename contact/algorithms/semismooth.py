@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 import numpy as np
 
-from contact.newton.loop import iterate, settling
+from contact.newton.loop import iterate, settle_most
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, STIFFNESS, Parameter
 from contact.problem import ContactProblem, ContactSolution
@@ -49,4 +50,5 @@ class Semismooth:
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set repeats and the forces balance."""
         run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
-        return iterate(run, start, settling(self.settle, self.c), self.max_iterations, self.c)
+        step = partial(settle_most, settle=self.settle, c=self.c)
+        return iterate(run, start, step, self.max_iterations, self.c)

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.newton.loop import CYCLE, first_of
+from contact.newton.state import NewtonState
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -43,8 +44,9 @@ class TrialAndError:
         active = before | (problem.gap(u) < 0)
         seen: set[bytes] = set()
         one_at_a_time = False
+        state = run.begin(u)
         for _ in range(self.max_sets):
-            u, pressure, violated, outcome = self._equilibrium(run, u, pressure, active, before)
+            state, u, pressure, violated, outcome = self._equilibrium(run, state, u, pressure, active, before)
             if not outcome.converged:
                 return run.finish(u, pressure, active, outcome)
             if not violated.any():
@@ -52,34 +54,41 @@ class TrialAndError:
             before = active
             if not one_at_a_time and active.tobytes() in seen:
                 one_at_a_time = True
-                run.tell(CYCLE)
+                run.tally.tell(CYCLE)
             seen.add(active.tobytes())
             active = active ^ (first_of(violated) if one_at_a_time else violated)
         return run.finish(u, pressure, active, Outcome.CYCLING if one_at_a_time else Outcome.ITERATION_LIMIT)
 
     def _equilibrium(
-        self, run: NewtonRun, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, before: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, Outcome]:
-        """Newton on a fixed set: u, pressure, the candidates that violate their condition there, and the outcome."""
+        self,
+        run: NewtonRun,
+        state: NewtonState,
+        u: np.ndarray,
+        pressure: np.ndarray,
+        active: np.ndarray,
+        before: np.ndarray,
+    ) -> tuple[NewtonState, np.ndarray, np.ndarray, np.ndarray, Outcome]:
+        """Newton on a fixed set: state, u, pressure, the candidates that violate their condition there, outcome."""
         pressure, memory, nothing = np.where(active, pressure, 0.0), None, np.zeros_like(active)
         for iteration in range(self.max_iterations + 1):
             lin = run.linearise(u, memory)
-            residual = run.imbalance(lin, u, pressure)
-            run.note(residual, active, before if iteration == 0 else active)
-            if np.isinf(residual):
-                return u, pressure, nothing, Outcome.DIVERGED
+            state = run.with_residual(state, lin, u, pressure)
+            run.tally.note(state.residual, active, before if iteration == 0 else active)
+            if np.isinf(state.residual):
+                return state, u, pressure, nothing, Outcome.DIVERGED
             gap = run.problem.gap(u)
-            closed = run.closed(u, gap, pressure, active)
-            if closed and run.balanced(lin, u, residual):
+            closed = run.closed(state, u, gap, pressure, active)
+            if closed and run.balanced(state, lin, u):
                 own = np.where(active, 0.0, gap)  # in the set only the pressure decides, out of it only the gap
-                return u, pressure, run.misplaced(lin, u, own, pressure, active), Outcome.CONVERGED
-            if closed and run.stuck(lin, u, residual):
-                return u, pressure, nothing, Outcome.ROUNDING
+                violated = run.misplaced(state, lin, u, own, pressure, active)
+                return state, u, pressure, violated, Outcome.CONVERGED
+            if closed and run.stuck(state, lin, u):
+                return state, u, pressure, nothing, Outcome.ROUNDING
             if iteration == self.max_iterations:
                 break
             try:
                 du, pressure = run.step(lin, u, pressure, active)
             except SingularMatrixError:
-                return u, pressure, nothing, Outcome.SINGULAR
-            u, memory = run.advance(lin, u, du, active)
-        return u, pressure, nothing, Outcome.ITERATION_LIMIT
+                return state, u, pressure, nothing, Outcome.SINGULAR
+            state, u, memory = run.advance(state, lin, u, du, active)
+        return state, u, pressure, nothing, Outcome.ITERATION_LIMIT

@@ -72,7 +72,7 @@ class ArcLength:
         refined, unresolved = _with_limits(curve, points)
         if unresolved and outcome.converged:
             outcome, reason = Outcome.STEP_LIMIT, unresolved
-        return Trace(tuple(refined), outcome, reason, curve.run.counters, curve.run.history)
+        return Trace(tuple(refined), outcome, reason, curve.run.tally.counters, curve.run.tally.history)
 
     def _march(
         self, curve: Curve, targets: Sequence[float], on_point: Callable[[float], None]

@@ -6,13 +6,13 @@ The scale m says how much displacement counts like one unit of load.
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
+from contact.newton.state import NewtonState
 from contact.newton.step import NewtonRun
 from contact.problem import Linearisation, Linearise, Linearised, without_contact
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
@@ -78,24 +78,24 @@ class Curve:
 
         ``start`` is the converged point that the guess was made from; ``event`` heads its rows of history.
         """
-        u, factor = guess[:-1] / self.m, float(guess[-1])
-        memory = self.run.remember(self.run.linearise(start.u, None), u - start.u)
+        u, factor, tally = guess[:-1] / self.m, float(guess[-1]), self.run.tally
+        state, memory = self.run.remember(NewtonState(), self.run.linearise(start.u, None), u - start.u)
         for iteration in range(self.max_iterations + 1):
             lin = self._loaded(u, factor, memory)
-            error = self.run.imbalance(lin, u, NO_CONTACT)
-            self.run.note(error, NO_SET, NO_SET, Event(EventKind.POINT, event) if iteration == 0 else None)
-            self.run.history[-1] |= {"parameter": factor, "iteration": iteration}
-            if self.run.balanced(lin, u, error):
+            state = self.run.with_residual(state, lin, u, NO_CONTACT)
+            tally.note(state.residual, NO_SET, NO_SET, Event(EventKind.POINT, event) if iteration == 0 else None)
+            tally.history[-1] |= {"parameter": factor, "iteration": iteration}
+            if self.run.balanced(state, lin, u):
                 return ArcPoint(u, factor, iteration)
-            if iteration == self.max_iterations or not np.isfinite(error):
+            if iteration == self.max_iterations or not np.isfinite(state.residual):
                 return None
             try:
                 step = self._solve(lin, normal, np.append(-lin.residual, 0.0))  # every iterate stays on the plane
             except SingularMatrixError:
                 return None
-            memory = self.run.remember(lin, step[:-1])
+            state, memory = self.run.remember(state, lin, step[:-1])
             u, factor = u + step[:-1], factor + float(step[-1])
-            self.run.counters["newton_iterations"] += 1
+            tally.counters["newton_iterations"] += 1
         return None
 
     def _loaded(self, u: np.ndarray, factor: float, memory: object) -> Linearisation:
@@ -108,7 +108,8 @@ class Curve:
 
         Row and column of the border are scaled to the size of K, for the sake of the pivots.
         """
-        start = time.perf_counter()
+        tally = self.run.tally
+        start = tally.clock()
         size = float(np.mean(np.abs(lin.tangent.diagonal())))
         row = size / max(float(np.max(np.abs(self.m * normal[:-1]))), abs(normal[-1]))
         column = size / float(np.max(np.abs(self.load)))
@@ -116,13 +117,8 @@ class Curve:
         lower = np.append(row * self.m * normal[:-1], row * column * normal[-1])
         A = sparse.csc_matrix(sparse.vstack([upper, sparse.csr_matrix(lower[None, :])], format="csr"))
         factor = factorise(A, self.solver)
-        start = self._spend("factorisation_s", start)
-        self.run.count(factor)
+        start = tally.spend("factorisation_s", start)
+        tally.count(factor)
         x = checked_solve(factor, A, np.append(b[:-1], row * b[-1]))
-        self._spend("solve_s", start)
+        tally.spend("solve_s", start)
         return np.append(x[:-1], column * x[-1])
-
-    def _spend(self, what: str, start: float) -> float:
-        now = time.perf_counter()
-        self.run.counters[what] += now - start
-        return now

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.events import Event, EventKind
+from contact.newton.state import NewtonState
 from contact.newton.step import NewtonRun
 from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError
@@ -33,13 +34,19 @@ class StepError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class Iterate:
-    """Where the step starts: linearisation, u (n,), gap (m,), pressure (m,) and the set (m,) expected to press."""
+    """Where the step starts: state, linearisation, u (n,), gap (m,), pressure (m,), the set (m,) expected to press.
 
+    again: whether an iteration before began with this set.  updates: of the set on one linearisation, in all so far.
+    """
+
+    state: NewtonState
     lin: Linearised
     u: np.ndarray
     gap: np.ndarray
     pressure: np.ndarray
     expected: np.ndarray
+    again: bool = False
+    updates: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,58 +74,51 @@ def iterate(
     Iterations that only release nodes do not count against ``max_iterations``.
     """
     u, pressure, active, memory = start.u, start.pressure, start.active, None
-    noted, counted = active, 0
+    noted, counted, updates, begun = active, 0, 0, set[bytes]()
     event: Event | None = None
-    run.gap_size(u, run.problem.gap(u))
+    state = run.begin(u)
     while True:
         lin = run.linearise(u, memory)
         gap = run.problem.gap(u)
-        residual = run.imbalance(lin, u, pressure)
-        expected = active ^ run.misplaced(lin, u, gap, pressure, active, c)
-        run.note(residual, expected, noted, event)
+        state = run.with_residual(state, lin, u, pressure)
+        expected = active ^ run.misplaced(state, lin, u, gap, pressure, active, c)
+        run.tally.note(state.residual, expected, noted, event)
         noted = expected
-        if np.isinf(residual):
+        if np.isinf(state.residual):
             return run.finish(u, pressure, active, Outcome.DIVERGED)
-        settled = np.array_equal(expected, active) and run.closed(u, gap, pressure, active)
-        if settled and run.balanced(lin, u, residual):
+        settled = np.array_equal(expected, active) and run.closed(state, u, gap, pressure, active)
+        if settled and run.balanced(state, lin, u):
             return run.finish(u, pressure, active, Outcome.CONVERGED)
-        if settled and run.stuck(lin, u, residual):
+        if settled and run.stuck(state, lin, u):
             return run.finish(u, pressure, active, Outcome.ROUNDING)
         counted += not _only_released(active, expected)
         if counted > max_iterations:
             return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
+        again = expected.tobytes() in begun
+        begun.add(expected.tobytes())
         try:
-            step = solve_step(run, Iterate(lin, u, gap, pressure, expected))
+            step = solve_step(run, Iterate(state, lin, u, gap, pressure, expected, again, updates))
         except SingularMatrixError as error:
-            run.tell(Event(EventKind.FAILED, str(error)))
+            run.tally.tell(Event(EventKind.FAILED, str(error)))
             return run.finish(u, pressure, active, Outcome.SINGULAR)
         except StepError as error:
-            run.tell(Event(EventKind.FAILED, str(error)))
+            run.tally.tell(Event(EventKind.FAILED, str(error)))
             return run.finish(u, pressure, active, error.outcome)
-        u, memory = run.advance(lin, u, step.du, step.active)
-        pressure, active, event = step.pressure, step.active, step.event
+        state, u, memory = run.advance(state, lin, u, step.du, step.active)
+        pressure, active, event, updates = step.pressure, step.active, step.event, updates + step.updates
 
 
-def settling(settle: float, c: float = 1.0) -> StepSolver:
-    """Steps on the set that each linearised problem keeps, up to the fraction ``settle`` of it.
+def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0) -> Step:
+    """The step on the set that the linearised problem keeps, up to the fraction ``settle`` of it.
 
     Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there.
     A path that has no next state would go on like that for hundreds of factorisations: MOST_UPDATES end it.
+    Raises StepError, SingularMatrixError.
     """
-    begun: set[bytes] = set()
-    spent = 0
-
-    def step(run: NewtonRun, at: Iterate) -> Step:
-        nonlocal spent
-        if spent > MOST_UPDATES:
-            raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {spent} times beyond one an iteration")
-        again = settle < 1 and at.expected.tobytes() in begun
-        begun.add(at.expected.tobytes())
-        found = settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
-        spent += found.updates
-        return found
-
-    return step
+    if at.updates > MOST_UPDATES:
+        raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {at.updates} times beyond one an iteration")
+    again = settle < 1 and at.again
+    return settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
 
 
 def settle_set(
@@ -137,7 +137,7 @@ def settle_set(
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
         gap = at.gap + jacobian @ du
-        wrong = run.misplaced(at.lin, at.u + du, gap, pressure, active, c, solved=True)
+        wrong = run.misplaced(at.state, at.lin, at.u + du, gap, pressure, active, c, solved=True)
         after = active ^ wrong
         seen.add(active.tobytes())
         cycling = event is not None or after.tobytes() in seen

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
+from contact.newton.state import NewtonState
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
@@ -62,7 +63,7 @@ def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution,
         totals.append(timed(partial(iterate, runs[-1], state, memory)))
         elements.append(timed(lambda: shell.element_contributions(u, memory)))
         scatter.append(timed(lambda: grid.assemble(tangents)))
-    part = {key: statistics.median(run.counters[key] for run in runs) for key in runs[0].counters}
+    part = {key: statistics.median(run.tally.counters[key] for run in runs) for key in runs[0].tally.counters}
     assembly = statistics.median(elements) + statistics.median(scatter)
     return IterationCost(
         dofs=grid.n_free,
@@ -79,10 +80,10 @@ def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution,
 def iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
     """Everything an algorithm does between two iterates."""
     lin = run.linearise(state.u, memory)
-    run.imbalance(lin, state.u, state.pressure)
-    run.closed(state.u, run.problem.gap(state.u), state.pressure, state.active)
+    newton = run.with_residual(NewtonState(), lin, state.u, state.pressure)
+    run.closed(newton, state.u, run.problem.gap(state.u), state.pressure, state.active)
     du, _ = run.step(lin, state.u, state.pressure, state.active)
-    run.remember(lin, du)
+    run.remember(newton, lin, du)
 
 
 def timed(work: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:

@@ -21,6 +21,7 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
+from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import Factor, factorise
@@ -65,15 +66,15 @@ class Pressed:
     pressure: np.ndarray
 
 
-@dataclass
+@dataclass(frozen=True, eq=False)
 class _Kept(NewtonRun):
-    """A run that keeps the last matrix it has factorised."""
+    """A run that keeps the matrices it has factorised."""
 
-    matrix: sparse.csc_matrix | None = field(default=None)
+    matrices: list[sparse.csc_matrix] = field(default_factory=list)
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
         """Keep and factorise."""
-        self.matrix = A
+        self.matrices.append(A)
         return super().factorise(A)
 
 
@@ -213,15 +214,14 @@ def _sample(
     shell: ShellModel, problem: ContactProblem, state: ContactSolution, memory: object
 ) -> tuple[dict[str, float], sparse.csc_matrix]:
     """One Newton step, whole and by its parts [s], and the matrix that it has factorised."""
-    run = _Kept(problem, clock=CLOCK)
+    run = _Kept(problem, tally=Tally(clock=CLOCK))
     total = timed(partial(iterate, run, state, memory))
     elements = timed(partial(shell.element_contributions, state.u, memory))
     tangents = shell.element_contributions(state.u, memory)[2]
     scatter = timed(partial(shell.discretisation.assemble, tangents))
-    counted = {part: run.counters[f"{part}_s"] for part in ("factorisation", "solve", "contact")}
+    counted = {part: run.tally.counters[f"{part}_s"] for part in ("factorisation", "solve", "contact")}
     times = {"elements": elements, "scatter": scatter, "assembly": elements + scatter, **counted, "total": total}
-    assert run.matrix is not None
-    return times, run.matrix
+    return times, run.matrices[-1]
 
 
 def _floors(matrix: sparse.csc_matrix, problem: ContactProblem) -> dict[str, float]:

@@ -1,0 +1,77 @@
+"""What a Newton iteration passes from one iterate to the next, and beside it what it has spent and written down."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact.events import Event
+from contact.solvers.sparse import Factor, factor_flops
+
+COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops", "set_changes")
+TIMES = ("assembly_s", "factorisation_s", "solve_s", "contact_s")
+
+
+@dataclass(frozen=True, eq=False)
+class NewtonState:
+    """Sizes that the tests of convergence compare with; evaluating a residual or taking a step gives the next one.
+
+    scale, first_scale [N]: of the forces in balance, now and at the start.  residual: |r - G^T W p| over the scale,
+    infinite once the iteration has blown up.  first_gap_size [mm]: size of the terms of a gap at the start.
+    active (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one before
+    it on the same set.
+    """
+
+    scale: float = 0.0
+    first_scale: float = 0.0
+    residual: float = np.inf
+    first_gap_size: float = 0.0
+    active: np.ndarray | None = None
+    moved: float = np.inf
+    moved_before: float = np.inf
+
+
+@dataclass
+class Tally:
+    """Counters, clock and history: the only things that a solve adds to; nothing is decided by them.
+
+    clock: what the times of the counters are read from.  flops_by_fill: of the first factorisation, operations over
+    fill^2; negative before it.
+    """
+
+    counters: dict[str, float] = field(default_factory=lambda: dict.fromkeys(COUNTERS, 0) | dict.fromkeys(TIMES, 0.0))
+    history: list[dict[str, object]] = field(default_factory=list)
+    clock: Callable[[], float] = time.perf_counter
+    flops_by_fill: float = -1.0
+
+    def spend(self, what: str, start: float) -> float:
+        """Add the time since ``start`` to a counter; returns now."""
+        now = self.clock()
+        self.counters[what] += now - start
+        return now
+
+    def count(self, factor: Factor) -> None:
+        """Count a factorisation and its operations, about.
+
+        Their number is known of the first one; others differ in a few columns, and count by the square of their fill.
+        """
+        self.counters["factorisations"] += 1
+        fill = float(getattr(factor, "nnz", 0))
+        if self.flops_by_fill < 0:
+            self.flops_by_fill = factor_flops(factor) / max(fill, 1.0) ** 2
+        self.counters["flops"] += round(self.flops_by_fill * fill**2)
+
+    def note(self, residual: float, active: np.ndarray, before: np.ndarray, event: Event | None = None) -> None:
+        """One row of history; the set changes are counted."""
+        added, removed = int(np.sum(active & ~before)), int(np.sum(before & ~active))
+        self.counters["set_changes"] += bool(added or removed)
+        row: dict[str, object] = {"residual": residual, "contact_nodes": int(active.sum())}
+        row |= {"added": added, "removed": removed}
+        self.history.append(row | ({} if event is None else {"event": event}))
+
+    def tell(self, event: Event, row: int = -1) -> None:
+        """Write an event into a row of history, by default the last."""
+        self.history[row]["event"] = event
