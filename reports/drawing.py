@@ -6,7 +6,9 @@ What is drawn is not known here.
 from __future__ import annotations
 
 import io
+from collections.abc import Iterable
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib as mpl
@@ -18,8 +20,17 @@ BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
     *("#000000", "#E69F00", "#56B4E9", "#009E73"),
     *("#F0E442", "#0072B2", "#D55E00", "#CC79A7"),
 )
-SERIES = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, BLACK)
+WINE, OLIVE = "#661100", "#999933"  # Tol's, told apart from those
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, WINE, YELLOW, OLIVE)
 MARKERS = ("o", "s", "^", "D", "v", "P", "x")
+LINES = ("-", "--", ":", "-.")
+KNOWN = (  # names whose look is fixed; those of one line never stand for the same thing as those of the other
+    (
+        *("exact", "linear", "von-karman", "donnell", "sanders", "novozhilov"),
+        *("moderate-rotation", "thin-green-lagrange", "elongation"),
+    ),
+    ("trial-and-error", "semismooth", "regularised", "augmented-lagrangian", "qp", "lcp"),
+)
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",  # letters as shapes: the same on every reader's machine
     "svg.hashsalt": "footprint",
@@ -35,6 +46,43 @@ STYLE: dict[Any, Any] = {
     "lines.markersize": 5,
     "axes.formatter.use_mathtext": True,
 }
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one thing is drawn."""
+
+    colour: str
+    marker: str
+    line: str
+
+    @property
+    def points(self) -> dict[str, Any]:
+        """Colour and marker."""
+        return {"color": self.colour, "marker": self.marker}
+
+    @property
+    def dashes(self) -> dict[str, Any]:
+        """Colour and line."""
+        return {"color": self.colour, "linestyle": self.line}
+
+
+def look(number: int) -> Look:
+    """The look of a number: the first nine differ in colour, the next nine from them in marker and line, and so on."""
+    shifted = number % len(COLOURS) + number // len(COLOURS)
+    return Look(COLOURS[number % len(COLOURS)], MARKERS[shifted % len(MARKERS)], LINES[shifted % len(LINES)])
+
+
+def looks(names: Iterable[Any]) -> dict[Any, Look]:
+    """The look of each name, the same on every figure for measures and algorithms, and never running out.
+
+    Known names have their own; unknown ones beside them come after, by name; where none is known, the order counts.
+    """
+    unique = list(dict.fromkeys(names))
+    known = next((list(own) for own in KNOWN if set(own) & set(unique)), [])
+    others = [name for name in unique if name not in known]
+    order = known + (sorted(others, key=str) if known else others)
+    return {name: look(order.index(name)) for name in unique}
 
 
 def style() -> AbstractContextManager[None]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from reports.drawing import BLACK, MARKERS, SERIES, canvas, style, to_svg
+from reports.drawing import BLACK, canvas, looks, style, to_svg
 
 LOOKS = {"multiplier": "-", "displacement": "--"}
 PAPER = 1e4  # MPa/mm
@@ -17,8 +17,9 @@ def forces(curves: Mapping[str, tuple[Sequence[float], Sequence[float]]]) -> str
     """Force [N] over the travel [mm]."""
     with style():
         figure, (axes,) = canvas()
-        for (name, (travel, force)), colour, marker in zip(curves.items(), SERIES, MARKERS, strict=False):
-            axes.plot([0, *travel], [0, *force], color=colour, marker=marker, label=name)
+        drawn = looks(curves)
+        for name, (travel, force) in curves.items():
+            axes.plot([0, *travel], [0, *force], **drawn[name].points, label=name)
         axes.set(xlabel="travel of the plane [mm]", ylabel="force [N]", xlim=(0, None), ylim=(0, None))
         axes.legend(loc="upper left")
         return to_svg(figure)
@@ -38,7 +39,9 @@ def epsilon(table: pd.DataFrame) -> str:
     with style():
         figure, axes = canvas(3, width=12.0, height=4.4)
         for panel, (column, label, limits) in zip(axes, panels, strict=True):
-            for (case, own), colour, marker in zip(table.groupby("case", sort=False), SERIES, MARKERS, strict=False):
+            drawn = looks(table["case"])
+            for case, own in table.groupby("case", sort=False):
+                colour, marker = drawn[case].colour, drawn[case].marker
                 for form, line in LOOKS.items():
                     rows = own[own["form"] == form]
                     value = rows[column].abs().where(rows[column].abs().between(*limits))

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, BLUE, GREEN, MARKERS, ORANGE, PURPLE, SERIES, SKY, VERMILION, canvas, style, to_svg
+from reports.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, canvas, looks, style, to_svg
 
 LOOKS = {  # class: colour, marker
     "exactly zero": (BLUE, "o"),
@@ -67,9 +67,10 @@ def mirror(sweeps: Mapping[str, pd.DataFrame], own: str, printed: tuple[float, f
         left.set_title(own)
         left.legend(loc="upper center")
         others = {name: sweep for name, sweep in sweeps.items() if name != own}
-        colours = (*SERIES, "#888888", "#8B5A2B")
-        for (name, sweep), colour, marker in zip(others.items(), colours, (*MARKERS, "*", "p"), strict=False):
-            _curve(right, sweep, colour, marker, name.partition(",")[0])
+        drawn = looks(name.partition(",")[0] for name in others)
+        for name, sweep in others.items():
+            measure = name.partition(",")[0]
+            _curve(right, sweep, drawn[measure].colour, drawn[measure].marker, measure)
         right.set_title(f"all measures, {next(iter(others)).partition(', ')[2]}" if others else "")
         right.legend(fontsize=8)
         for axes in (left, right):

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pandas as pd
 
-from reports.drawing import BLACK, MARKERS, SERIES, canvas, style, to_svg
+from reports.drawing import BLACK, canvas, looks, style, to_svg
 
 
 def load_displacement(
@@ -24,10 +24,11 @@ def load_displacement(
             if reference is not None:
                 x, y = reference[column], reference["load_fraction"]
                 axes.plot(x, y, color=BLACK, marker=".", linewidth=0.8, label="Sze et al.")
-            for (name, curve), colour, marker in zip(curves.items(), SERIES, MARKERS, strict=False):
+            drawn = looks(curves)
+            for name, curve in curves.items():
                 points = [0, *curve[column]], [0, *curve["load_fraction"]]
                 line = "-" if "limit_point" in curve else "none"  # a curve that turns back needs its order
-                axes.plot(*points, linestyle=line, color=colour, marker=marker, fillstyle="none", label=name)
+                axes.plot(*points, linestyle=line, **drawn[name].points, fillstyle="none", label=name)
             axes.set(xlabel=words, ylabel="load fraction")
             if all(curve[[column, "load_fraction"]].min().min() >= 0 for curve in curves.values()):
                 axes.set(xlim=(0, None), ylim=(0, None))
@@ -41,8 +42,9 @@ def error_by_mesh(elements: Sequence[int], errors: Mapping[str, Sequence[float]]
     with style():
         figure, (axes,) = canvas()
         n = np.asarray(elements, dtype=float)
-        for (name, values), colour, marker in zip(errors.items(), SERIES, MARKERS, strict=False):
-            axes.loglog(n, np.abs(np.asarray(values)), color=colour, marker=marker, label=name)
+        drawn = looks(errors)
+        for name, values in errors.items():
+            axes.loglog(n, np.abs(np.asarray(values)), **drawn[name].points, label=name)
         top = np.nanmax(np.abs([[float(value) for value in values] for values in errors.values()]), initial=0.0)
         axes.loglog(n, (top or 1.0) * (n[0] / n) ** 2, color=BLACK, linestyle=":", linewidth=1, label="second order")
         axes.set(xlabel=f"elements along {side}", ylabel="relative error")

@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.drawing import BLACK, SERIES, canvas, style, to_svg
-
-LINES, MARKERS = ("-", "--", ":", "-."), ("o", "s", "^", "D")
+from reports.drawing import BLACK, LINES, MARKERS, canvas, look, style, to_svg
 
 
 @dataclass(frozen=True)
@@ -37,11 +35,15 @@ def mesh_errors(curves: Sequence[Curve]) -> str:
         for curve in curves:
             i, j = scenes.index(curve.scene), drawn[curve.scene]
             drawn[curve.scene] += 1
-            look = {"color": SERIES[i % len(SERIES)], "marker": MARKERS[j % len(MARKERS)]}
-            look |= {"linestyle": LINES[j % len(LINES)], "fillstyle": "full" if curve.asymptotic else "none"}
+            drawn_as = {
+                "color": look(i).colour,
+                "marker": MARKERS[j % len(MARKERS)],
+                "linestyle": LINES[j % len(LINES)],
+            }
+            drawn_as["fillstyle"] = "full" if curve.asymptotic else "none"
             h = np.asarray(curve.sizes) / curve.sizes[0]
             name = f"{curve.scene}, {curve.quantity}: {curve.order}"
-            axes.loglog(h, np.abs(np.asarray(curve.errors)), **look, label=name)
+            axes.loglog(h, np.abs(np.asarray(curve.errors)), **drawn_as, label=name)
         finest = min(curve.sizes[-1] / curve.sizes[0] for curve in curves)
         top = 2 * max(abs(curve.errors[0]) for curve in curves)
         for order in (1, 2):

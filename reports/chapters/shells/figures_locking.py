@@ -7,9 +7,8 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from reports.drawing import BLACK, MARKERS, SERIES, canvas, style, to_svg
+from reports.drawing import BLACK, canvas, look, looks, style, to_svg
 
-LINES = ("-", "--", ":")
 YARDSTICKS = {"reduced": "_", "unreduced": "x"}  # in the colours of their meshes
 
 
@@ -17,8 +16,8 @@ def shear(table: pd.DataFrame) -> str:
     """Tip deflection over Timoshenko's, over the slenderness of an element: ours and a fully integrated one."""
     with style():
         figure, (axes,) = canvas()
-        axes.loglog(table["l_over_h"], table["ratio"], color=SERIES[0], marker=MARKERS[0], label="this element")
-        full = {"color": SERIES[1], "marker": MARKERS[1], "label": "fully integrated linear element (law)"}
+        axes.loglog(table["l_over_h"], table["ratio"], **look(0).points, label="this element")
+        full = {**look(1).points, "label": "fully integrated linear element (law)"}
         axes.loglog(table["l_over_h"], table["fully_integrated"], **full)
         axes.set(xlabel="length over thickness of an element", ylabel="deflection over the exact one")
         axes.legend(loc="lower left")
@@ -29,9 +28,9 @@ def ring(table: pd.DataFrame) -> str:
     """Error of the curved beam over h/R, a line a mesh."""
     with style():
         figure, (axes,) = canvas()
-        for (n, rows), colour, marker in zip(table.groupby("elements"), SERIES, MARKERS, strict=False):
+        for i, (n, rows) in enumerate(table.groupby("elements")):
             error = np.abs(rows["ratio"] - 1)
-            axes.loglog(rows["h_over_R"], error, color=colour, marker=marker, label=f"{n} elements")
+            axes.loglog(rows["h_over_R"], error, **look(i).points, label=f"{n} elements")
         axes.set(xlabel="h/R", ylabel="error of the deflection", ylim=(1e-4, 1e-1))
         axes.invert_xaxis()
         axes.legend(loc="upper left", ncols=3)
@@ -42,19 +41,20 @@ def membrane(table: pd.DataFrame) -> str:
     """Error in the energy norm over h/R: a panel a surface and end, colours for meshes, lines for membranes."""
     cases = list(dict.fromkeys(zip(table["surface"], table["end"], strict=True)))
     meshes, kinds = sorted(set(table["elements"])), list(dict.fromkeys(table["membrane"]))
+    lines = {kind: each.line for kind, each in looks(kinds).items()}
     with style():
         figure = Figure(figsize=(9.0, 7.0), layout="constrained")
         panels = figure.subplots((len(cases) + 1) // 2, 2, squeeze=False, sharey=True).ravel()
-        for axes, (surface, end) in zip(panels, cases, strict=False):
+        for axes, (surface, end) in zip(panels[: len(cases)], cases, strict=True):
             rows = table[(table["surface"] == surface) & (table["end"] == end)]
-            for n, colour, marker in zip(meshes, SERIES, MARKERS, strict=False):
-                for kind, line in zip(kinds, LINES, strict=False):
+            for n, drawn in looks(meshes).items():
+                for kind, line in lines.items():
                     own = rows[(rows["elements"] == n) & (rows["membrane"] == kind)]
-                    look = {"color": colour, "marker": marker, "fillstyle": "full" if line == "-" else "none"}
-                    axes.loglog(own["h_over_R"], own["energy_norm_error"], linestyle=line, **look, label=f"{n}, {kind}")
+                    own_look = {**drawn.points, "linestyle": line, "fillstyle": "full" if line == "-" else "none"}
+                    axes.loglog(own["h_over_R"], own["energy_norm_error"], **own_look, label=f"{n}, {kind}")
                 known = rows[(rows["elements"] == n) & (rows["membrane"] == kinds[0])].dropna()
                 for kind, marker in YARDSTICKS.items():
-                    points = {"color": colour, "marker": marker, "linestyle": "none", "markersize": 9}
+                    points = {"color": drawn.colour, "marker": marker, "linestyle": "none", "markersize": 9}
                     axes.loglog(known["h_over_R"], known[f"yardstick_{kind}"], **points)
             axes.set(title=f"{surface}, {end} ends", xlabel="h/R", ylim=(8e-3, 1.3))
             axes.invert_xaxis()

@@ -6,29 +6,20 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from reports.drawing import BLACK, SERIES, canvas, style, to_svg
-
-LINES = ("-", "--", ":")
-
-
-def _looks(measures: set[str]) -> dict[str, tuple[str, str]]:
-    """Colour and line of each measure, the same in every picture of the same catalogue."""
-    names = sorted(measures | {"exact"})
-    colours = [colour for colour in SERIES if colour != BLACK]
-    return {name: (colours[i % len(colours)], LINES[i // len(colours)]) for i, name in enumerate(names)}
+from reports.drawing import BLACK, canvas, looks, style, to_svg
 
 
 def errors_over_load(errors: Mapping[str, pd.DataFrame], words: Mapping[str, str]) -> str:
     """Size of the errors over the load, one panel a scene: scene -> table (load, one column a measure)."""
-    looks = _looks({name for table in errors.values() for name in table.columns if name != "load"})
+    drawn = looks(str(name) for table in errors.values() for name in table.columns if name != "load")
     with style():
         rows = -(-len(errors) // 3)
         figure, panels = canvas(-(-len(errors) // rows), height=1.2 + 2.8 * rows, rows=rows)
         for axes, (scene, table) in zip(panels, errors.items(), strict=True):
-            for name, (colour, line) in looks.items():
+            for name, look in drawn.items():
                 if name in table:
                     size = table[name].abs()
-                    axes.plot(table["load"], size.where(size > 0), color=colour, linestyle=line, label=name)
+                    axes.plot(table["load"], size.where(size > 0), **look.dashes, label=name)
             for level in (0.01, 0.05):
                 axes.axhline(level, color=BLACK, linewidth=0.8, linestyle=":")
             axes.set(title=scene, xlabel=words[scene], yscale="log", ylim=(1e-5, 2), xlim=(0, None))

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, SERIES, style, to_svg
+from reports.drawing import BLACK, looks, style, to_svg
 
 SAME = 1e-9  # measures this close all the way share a curve
 
@@ -31,13 +31,14 @@ def shared_curves(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
 def full_turn(sweep: pd.DataFrame) -> str:
     """Strain over the angle of a rigid rotation, a panel a case; the exact answer is zero."""
     cases = list(dict.fromkeys(zip(sweep["surface"], sweep["motion"], strict=True)))
-    colours = [colour for colour in SERIES if colour != BLACK]
+    drawn = looks(sweep["measure"])
     with style():
         figure = Figure(figsize=(9.0, 4.2 * ((len(cases) + 1) // 2)), layout="constrained")
         panels = figure.subplots((len(cases) + 1) // 2, 2, squeeze=False).ravel()
-        for axes, (surface, motion) in zip(panels, cases, strict=False):
+        for axes, (surface, motion) in zip(panels[: len(cases)], cases, strict=True):
             rows = sweep[(sweep["surface"] == surface) & (sweep["motion"] == motion)]
-            for (names, own), colour in zip(shared_curves(rows), colours, strict=False):
+            for names, own in shared_curves(rows):
+                colour = drawn[own["measure"].iloc[0]].colour
                 angle = np.degrees(own["theta_rad"])
                 axes.plot(angle, own["strain"], color=colour, linewidth=3.5, alpha=0.7, label=_wrapped(names))
                 axes.plot(angle, own["declared"], color=BLACK, linestyle=":", linewidth=1.2)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from reports.drawing import BLACK, MARKERS, SERIES, canvas, style, to_svg
+from reports.drawing import BLACK, canvas, looks, style, to_svg
 
 WITHIN = 0.01
 LEAST = 1e-5  # below it an error is chance
@@ -17,11 +17,10 @@ def precision(data: pd.DataFrame) -> str:
         figure, panels = canvas(len(elements), width=10.0, height=4.2)
         for axes, element in zip(panels, elements, strict=True):
             own = data[data["element"] == element]
-            for (family, grids), colour, marker in zip(
-                own.groupby("family", sort=False), SERIES, MARKERS, strict=False
-            ):
+            drawn = looks(data["family"])
+            for family, grids in own.groupby("family", sort=False):
                 error = grids["error"].abs().clip(lower=LEAST)
-                axes.loglog(grids["unknowns"], error, color=colour, marker=marker, label=str(family))
+                axes.loglog(grids["unknowns"], error, **drawn[family].points, label=str(family))
             axes.axhline(WITHIN, color=BLACK, linewidth=1, linestyle=":")
             axes.set(title=f"element {element}", xlabel="unknowns", ylabel="relative error of the force")
         handles, names = panels[0].get_legend_handles_labels()

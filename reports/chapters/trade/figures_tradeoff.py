@@ -12,15 +12,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter, PercentFormatter
 
-from reports.drawing import BLACK, MARKERS, SERIES, YELLOW, canvas, style, to_svg
+from reports.drawing import BLACK, Look, canvas, looks, style, to_svg
 
 GREY = "#BBBBBB"
 PANELS, MOST = 3, 12  # beside one another, and in all
 MARGIN = 3.0  # how much dearer than the dearest cell of the front a loser may be, to be drawn
 LEAST_SPAN = 12.0  # of an axis, so that a power of ten is on it
 WORST = 0.1  # relative error from which an answer is wrong
-LINES = ("-", "--", ":", "-.")
-COLOURS = (*SERIES[:6], "#661100", YELLOW, "#999933")  # with Tol's wine and olive, told apart like the others
 FACTORS = ("mesh", "measure", "contact", "tolerance", "newton", "element", "section", "load", "model")
 COST_WORDS = {
     "flops": "floating-point operations of factorisations",
@@ -40,12 +38,11 @@ def work_precision(fronts: pd.DataFrame, cost: str) -> str:
     answers = fronts.groupby("scene", sort=False)["error"].count().sort_values(ascending=False, kind="stable")
     scenes = [name for name in dict.fromkeys(fronts["scene"]) if name in answers.index[:MOST]]
     fronts = fronts[fronts["scene"].isin(scenes)]
-    measures = dict(zip(dict.fromkeys(fronts["measure"]), COLOURS, strict=False))
-    contacts = dict(zip(dict.fromkeys(fronts["contact"]), MARKERS, strict=False))
+    measures, contacts = looks(fronts["measure"]), looks(fronts["contact"])
     rows = math.ceil(len(scenes) / PANELS)
     with style():
         figure, panels = canvas(PANELS, width=10.0, height=0.8 + 2.7 * rows, rows=rows)
-        for axes, scene in zip(panels, scenes, strict=False):
+        for axes, scene in zip(panels[: len(scenes)], scenes, strict=True):
             _scene(axes, scene, fronts[fronts["scene"] == scene], cost, measures, contacts)
         for axes in panels[len(scenes) :]:
             axes.set_visible(False)
@@ -53,8 +50,8 @@ def work_precision(fronts: pd.DataFrame, cost: str) -> str:
             axes.set_ylabel("relative error")
         for axes in panels[max(0, len(scenes) - PANELS) : len(scenes)]:
             axes.set_xlabel(COST_WORDS[cost] if len(COST_WORDS[cost]) < 20 else cost)
-        keys = [_key(colour, "o", name) for name, colour in measures.items()]
-        keys += [_key(BLACK, marker, name) for name, marker in contacts.items()] if len(contacts) > 1 else []
+        keys = [_key(each.colour, "o", name) for name, each in measures.items()]
+        keys += [_key(BLACK, each.marker, name) for name, each in contacts.items()] if len(contacts) > 1 else []
         figure.legend(handles=keys, loc="outside upper center", ncols=5)
         return to_svg(figure)
 
@@ -68,8 +65,8 @@ def _scene(
     scene: str,
     rows: pd.DataFrame,
     cost: str,
-    measures: Mapping[str, str],
-    contacts: Mapping[str, str],
+    measures: Mapping[str, Look],
+    contacts: Mapping[str, Look],
 ) -> None:
     good = rows[(rows["flag"] == "") & rows[f"cost.{cost}"].notna()]
     shown = good.assign(shown=np.maximum(good["error"], good["uncertainty"]), price=good[f"cost.{cost}"].astype(float))
@@ -80,10 +77,10 @@ def _scene(
     inside = shown[(shown["price"] <= right) & (shown["shown"] <= WORST)]
     beaten = inside[~inside[f"front.{cost}"].astype(bool)]
     for contact, own in beaten.groupby("contact", sort=False):
-        axes.scatter(own["price"], own["shown"], s=9, color=GREY, marker=contacts[str(contact)], linewidths=0.6)
+        axes.scatter(own["price"], own["shown"], s=9, color=GREY, marker=contacts[str(contact)].marker, linewidths=0.6)
     axes.plot(front["price"], front["shown"], color=BLACK, linewidth=0.8, drawstyle="steps-post")
     for (measure, contact), own in front.groupby(["measure", "contact"], sort=False):
-        colour, marker = measures[str(measure)], contacts[str(contact)]
+        colour, marker = measures[str(measure)].colour, contacts[str(contact)].marker
         axes.scatter(own["price"], own["shown"], s=30, zorder=3, color=colour, marker=marker)
     axes.set(xscale="log", yscale="log", xlim=(left, right), ylim=(low, 1.4 * WORST))
     known = float(front["uncertainty"].median())
@@ -106,12 +103,12 @@ def profiles(data: pd.DataFrame, cost: str) -> str:
         figure, panels = canvas(2, width=10.0, height=4.4 * rows, rows=rows)
         for axes in panels[len(kinds) :]:
             axes.set_visible(False)
-        for axes, kind in zip(panels, kinds, strict=False):
+        for axes, kind in zip(panels[: len(kinds)], kinds, strict=True):
             lines = own[own["axis"] == kind]
-            for i, (name, line) in enumerate(lines.groupby("competitor", sort=False)):
-                colour, dashes = COLOURS[i % len(COLOURS)], LINES[i % len(LINES)]
+            drawn = looks(lines["competitor"])
+            for name, line in lines.groupby("competitor", sort=False):
                 words = f"{name} ({100 * line['solved'].iloc[0]:.0f} % solved)"
-                axes.step(line["factor"], line["share"], where="post", label=words, color=colour, linestyle=dashes)
+                axes.step(line["factor"], line["share"], where="post", label=words, **drawn[name].dashes)
             axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, lines["factor"].max()))
             axes.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
             axes.set_xticks([], minor=True)
@@ -124,8 +121,8 @@ def profiles(data: pd.DataFrame, cost: str) -> str:
 
 def attribution(data: pd.DataFrame, responses: Sequence[str]) -> str:
     """Shares of the variance, a panel a response, a bar a scene or family, a colour a factor."""
-    looks = {name: colour for name, colour in zip(FACTORS, COLOURS, strict=True) if (data["factor"] == name).any()}
-    looks |= {"interactions": "#888888", "rest": "#DDDDDD"}
+    colours = {name: each.colour for name, each in looks(FACTORS).items() if (data["factor"] == name).any()}
+    colours |= {"interactions": "#888888", "rest": "#DDDDDD"}
     names = list(dict.fromkeys(zip(data["scope"], data["name"], strict=True)))[::-1]
     with style():
         figure, panels = canvas(len(responses), width=10.0, height=1.4 + 0.27 * len(names))
@@ -133,7 +130,7 @@ def attribution(data: pd.DataFrame, responses: Sequence[str]) -> str:
             own = data[data["response"] == response].set_index(["scope", "name", "factor"])["share"]
             for i, (scope, name) in enumerate(names):
                 start = 0.0
-                for factor, colour in looks.items():
+                for factor, colour in colours.items():
                     share = float(own.get((scope, name, factor), 0.0))
                     axes.barh(i, share, left=start, color=colour, height=0.75, edgecolor="white", linewidth=0.4)
                     start += share
@@ -142,7 +139,7 @@ def attribution(data: pd.DataFrame, responses: Sequence[str]) -> str:
             axes.set(xlim=(0, 1), xlabel="share of the variance", title=f"logarithm of {_article(response)}")
             axes.xaxis.set_major_formatter(PercentFormatter(1.0))
             axes.grid(visible=False, axis="y")
-        keys = [Patch(color=colour, label=factor) for factor, colour in looks.items()]
+        keys = [Patch(color=colour, label=factor) for factor, colour in colours.items()]
         figure.legend(handles=keys, loc="outside upper center", ncols=6)
         return to_svg(figure)
 
@@ -155,14 +152,14 @@ def held_out(cases: pd.DataFrame) -> str:
     """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
     given = cases[cases["advised"] != ""]
     scenes = list(dict.fromkeys(given["scene"]))
+    drawn = looks(scenes)
     with style():
         figure, (left, right) = canvas(2, width=10.0, height=4.0)
         for i, scene in enumerate(scenes):
             own = given[given["scene"] == scene]
             ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3)
-            colour, marker = COLOURS[i % len(COLOURS)], MARKERS[i % len(MARKERS)]
             shift = 1 + 0.5 * (i / len(scenes) - 0.5)  # points of one tolerance beside one another
-            left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, color=colour, marker=marker)
+            left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, **drawn[scene].points)
         left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
         left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
         ticks = sorted(set(100 * given["tolerance"]))

@@ -12,7 +12,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 
-from reports.drawing import BLACK, MARKERS, SERIES, VERMILION, canvas, style, to_svg
+from reports.drawing import BLACK, VERMILION, canvas, look, looks, style, to_svg
 from reports.maps import at_delta
 
 GREY = "#777777"
@@ -23,8 +23,9 @@ def load_deflection(curves: Mapping[str, tuple[Sequence[float], Sequence[float]]
     """Force over the travel of the plane; each curve starts at the first touch."""
     with style():
         figure, (axes,) = canvas()
-        for (name, (deltas, forces)), colour, marker in zip(curves.items(), SERIES, MARKERS, strict=False):
-            axes.plot([0, *deltas], [0, *forces], color=colour, marker=marker, label=name)
+        drawn = looks(curves)
+        for name, (deltas, forces) in curves.items():
+            axes.plot([0, *deltas], [0, *forces], **drawn[name].points, label=name)
         axes.set(xlabel="travel of the plane Δ [mm]", ylabel="force P [N]", xlim=(0, None), ylim=(0, None))
         axes.legend()
         return to_svg(figure)
@@ -36,9 +37,10 @@ def pressure_along_psi(panels: Mapping[str, Mapping[str, pd.Series]]) -> str:
         figure, all_axes = canvas(len(panels))
         top = max(float(curve.max()) for curves in panels.values() for curve in curves.values())
         for axes, (title, curves) in zip(all_axes, panels.items(), strict=True):
-            for (name, curve), colour, marker in zip(curves.items(), SERIES, MARKERS, strict=False):
+            drawn = looks(curves)
+            for name, curve in curves.items():
                 shown = curve[np.abs(curve.index.to_numpy(dtype=float)) <= SHOWN_PSI]
-                axes.plot(shown.index, shown.to_numpy(), color=colour, marker=marker, markersize=4, label=name)
+                axes.plot(shown.index, shown.to_numpy(), **drawn[name].points, markersize=4, label=name)
             axes.set(title=title, xlabel="meridian angle ψ [deg]", ylabel="contact pressure [MPa]")
             axes.set(ylim=(0, 1.05 * top), xticks=range(-60, 61, 20))
         handles, names = all_axes[0].get_legend_handles_labels()
@@ -86,8 +88,8 @@ def profiles(profile: pd.DataFrame, deltas: Sequence[float]) -> str:
         _wall(axes, profile[profile["state"] == "unloaded"], "unloaded", GREY, "--")
         _wall(axes, profile[profile["state"] == "inflated"], "inflated", BLACK, "-")
         pressed = profile[profile["state"] == "pressed"]
-        for delta, colour in zip(deltas, SERIES, strict=False):
-            _wall(axes, at_delta(pressed, delta), f"Δ = {delta:g} mm", colour, "-")
+        for i, delta in enumerate(deltas):
+            _wall(axes, at_delta(pressed, delta), f"Δ = {delta:g} mm", look(i).colour, "-")
         axes.set(xlabel="axial position z [mm]", ylabel="radial position x [mm]", aspect="equal")
         figure.legend(loc="outside right center")
         return to_svg(figure)
@@ -132,12 +134,13 @@ def iterations(histories: Mapping[str, pd.DataFrame]) -> str:
     """Relative residual and size of the contact set over all residual evaluations of a solve."""
     with style():
         figure, (left, right) = canvas(2, height=4.2)
-        for (name, history), colour, marker in zip(histories.items(), SERIES, MARKERS, strict=False):
+        drawn = {name: {**each.points, "markersize": 3, "linewidth": 1} for name, each in looks(histories).items()}
+        for name, history in histories.items():
             evaluation = np.arange(1, len(history) + 1)
             residual = history["residual"].to_numpy(dtype=float)
             finite = np.where(np.isfinite(residual) & (residual > 0), residual, np.nan)
-            left.semilogy(evaluation, finite, color=colour, marker=marker, markersize=3, linewidth=1, label=name)
-            right.plot(evaluation, history["contact_nodes"], color=colour, marker=marker, markersize=3, linewidth=1)
+            left.semilogy(evaluation, finite, **drawn[name], label=name)
+            right.plot(evaluation, history["contact_nodes"], **drawn[name])
         left.set(xlabel="residual evaluations", ylabel="relative residual")
         right.set(xlabel="residual evaluations", ylabel="nodes in the contact set")
         figure.legend(loc="outside upper center", ncols=1)
@@ -150,8 +153,9 @@ def inflated_displacement(computed: Mapping[str, pd.DataFrame], reference: pd.Da
         figure, panels = canvas(2, height=4.0)
         for axes, direction in zip(panels, ("radial", "axial"), strict=True):
             column = f"{direction}_mm"
-            for (name, table), colour, line in zip(computed.items(), SERIES, ("-", "--"), strict=False):
-                axes.plot(table["psi_deg"], table[column], color=colour, linestyle=line, label=name)
+            drawn = looks(computed)
+            for name, table in computed.items():
+                axes.plot(table["psi_deg"], table[column], **drawn[name].dashes, label=name)
             axes.plot(reference["psi_deg"], reference[column], "o", color=BLACK, fillstyle="none", label=source)
             axes.set(xlabel="meridian angle ψ [deg]", ylabel=f"{direction} displacement [mm]", xticks=range(0, 121, 30))
         handles, names = panels[0].get_legend_handles_labels()

@@ -1,0 +1,123 @@
+"""Measures and algorithms that nobody has heard of, through every page and every figure."""
+
+from __future__ import annotations
+
+import copy
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from reports.contents import CHAPTERS
+from reports.drawing import KNOWN, looks
+from reports.html import REPORT
+from reports.site import rendered
+from reports.tables import load_store
+from studies.analysis.everything import analysed
+from studies.store.atomic import write_json, write_table
+from support.sweeps import cells
+
+MEASURES = tuple(f"made-up-{number}" for number in range(1, 12))
+ALGORITHMS = tuple(f"invented-{number}" for number in range(1, 10))
+COLUMNS = {
+    "measure": ("exact", MEASURES),
+    "algorithm": ("semismooth", ALGORITHMS),
+    "contact": ("semismooth", ALGORITHMS),
+    "contender": ("lcp", ALGORITHMS),
+}
+COMPARED = {"exact": MEASURES, "semismooth": ALGORITHMS}  # in the columns competitor, a and b
+
+
+def extended(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows of one known measure or algorithm again under each made-up name."""
+    parts = [table]
+    for column, (known, names) in COLUMNS.items():
+        if column in table:
+            own = table[table[column] == known]
+            parts += [own.assign(**{column: name}) for name in names]
+    for column in {"competitor", "a"} & set(table.columns):
+        for known, names in COMPARED.items():
+            parts += [table[table[column] == known].assign(**{column: name}) for name in names]
+    return pd.concat(parts, ignore_index=True)
+
+
+def copied(row: dict[str, Any], record: dict[str, Any], key: str, name: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """A row of the index and its record as another measure or algorithm would have them."""
+    row, record, old = copy.deepcopy(row), copy.deepcopy(record), str(record[key])
+    row |= {"label": row["label"].replace(old, name), "id": f"{row['id']}-{name}"}
+    row["request"][key] = record[key] = name
+    record["id"] = row["id"]
+    return row, record
+
+
+def all_pages(store: Path, root: Path) -> dict[str, str]:
+    """Every page, of a store in which the catalogues are longer by eleven and nine."""
+    shutil.copytree(store, root)
+    index = json.loads((root / "campaigns/report.json").read_text())
+    for row in list(index["cells"]):
+        path = root / "cells" / f"{row['id']}.json"
+        record = json.loads(path.read_text())
+        copies = []
+        if row["label"].endswith(" by linear"):
+            copies = [copied(row, record, "measure", name) for name in MEASURES]
+        if row["label"].startswith("agreement trial-and-error "):
+            copies = [copied(row, record, "contact", name) for name in ALGORITHMS]
+        for new, its in copies:
+            index["cells"].append(new)
+            write_json(root / "cells" / f"{new['id']}.json", its)
+            shutil.copytree(path.with_suffix(""), root / "cells" / new["id"])
+    write_json(root / "campaigns/report.json", index)
+    sweep = pd.concat(
+        [
+            cells(measures={"exact": 0.0, "linear": 0.03}, contacts={"semismooth": 1.0, "lcp": 2.0}),
+            cells("hemisphere", "inward_mm", 8.178, contacts={"semismooth": 1.0, "lcp": 2.0}),
+        ],
+        ignore_index=True,
+    )
+    for name, table in analysed(sweep).items():
+        write_table(root / "tables" / f"{name}.csv", table.assign(campaign="report"))
+    for path in (root / "tables").glob("*.csv"):
+        extended(pd.read_csv(path)).to_csv(path, index=False)
+    return rendered(load_store(root))
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_every_page_takes_made_up_measures_and_algorithms(store: Path, tmp_path: Path) -> None:
+    """None is dropped: each is on the pages of its kind, by name."""
+    files = all_pages(store, tmp_path / "store")
+    assert {each.file for each in CHAPTERS} | {"index.md", REPORT} <= set(files)
+    for page in ("measures.md", "rigid-body.md", "symmetry.md", "tradeoff.md"):
+        assert [name for name in MEASURES if name not in files[page]] == [], page
+    for page in ("contact-agreement.md", "algorithms.md", "tradeoff.md", "index.md"):
+        assert [name for name in ALGORITHMS if name not in files[page]] == [], page
+
+
+def test_a_look_is_one_for_all_figures_and_never_runs_out() -> None:
+    for known in KNOWN:
+        whole = looks([*known, *MEASURES])
+        assert {name: whole[name] for name in known} == looks(known)
+        assert looks(reversed(known)) == looks(known)
+        assert looks([known[3]])[known[3]] == whole[known[3]]
+    names = [*KNOWN[0], *MEASURES]
+    drawn = looks(names)
+    assert len(drawn) == 20
+    assert len({(each.colour, each.marker) for each in drawn.values()}) == 20
+    assert len({(each.colour, each.line) for each in drawn.values()}) == 20
+    assert len({each.colour for each in looks(KNOWN[0]).values()}) == len(KNOWN[0])
+    assert len(looks(range(100))) == 100
+
+
+def test_known_names_are_those_of_the_catalogues() -> None:
+    from contact.catalogue import ALGORITHMS as OURS
+    from formulations.strains.catalogue import MEASURES as STRAINS
+
+    assert (tuple(STRAINS), tuple(OURS)) == KNOWN
+
+
+@pytest.mark.parametrize("names", KNOWN)
+def test_a_name_has_its_look_alone_or_among_others(names: tuple[str, ...]) -> None:
+    for name in names:
+        assert looks([name, "zz"])[name] == looks(names)[name]
