@@ -6,8 +6,9 @@ What is drawn is not known here.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable
-from contextlib import AbstractContextManager
+from collections.abc import Iterable, Iterator
+from contextlib import AbstractContextManager, contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import Any
 
@@ -96,8 +97,25 @@ def canvas(columns: int = 1, width: float = 7.0, height: float = 4.5, rows: int 
     return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
 
 
+_drawn: ContextVar[list[Figure] | None] = ContextVar("drawn", default=None)
+
+
+@contextmanager
+def drawn() -> Iterator[list[Figure]]:
+    """Collects the figures that are turned to SVG inside."""
+    figures: list[Figure] = []
+    token = _drawn.set(figures)
+    try:
+        yield figures
+    finally:
+        _drawn.reset(token)
+
+
 def to_svg(figure: Figure) -> str:
     """The figure as SVG text."""
+    collected = _drawn.get()
+    if collected is not None:
+        collected.append(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     lines = buffer.getvalue().decode().splitlines()

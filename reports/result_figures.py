@@ -9,9 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.tyre import figures as figures_tyre
+from reports.drawing import drawn
 from reports.files import write_texts
 from reports.maps import along_meridian, at_delta, deltas, pressure_map
 from reports.tables import TYRES, Cell, load_cell
@@ -24,11 +26,20 @@ BOOKKEEPING = {
 
 def draw_result(directory: Path) -> list[Path]:
     """Draw what ``directory`` holds into its folder ``figures``; raises StoreError when there is no result."""
-    cell = load_cell(directory, directory.name)
+    return write_texts(directory / "figures", _pictures(load_cell(directory, directory.name)))
+
+
+def figures_of(directory: Path) -> list[Figure]:
+    """The same pictures as figures; raises StoreError when there is no result."""
+    with drawn() as figures:
+        _pictures(load_cell(directory, directory.name))
+    return figures
+
+
+def _pictures(cell: Cell) -> dict[str, str]:
     if not cell.steps:
-        return []
-    pictures = tyre_pictures(cell) if cell.scene in TYRES else {"load-displacement.svg": _load_displacement(cell)}
-    return write_texts(directory / "figures", pictures)
+        return {}
+    return tyre_pictures(cell) if cell.scene in TYRES else {"load-displacement.svg": _load_displacement(cell)}
 
 
 def tyre_pictures(cell: Cell) -> dict[str, str]:

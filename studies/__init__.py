@@ -1,4 +1,24 @@
 """Scenes, solving, campaigns and their store: the room that composes formulations and contact.
 
-Element and contact algebra must not enter here; nor may pages and pictures, which read the store alone.
+Element and contact algebra must not enter here; nor may pages and pictures, which read the store alone. The names
+below are for notebooks and load what they need when they are first asked for.
 """
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from studies.descriptions import Description
+    from studies.notebook import Run, describe, solve
+    from studies.scene import UsageError
+
+__all__ = ["Description", "Run", "UsageError", "describe", "solve"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from studies import notebook
+
+    return getattr(notebook, name)

@@ -19,7 +19,7 @@ from scipy.special import stdtrit
 
 from studies.request import Request
 from studies.scene import Scene, UsageError
-from studies.solve import Result, solve
+from studies.solving import Result, solve
 
 ELEMENTS = tuple(round(400 * 1.5**k) for k in range(8))  # 400 to 6834
 FEWEST = 3  # rungs, for two unknowns and a residual

@@ -30,15 +30,20 @@ _entered: set[EntryPoint] = set()
 
 def load(files: Iterable[str | Path] = ()) -> None:
     """Put the parts of all entry points and of these files into the catalogues; raises UsageError."""
+    load_entry_points()
+    paths = [Path(file).resolve() for file in files]
+    for path in paths:
+        load_file(path)
+    _used[:] = map(str, paths)
+
+
+def load_entry_points() -> None:
+    """Put the parts of all entry points into the catalogues, each once; raises UsageError."""
     for group, catalogue in GROUPS.items():
         for entry in entry_points(group=group):
             if entry not in _entered:
                 _enter(entry, group, catalogue)
                 _entered.add(entry)
-    paths = [Path(file).resolve() for file in files]
-    for path in paths:
-        load_file(path)
-    _used[:] = map(str, paths)
 
 
 def used() -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import Confirmation, OracleError, confirm
 from contact.problem import ContactSolution
 from studies.scene import UsageError
-from studies.solve import certificate
+from studies.solving import certificate
 
 
 @dataclass(frozen=True, eq=False)

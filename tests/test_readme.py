@@ -16,7 +16,7 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 from studies.experiments.conformance import conformance
 from studies.scenes import SCENES
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 
 README = Path(__file__).parent.parent / "README.md"
 

@@ -12,7 +12,7 @@ import pandas as pd
 from studies.request import Request, Settings
 from studies.scene import UsageError
 from studies.scenes.element import PRESETS
-from studies.solve import UNSUPPORTED
+from studies.solving import UNSUPPORTED
 from studies.store.layout import Archive, DamagedError
 
 MISSING = "missing"
@@ -30,9 +30,9 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, t.<time in s>, k.<residual of the judge>.
 
     request: what was asked, by whose key rows are compared.
-    outcome: a class of :data:`studies.solve.CLASSES`, or "missing".  q: headline quantities and the numbers of the last
-    step.  Empty text, or NaN, where a scene has no such thing. Raises UsageError when the store has no such campaign,
-    or a record that cannot be read.
+    outcome: a class of :data:`studies.solving.CLASSES`, or "missing".  q: headline quantities and the numbers of the
+    last step.  Empty text, or NaN, where a scene has no such thing. Raises UsageError when the store has no such
+    campaign, or a record that cannot be read.
     """
     archive = Archive(Path(store))
     rows = [_row(archive, planned) for planned in archive.index(campaign)["cells"]]

@@ -20,7 +20,7 @@ from studies.complete import complete
 from studies.scene import UsageError
 from studies.scenes.data import read_reference
 from studies.scenes.tyre.grid_lines import checked_mesh
-from studies.solve import solve
+from studies.solving import solve
 
 DELTA_MM = 10.0
 SHELL = {

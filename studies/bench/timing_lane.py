@@ -26,7 +26,7 @@ from studies.campaigns.plan import plan, solved_rows
 from studies.plugins import used
 from studies.pool.process import Child, Limits
 from studies.scene import UsageError
-from studies.solve import CONVERGED, provenance
+from studies.solving import CONVERGED, provenance
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
 

@@ -22,7 +22,7 @@ from studies.scenes import SCENES
 from studies.store.atomic import SCHEMA, plain
 from studies.store.source_hash import CATALOGUE, sources_hash
 
-SOLVERS = ("studies.solve", "studies.store.record")  # what solves a cell, besides its own scene
+SOLVERS = ("studies.solving", "studies.store.record")  # what solves a cell, besides its own scene
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from studies.pool.process import Limits, StoreFullError, Task
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.solve import CLASSES, UNSUPPORTED
+from studies.solving import CLASSES, UNSUPPORTED
 from studies.store.atomic import SCHEMA, write_json, write_text
 from studies.store.layout import Archive, DamagedError
 

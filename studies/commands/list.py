@@ -9,7 +9,7 @@ from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.file import find, names
 from studies.commands import OK
-from studies.describe import columns, meaning_of
+from studies.descriptions import columns, meaning_of
 from studies.scenes import SCENES
 
 

@@ -16,7 +16,7 @@ from studies.complete import complete
 from studies.request import Request
 from studies.scene import Scene, UsageError
 from studies.scenes import SCENES
-from studies.solve import Result, solve
+from studies.solving import Result, solve
 from studies.store.atomic import write_by
 
 LEFT_OUT = {"kkt", "balances", "failures", "diagnosis", "rounding"}  # of a step: too wide for a terminal

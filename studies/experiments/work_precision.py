@@ -13,7 +13,7 @@ from studies.complete import complete
 from studies.error_control import AdaptiveScene
 from studies.request import Request
 from studies.scene import Scene
-from studies.solve import solve
+from studies.solving import solve
 
 SQUARE = tuple((n, n) for n in range(20, 84, 4))  # of the uniform and of the patch family
 ELEMENTS = (400, 500, 600, 700, 800, 900, 1000, 1200, 1400, 1700, 2000, 2500)  # of the adapted one

@@ -16,7 +16,7 @@ from typing import Any
 from studies.pool import process as worker
 from studies.pool.process import Limits, StoreFullError, Task
 from studies.scene import UsageError
-from studies.solve import CRASH
+from studies.solving import CRASH
 from studies.store.layout import Archive
 
 MOST = 64

@@ -46,7 +46,7 @@ def _warm() -> None:
     import numpy as np
     from scipy.linalg import lu_factor
 
-    from studies import solve  # noqa: F401
+    from studies import solving  # noqa: F401
 
     square = np.eye(256) + np.ones((256, 256))
     lu_factor(square @ square)

@@ -9,7 +9,7 @@ from typing import Any
 from studies.complete import complete
 from studies.request import Request
 from studies.scene import UsageError
-from studies.solve import UNSUPPORTED, provenance, solve
+from studies.solving import UNSUPPORTED, provenance, solve
 from studies.store.atomic import SCHEMA, as_text
 
 

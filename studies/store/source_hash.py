@@ -50,7 +50,7 @@ def closure(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> 
         name = ahead.pop()
         if name not in found and name != without:
             found.add(name)
-            ahead += _imports(name, root)
+            ahead += () if name in PACKAGES else _imports(name, root)  # those re-export what a notebook calls
     return found
 
 

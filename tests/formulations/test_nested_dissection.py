@@ -14,7 +14,7 @@ from contact.solvers.sparse import checked_solve, factorise
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.geometry.nested_dissection import dissection
 from studies.scenes.tyre.scene import Tyre, TyreModel
-from studies.solve import resolve
+from studies.solving import resolve
 from support.shells import make_shell
 
 ROUNDING = 1e-9  # relative: what another order of elimination leaves of a solution

@@ -27,7 +27,7 @@ from studies.experiments import locking, rigid_body
 from studies.experiments.extremes import maps as extremes
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.solve import resolve
+from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)

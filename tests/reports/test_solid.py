@@ -20,7 +20,7 @@ from studies.campaigns.plan import Row
 from studies.campaigns.report_cells import LISTS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.solve import resolve
+from studies.solving import resolve
 from studies.store.atomic import SCHEMA, write_json, write_text
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
@@ -169,7 +169,7 @@ def test_cancellation_at_the_equator_by_hand() -> None:
 
 
 def test_a_solved_solid_is_drawn_as_a_tyre(tmp_path: Path) -> None:
-    from studies.solve import solve
+    from studies.solving import solve
 
     solve(*resolve("tyre-solid", {"delta_mm": "10"}, "8x10")).write(tmp_path)
     assert load_cell(tmp_path, "solid").converged

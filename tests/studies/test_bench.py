@@ -9,7 +9,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.events import EventKind, events
 from contact.problem import Outcome
 from studies.scenes import SCENES
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 
 MESHES = (16, 32, 64)
 

@@ -9,7 +9,7 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution
-from studies.solve import certificate, resolve, solve
+from studies.solving import certificate, resolve, solve
 
 KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding"}
 MESH = "12x12"

@@ -20,7 +20,7 @@ from studies.cli import main
 from studies.scene import Setting, UsageError
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.press import asymmetries, half_extent, to_edges
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 from studies.store.atomic import write_by, write_json
 
 SMALL = ["--mesh", "12x12", "--set", "delta_mm=5", "--model", "full"]

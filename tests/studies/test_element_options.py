@@ -17,7 +17,7 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.benchmarks.sze_moment import H, L
 from studies.scenes.element import PRESETS
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 
 
 @pytest.mark.parametrize(

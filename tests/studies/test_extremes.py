@@ -33,7 +33,7 @@ from studies.experiments.extremes.maps import (
 )
 from studies.scene import UsageError
 from studies.scenes.contact.panel import lines
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 
 
 def panel(contact: str = "semismooth", mesh: str = "4x4", **settings: str) -> Cell:

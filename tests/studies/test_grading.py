@@ -14,7 +14,7 @@ from studies.error_control import AdaptiveScene, extrapolate, parse_error
 from studies.experiments.work_precision import reaching, work_precision
 from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 
 LIMITS = {"paper": 1880.2, "refined": 1879.9}  # N, adapted grids of 74x94 and 90x112, which agree to 0.05 %
 

@@ -8,7 +8,7 @@ import pytest
 
 from studies.guard.compare import NothingComparedError
 from studies.guard.times import FEWEST, compare_times, floor_of
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 
 CELLS, SAMPLES = 100, 10
 

@@ -28,7 +28,7 @@ def copied(tmp_path: Path) -> Path:
         ("formulations/element/mixed.py", True),
         ("contact/newton/step.py", True),
         ("contact/algorithms/lcp.py", True),
-        ("studies/solve.py", True),
+        ("studies/solving.py", True),
         ("studies/scenes/tyre/scene.py", True),
         ("studies/scenes/tyre/press.py", True),
         ("studies/scenes/element.py", True),

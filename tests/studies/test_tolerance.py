@@ -9,7 +9,7 @@ from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.verify import claim, judge
 from studies.scene import UsageError
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 
 LOOSE = 1e-2
 

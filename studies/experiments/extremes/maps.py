@@ -23,7 +23,7 @@ from studies.complete import complete
 from studies.experiments.extremes.bisection import Located, distance, locate
 from studies.request import Request
 from studies.scene import SceneModel, UsageError
-from studies.solve import certificate
+from studies.solving import certificate
 from studies.walk import walk
 
 CUT = 2.0**-4  # of a load step

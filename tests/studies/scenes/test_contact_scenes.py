@@ -10,7 +10,7 @@ import pytest
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, lifted_strip, plate_contact, strip_contact
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 from support.differences import fitted_order
 
 DIGITS = 6e-7  # of the tables, relative: they have eight

@@ -23,7 +23,7 @@ from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
 from studies.scenes.benchmarks import scordelis_lo as linear_roof
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.data import DATA, read_reference
-from studies.solve import resolve, solve
+from studies.solving import resolve, solve
 from support.differences import fitted_order
 
 PUBLISHED = 0.005  # extrapolated against published, unless a line says otherwise

@@ -16,7 +16,7 @@ from contact.problem import Outcome
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
 from studies.scenes.benchmarks.sze_moment import EI, M_MAX, H, L
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 
 CLOSE = 5e-3  # of a published value, after refinement
 LIMIT = "limit_load_fraction"

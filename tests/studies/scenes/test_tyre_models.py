@@ -10,7 +10,7 @@ import pytest
 from formulations.conditions.dof_map import DofMap, Images
 from studies.scene import UsageError
 from studies.scenes.tyre.foundation import PARAMETERS
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 
 EXACT = 1e-9  # relative
 ISOTROPIC = {"E_MPa": "20", "nu": "0.45", "load": "follower", "pressure_area": "face"}

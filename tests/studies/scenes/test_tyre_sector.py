@@ -10,7 +10,7 @@ import pytest
 from studies.cli import WRONG_USE, main
 from studies.scene import UsageError
 from studies.scenes.tyre.sector import check_patch, check_reach, with_line_at, within
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 
 MESH = "16x48"  # uniform: lines every 7.5 degrees
 CUTS = (45, 60, 90, 135)

@@ -16,7 +16,7 @@ from formulations.solid import SolidMesh, SolidModel
 from studies.fields import write_solid_fields
 from studies.scene import UsageError
 from studies.scenes.data import read_reference
-from studies.solve import Result, resolve, solve
+from studies.solving import Result, resolve, solve
 
 ONE_PERCENT = 0.01
 TO_10 = {"delta_mm": "10"}

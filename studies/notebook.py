@@ -1,0 +1,109 @@
+"""``from studies import solve, describe``: what a notebook calls, with Python's values, data frames and figures.
+
+It says nothing of its own: requests are checked, solved and drawn as for the command line.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+from studies import descriptions, solving
+from studies.complete import complete
+from studies.descriptions import Description
+from studies.plugins import load_entry_points
+from studies.scene import UsageError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+CERTIFICATE = ("kkt", "balances", "failures", "diagnosis", "rounding")  # of a step
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A solved request; where it did not converge, everything up to the last converged step."""
+
+    result: solving.Result
+
+    @property
+    def outcome(self) -> str:
+        """As in result.json, "converged" or what else it ended in."""
+        return str(self.result.as_json()["outcome"])
+
+    @property
+    def reason(self) -> str:
+        """Why it ended."""
+        return str(self.result.as_json()["reason"])
+
+    @property
+    def steps(self) -> pd.DataFrame:
+        """A row for each requested load: the load, what is read off, and the counts of its solution."""
+        return pd.DataFrame(self.result.steps).drop(columns=list(CERTIFICATE), errors="ignore")
+
+    @property
+    def certificate(self) -> pd.DataFrame:
+        """A row for each requested load: residuals and balances as recomputed from the problem, and what fails."""
+        rows = [
+            {**step["kkt"], **step.get("balances", {}), "failures": ", ".join(step.get("failures", ()))}
+            for step in self.result.steps
+        ]
+        return pd.DataFrame(rows)
+
+    @property
+    def quantities(self) -> dict[str, float]:
+        """Headline values {name_unit: value}."""
+        return dict(self.result.quantities)
+
+    @property
+    def cost(self) -> dict[str, float]:
+        """Counters and, ending in _s, seconds."""
+        return {**self.result.counters, **{f"{name}_s": time for name, time in self.result.timing.items()}}
+
+    def figures(self) -> list[Figure]:
+        """The pictures of ``--plot`` as matplotlib's figures."""
+        from reports.result_figures import figures_of
+
+        with tempfile.TemporaryDirectory() as folder:
+            self.write(folder)
+            return figures_of(Path(folder))
+
+    def write(self, directory: str | Path) -> None:
+        """result.json, fields.vtu and the tables, as ``footprint solve --out`` writes them."""
+        self.result.write(Path(directory))
+
+
+def solve(
+    scene: str,
+    *,
+    measure: str = "exact",
+    contact: str = "semismooth",
+    newton: str = "mixed",
+    mesh: str | Sequence[int] | None = None,
+    model: str = "auto",
+    steps: int = 1,
+    **settings: Any,
+) -> Run:
+    """Solve a scene; settings are its keys, as values or as text.
+
+    Raises UsageError with one line for a wrong name, key or value, and where the algorithm does not apply.
+    """
+    load_entry_points()
+    built, request = complete(
+        scene, settings, mesh, measure=measure, contact=contact, newton=newton, model=model, steps=steps
+    )
+    result = solving.solve(built, request)
+    if result.unsupported:
+        raise UsageError(result.unsupported)
+    return Run(result)
+
+
+def describe(name: str) -> Description:
+    """A scene, a measure or an algorithm; raises UsageError for an unknown name."""
+    load_entry_points()
+    return descriptions.describe(name)

@@ -1,0 +1,95 @@
+"""``from studies import solve, describe``: values or text, data frames, figures, one line for what is wrong."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies import Run, UsageError, describe, solve
+from studies.cli import main
+
+
+@pytest.fixture(scope="module")
+def run() -> Run:
+    material = {"E_MPa": 20, "nu": 0.45}
+    return solve("tyre", measure="exact", mesh=(12, 12), model="full", delta_mm=[5, 10], **material)
+
+
+def test_values_and_text_are_the_command_line(run: Run, tmp_path: Path) -> None:
+    words = ["--mesh", "12x12", "--model", "full", "--set", "delta_mm=5,10", "--set", "E_MPa=20", "--set", "nu=0.45"]
+    assert main(["solve", "tyre", *words, "--out", str(tmp_path / "line")]) == 0
+    run.write(tmp_path / "python")
+    line, python = (json.loads((tmp_path / name / "result.json").read_text()) for name in ("line", "python"))
+    assert {key: line[key] for key in ("settings", "steps", "quantities")} == {
+        key: python[key] for key in ("settings", "steps", "quantities")
+    }
+    text = solve("tyre", mesh="12x12", model="full", delta_mm="5,10", E_MPa="20", nu="0.45")
+    pd.testing.assert_frame_equal(text.steps, run.steps)
+
+
+def test_a_row_for_each_requested_load(run: Run) -> None:
+    assert run.steps["delta_mm"].tolist() == [5.0, 10.0]
+    assert run.steps["force_N"].is_monotonic_increasing
+    assert run.outcome == "converged"
+    assert run.reason
+    assert run.quantities["inflated_equator_outer_mm"] > 0
+    assert {"dofs", "newton_iterations", "total_s"} <= run.cost.keys()
+    assert {"equilibrium", "penetration", "tension", "complementarity", "energy"} <= set(run.certificate)
+    assert run.certificate["failures"].tolist() == ["", ""]
+
+
+def test_figures_are_those_of_plot(run: Run) -> None:
+    figures = run.figures()
+    assert len(figures) == 4
+    assert all(figure.axes for figure in figures)
+
+
+def test_what_does_not_converge_is_kept() -> None:
+    run = solve("tyre", mesh="12x12", delta_mm=(5, 95), settle=1)
+    assert run.outcome == "step-limit"
+    assert "last converged at" in run.reason
+    assert run.steps["delta_mm"].tolist() == [5.0]
+
+
+@pytest.mark.parametrize(
+    ("scene", "asked", "says"),
+    [
+        ("bicycle", {}, "scene 'bicycle' must be one of"),
+        ("tyre", {"colour": 1}, "tyre has no setting 'colour'"),
+        ("tyre", {"delta_mm": [10, 5]}, "increasing numbers"),
+        ("tyre", {"delta_mm": [5, None]}, "increasing numbers"),
+        ("tyre", {"p0_MPa": np.nan}, "p0_MPa = nan must be a number in"),
+        ("tyre", {"mesh": (12, 12.5)}, "two whole numbers"),
+        ("tyre", {"mesh": 12}, "two whole numbers"),
+        ("tyre", {"steps": 1.5}, "whole number"),
+        ("tyre", {"measure": "cubic"}, "measure 'cubic' must be one of"),
+        ("tyre", {"mesh": "12x12", "contact": "regularised", "epsilon": np.inf}, "does not apply"),
+    ],
+)
+def test_wrong_use_is_one_line(scene: str, asked: dict[str, object], says: str) -> None:
+    with pytest.raises(UsageError, match=says) as error:
+        solve(scene, **asked)
+    assert "\n" not in str(error.value)
+
+
+def test_describe_is_show() -> None:
+    settings = describe("tyre").settings.set_index("name")
+    assert settings.loc["delta_mm", ["unit", "default"]].tolist() == ["mm", "5,10,15,20"]
+    with pytest.raises(UsageError):
+        describe("bicycle")
+
+
+def test_the_package_is_light_and_its_names_stay_functions() -> None:
+    code = (
+        "import sys, studies; heavy = [m for m in ('numpy', 'pandas') if m in sys.modules];"
+        "from studies import solve, describe; import studies.cli, studies.commands.solve;"
+        "from studies import solve as again; print(heavy, solve is again, callable(studies.describe))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[] True True"
