@@ -5,15 +5,11 @@ Nothing here knows a particular scene; no picture is drawn here.
 
 from __future__ import annotations
 
-import importlib.metadata
 import math
-import os
-import platform
-import subprocess
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +24,7 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, O
 from contact.verify import claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.complete import complete
+from studies.provenance import provenance
 from studies.request import Request
 from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
 from studies.store.atomic import plain, write_by, write_json, write_table
@@ -39,7 +36,6 @@ CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
 resolve = complete
-REPORTED_PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "meshio")
 
 
 @dataclass
@@ -240,17 +236,3 @@ def _account(result: Result, stage: str, counters: Mapping[str, float], history:
     for key, value in counters.items():
         result.counters[key] = result.counters.get(key, 0) + value
     result.history += [{"stage": stage, **row} for row in history]
-
-
-@cache
-def provenance() -> dict[str, Any]:
-    """Version, commit (or "unknown"), packages and machine: those of this process, asked for once."""
-    here = Path(__file__).parent
-    asked = subprocess.run(["git", "rev-parse", "HEAD"], cwd=here, capture_output=True, text=True, check=False)
-    machine = {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count()}
-    return {
-        "version": importlib.metadata.version("footprint"),
-        "commit": asked.stdout.strip() or "unknown",
-        "packages": {name: importlib.metadata.version(name) for name in REPORTED_PACKAGES},
-        "machine": {**machine, "python": platform.python_version()},
-    }

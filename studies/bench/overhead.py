@@ -13,8 +13,7 @@ from studies.analysis.collect import collect
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, identity, plan
-from studies.pool import process as worker
-from studies.pool.process import Limits, Task
+from studies.pool.process import Children, Limits, Task
 from studies.store.atomic import SCHEMA, as_text, write_json
 from studies.store.layout import Archive
 
@@ -39,11 +38,11 @@ class Cost:
 def harness(repeats: int = 9, large: int = LARGE) -> list[Cost]:
     """Medians over repeats; the store lies in a temporary directory."""
     with tempfile.TemporaryDirectory() as folder:
-        root = Path(folder)
+        root, children = Path(folder), Children()
         try:
-            return [*_cells(root / "cells", repeats), *_store(root / "large", large)]
+            return [*_cells(children, root / "cells", repeats), *_store(children, root / "large", large)]
         finally:
-            worker.forget()
+            children.end()
 
 
 def lines(costs: list[Cost]) -> Iterator[str]:
@@ -56,14 +55,14 @@ def lines(costs: list[Cost]) -> Iterator[str]:
         yield f"{cost.what:44s}{cost.seconds:10.4f}{solve:>10s}{beside:>11s}{bound}"
 
 
-def _cells(root: Path, repeats: int) -> Iterator[Cost]:
+def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
     """The whole of a task: to the process and back, the record written and on the disk; the process is warm."""
     for cell, times in ((TRIVIAL, repeats), (SECOND, max(2, repeats // 3))):
         spent, inside = [], []
         for _ in range(1 + times):
             task = Task("cell", identity(cell), cell.label, cell.scene, cell.options, cell.settings)
             start = time.perf_counter()
-            worker.perform(task, str(root), Limits())
+            children.perform(task, str(root), Limits())
             spent.append(time.perf_counter() - start)
             record = Archive(root).record(task.id)
             assert record is not None
@@ -74,10 +73,10 @@ def _cells(root: Path, repeats: int) -> Iterator[Cost]:
         yield Cost(f"cell: {cell.label}", total, total - beside, f"beside the solve under {bound}", kept)
 
 
-def _store(root: Path, count: int) -> Iterator[Cost]:
+def _store(children: Children, root: Path, count: int) -> Iterator[Cost]:
     """A store of copies of one record is planned, read and filtered."""
     task = Task("cell", identity(TRIVIAL), "one", TRIVIAL.scene, TRIVIAL.options, TRIVIAL.settings)
-    worker.perform(task, str(root), Limits())
+    children.perform(task, str(root), Limits())
     archive = Archive(root)
     record = archive.record(task.id)
     assert record is not None

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import json
 import statistics
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,41 +16,23 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy import sparse
-from scipy.sparse.linalg import splu
 from scipy.stats import bootstrap
 
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import plan, solved_rows
 from studies.plugins import used
 from studies.pool.process import Child, Limits
+from studies.provenance import provenance
 from studies.scene import UsageError
-from studies.solving import CONVERGED, provenance
+from studies.solving import CONVERGED
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
 
 DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
 REPEATS = 3  # of a block that was discarded
-LOOKS = 25  # of the canary: other programs disturb some of them, a slower machine all
 BLOCKS, ROUNDS = 2, 4  # eight samples of each cell: the first number that a rank test over many cells can use
 CONFIDENCE = 0.95
 COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "flops")
-
-
-def canary() -> float:
-    """Seconds of a fixed workload, a sparse factorisation and small and large matrix products: the least of several."""
-    n = 100
-    line = sparse.diags_array([-1.0, 2.0, -1.0], offsets=(-1, 0, 1), shape=(n, n))
-    A = sparse.csc_matrix(sparse.kron(line, sparse.eye_array(n)) + sparse.kron(sparse.eye_array(n), line))
-    batch, block = np.ones((1000, 24, 24)), np.ones((300, 300))
-    found = []
-    for _ in range(LOOKS):
-        start = time.perf_counter()
-        splu(A, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-        np.einsum("eij,ejk->eik", batch, batch, optimize=True)
-        block @ block
-        found.append(time.perf_counter() - start)
-    return min(found)
 
 
 @dataclass

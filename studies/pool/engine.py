@@ -13,8 +13,7 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-from studies.pool import process as worker
-from studies.pool.process import Limits, StoreFullError, Task
+from studies.pool.process import Children, Limits, StoreFullError, Task
 from studies.scene import UsageError
 from studies.solving import CRASH
 from studies.store.layout import Archive
@@ -38,26 +37,28 @@ def engine(name: str) -> Engine:
 
 
 def _serial(tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:
+    children = Children()
     try:
         for task in tasks:
-            yield task, worker.perform(task, str(store), limits)
+            yield task, children.perform(task, str(store), limits)
     finally:
-        worker.forget()
+        children.end()
 
 
 def _local(n: int, tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:
     """The threads only wait; the first exception, or an interruption, drops what was not begun."""
+    children = Children()
     try:
         with ThreadPoolExecutor(n) as pool:
             try:
-                futures = {pool.submit(worker.perform, task, str(store), limits): task for task in tasks}
+                futures = {pool.submit(children.perform, task, str(store), limits): task for task in tasks}
                 for future in as_completed(futures):
                     yield futures[future], future.result()
             finally:
                 pool.shutdown(wait=False, cancel_futures=True)
-                worker.stop()
+                children.stop()
     finally:
-        worker.forget()
+        children.end()
 
 
 def _dask(address: str, tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:
@@ -73,7 +74,7 @@ def _dask(address: str, tasks: Sequence[Task], store: Path, limits: Limits) -> I
         root = str(store.resolve())
         futures = {
             client.submit(
-                worker.perform, task, root, limits, key=f"footprint-{task.id}-{root}", pure=False, retries=0
+                _on_worker, task, root, limits, key=f"footprint-{task.id}-{root}", pure=False, retries=0
             ): task
             for task in tasks
         }
@@ -82,6 +83,14 @@ def _dask(address: str, tasks: Sequence[Task], store: Path, limits: Limits) -> I
                 yield futures[future], _result(future, futures[future], store)
         finally:
             client.cancel(list(futures))
+
+
+def _on_worker(task: Task, root: str, limits: Limits) -> str:
+    """Done by the worker of dask that this runs on, which keeps its children from task to task."""
+    from distributed import get_worker
+
+    children = vars(get_worker()).setdefault("footprint_children", Children())
+    return str(children.perform(task, root, limits))
 
 
 def _result(future: Any, task: Task, store: Path) -> str:

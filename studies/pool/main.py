@@ -125,7 +125,7 @@ def _table(task: dict[str, Any]) -> str:
 
 
 def _canary(task: dict[str, Any]) -> str:
-    from studies.bench.timing_lane import canary
+    from studies.bench.canary import canary
 
     return json.dumps({"seconds": canary()})
 

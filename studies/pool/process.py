@@ -1,4 +1,4 @@
-"""Who has a task done by a child process, watches its time, kills it, and says how it ended."""
+"""The other side of the process that solves cells: starts it, hands it tasks, watches its time, kills it."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import subprocess
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,13 +57,14 @@ class StoreFullError(OSError):
 class Child:
     """One warm process of :mod:`studies.pool.main`, started when it is needed and again after it was killed."""
 
-    def __init__(self) -> None:
+    def __init__(self, stopped: threading.Event | None = None) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._stopped = stopped or threading.Event()  # nothing is begun any more
 
     def ask(self, request: Mapping[str, Any], time_s: float) -> dict[str, Any]:
         """The answer to a request; of a process that was killed, or died, {"class", "reason"}."""
         process = self._process or self._start()
-        if process is None or _stopped.is_set():
+        if process is None or self._stopped.is_set():
             self.end()
             return {"class": "crash", "reason": "the process that solves cells does not start"}
         line = self._exchange(process, json.dumps(request), time_s)
@@ -149,60 +151,62 @@ class Child:
         return f"the process ended by itself, exit code {code}"
 
 
-_own = threading.local()
-_all: list[Child] = []  # of all threads
-_stopped = threading.Event()
+class Children:
+    """The processes of one engine, one for each thread that asks; they end with it."""
+
+    def __init__(self) -> None:
+        self._of_thread = threading.local()
+        self._all: list[Child] = []
+        self._stopped = threading.Event()
+        weakref.finalize(self, _end, self._all)
+
+    def _child(self) -> Child:
+        """The child of this thread."""
+        if not hasattr(self._of_thread, "child"):
+            self._of_thread.child = Child(self._stopped)
+            self._all.append(self._of_thread.child)
+        return self._of_thread.child
+
+    def stop(self) -> None:
+        """Kill all children; what they were doing is dropped, and not taken for their failure."""
+        self._stopped.set()
+        for child in self._all:
+            child.kill()
+
+    def end(self) -> None:
+        """Bury the children, once no thread waits for them."""
+        _end(self._all)
+
+    def perform(self, task: Task, root: str, limits: Limits) -> str:
+        """Have a task done and put what came of it into the store; returns its class, empty for a table that was made.
+
+        Raises StoreFullError.
+        """
+        archive = Archive(Path(root))
+        time_s = limits.time_s * (TABLES_TAKE if task.kind == "table" else 1)
+        request = {
+            **{"kind": task.kind, "id": task.id, "name": task.id, "scene": task.scene},
+            **{"options": task.options, "settings": task.settings, "use": task.use},
+            "files": str(archive.tables if task.kind == "table" else archive.files(task.id)) if task.files else "",
+            **{"time_s": time_s, "memory_MB": limits.memory_MB},
+        }
+        answer = self._child().ask(request, time_s)
+        if self._stopped.is_set():
+            return "stopped"
+        if answer["class"] == "disk":
+            raise StoreFullError(answer["reason"])
+        try:
+            if answer["class"]:
+                archive.note_failure(task.id, {"label": task.label, **answer})
+            elif task.kind == "cell":
+                archive.keep(task.id, answer["text"])
+            else:
+                archive.failure_path(task.id).unlink(missing_ok=True)
+        except OSError as error:
+            raise StoreFullError(error.strerror or str(error)) from error
+        return str(answer["class"] or (json.loads(answer["text"])["class"] if task.kind == "cell" else ""))
 
 
-def _child() -> Child:
-    """The child of this thread."""
-    if not hasattr(_own, "child"):
-        _own.child = Child()
-    if _own.child not in _all:
-        _all.append(_own.child)
-    return _own.child
-
-
-def stop() -> None:
-    """Kill all children of this process; what they were doing is dropped, and not taken for their failure."""
-    _stopped.set()
-    for child in _all:
-        child.kill()
-
-
-def forget() -> None:
-    """Bury the children that were stopped, once no thread waits for them, and take tasks again."""
-    for child in _all:
+def _end(children: list[Child]) -> None:
+    for child in children:
         child.end()
-    _all.clear()
-    _stopped.clear()
-
-
-def perform(task: Task, root: str, limits: Limits) -> str:
-    """Have a task done and put what came of it into the store; returns its class, empty for a table that was made.
-
-    Raises StoreFullError.
-    """
-    archive = Archive(Path(root))
-    time_s = limits.time_s * (TABLES_TAKE if task.kind == "table" else 1)
-    request = {
-        **{"kind": task.kind, "id": task.id, "name": task.id, "scene": task.scene},
-        **{"options": task.options, "settings": task.settings, "use": task.use},
-        "files": str(archive.tables if task.kind == "table" else archive.files(task.id)) if task.files else "",
-        **{"time_s": time_s, "memory_MB": limits.memory_MB},
-    }
-    answer = _child().ask(request, time_s)
-    if _stopped.is_set():
-        return "stopped"
-    if answer["class"] == "disk":
-        raise StoreFullError(answer["reason"])
-    try:
-        if answer["class"]:
-            archive.note_failure(task.id, {"label": task.label, **answer})
-        elif task.kind == "cell":
-            archive.keep(task.id, answer["text"])
-        else:
-            archive.failure_path(task.id).unlink(missing_ok=True)
-    except OSError as error:
-        raise StoreFullError(error.strerror or str(error)) from error
-    return str(answer["class"] or (json.loads(answer["text"])["class"] if task.kind == "cell" else ""))

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from studies.complete import complete
+from studies.provenance import provenance
 from studies.request import Request
 from studies.scene import UsageError
-from studies.solving import UNSUPPORTED, provenance, solve
+from studies.solving import UNSUPPORTED, solve
 from studies.store.atomic import SCHEMA, as_text
 
 

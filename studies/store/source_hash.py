@@ -1,4 +1,4 @@
-"""Which sources decide a result: the import closure of what computes it, and its hash.
+"""Which sources decide a result: the import closure of what computes it, and the hash of its statements.
 
 Every import of our own modules counts, wherever in a file it stands, and the packages that a module lies in. For a
 cell the catalogue of scenes is not followed: it imports all of them, and a cell is solved by its own scene alone.
@@ -33,9 +33,7 @@ def _hash(modules: frozenset[str], root: Path, without: str) -> str:
 def _digest(modules: frozenset[str], root: Path, without: str) -> str:
     digest = hashlib.sha256()
     for name in sorted(closure(modules, root, without=without)):
-        path = _path_of(name, root)
-        assert path is not None
-        digest.update(f"{name} {hashlib.sha256(path.read_bytes()).hexdigest()}\n".encode())
+        digest.update(f"{name} {hashlib.sha256(_statements(name, root).encode()).hexdigest()}\n".encode())
     return digest.hexdigest()
 
 
@@ -74,6 +72,18 @@ def _ours(name: str, path: Path, root: Path) -> tuple[str, ...]:
     }
     ours = (each for each in named | parents if each.split(".")[0] in PACKAGES)
     return tuple(sorted(each for each in ours if _path_of(each, root) is not None))
+
+
+def _statements(name: str, root: Path) -> str:
+    """What a module does: its source without comments, docstrings and layout."""
+    path = _path_of(name, root)
+    assert path is not None
+    tree = ast.parse(path.read_bytes())
+    documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
+    for node in ast.walk(tree):
+        if isinstance(node, documented) and ast.get_docstring(node):
+            node.body[:1] = [] if len(node.body) > 1 or isinstance(node, ast.Module) else [ast.Pass()]
+    return ast.unparse(tree)
 
 
 def _named(tree: ast.Module, package: str = "") -> Iterator[str]:

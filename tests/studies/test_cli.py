@@ -67,7 +67,9 @@ def test_result_has_the_documented_keys(solved: Path) -> None:
     assert step["failures"] == step["diagnosis"] == []
     assert {"dofs", "newton_iterations", "factorisations", "assemblies"} <= set(result["counters"])
     assert {"total", "assembly", "factorisation"} <= set(result["timing_s"])
-    assert set(result["provenance"]) == {"version", "commit", "packages", "machine"}
+    assert set(result["provenance"]) == {"version", "commit", "modified", "packages", "machine"}
+    assert {"osqp", "clarabel", "cvxpy"} <= set(result["provenance"]["packages"])
+    assert result["provenance"]["machine"]["cpu"]
     assert result["settings"]["epsilon"] == "inf"
     assert result["settings"]["E_L_MPa"] == 510.45
     assert all("_" in name for name in result["quantities"])
@@ -236,6 +238,18 @@ def test_plot_draws_what_was_solved(scene: str, mesh: str, pictures: int, tmp_pa
     drawn = list((tmp_path / "figures").glob("*.svg"))
     assert len(drawn) == pictures
     assert all(path.read_text(encoding="utf-8").rstrip().endswith("</svg>") for path in drawn)
+
+
+def test_a_contact_scene_without_a_converged_step_still_writes_everything(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing has touched yet: the fields are those at rest."""
+    words = "--measure linear --contact trial-and-error --mesh 8x1 --set load_fraction=1 --out"
+    assert main(["solve", "heavy-strip", *words.split(), str(tmp_path)]) == 3
+    assert "did not converge" in capsys.readouterr().err
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert (result["outcome"], result["steps"]) == ("step-limit", [])
+    assert (tmp_path / "fields.vtu").exists()
 
 
 def test_list_names_everything(capsys: pytest.CaptureFixture[str]) -> None:

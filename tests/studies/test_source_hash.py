@@ -44,9 +44,26 @@ def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path, 
     before = sources_hash(TYRE, copied, without=CATALOGUE)
     assert before == sources_hash(TYRE, ROOT, without=CATALOGUE)  # of the sources, not of where they lie
     path = copied / file
-    path.write_text(path.read_text(encoding="utf-8") + "\n# edited\n", encoding="utf-8")
+    path.write_text(path.read_text(encoding="utf-8") + "\nEDITED = True\n", encoding="utf-8")
     second = Path(shutil.move(copied, copied.with_name("edited")))  # sources are read once from a place
     assert (sources_hash(TYRE, second, without=CATALOGUE) != before) == matters
+
+
+def test_comments_and_docstrings_decide_nothing(tmp_path: Path) -> None:
+    """And everything else does, a text among the statements, too."""
+
+    def hashed(name: str, text: str) -> str:
+        path = tmp_path / name / "studies" / "a.py"
+        path.parent.mkdir(parents=True)
+        path.write_text(text)
+        return sources_hash(["studies.a"], tmp_path / name)
+
+    plain = hashed("plain", 'def f(x):\n    y = 2 * x\n    return "y", y\n')
+    said = '"""A module."""\n\n# why\ndef f(x):\n    """Twice."""\n    y = (2 * x)  # 2\n\n    return "y", y\n'
+    assert hashed("said", said) == plain
+    assert hashed("text", 'def f(x):\n    y = 2 * x\n    return "z", y\n') != plain
+    assert hashed("number", 'def f(x):\n    y = 3 * x\n    return "y", y\n') != plain
+    assert hashed("alone", 'def f(x):\n    """Nothing else."""\n') == hashed("empty", "def f(x):\n    pass\n")
 
 
 def test_a_table_depends_on_the_scenes_that_it_solves() -> None:

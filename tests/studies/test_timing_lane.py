@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.bench.canary import canary
 from studies.bench.overhead import harness, lines
-from studies.bench.timing_lane import REPEATS, Stopwatch, canary, interval, sample, summary, time_campaign
+from studies.bench.timing_lane import REPEATS, Stopwatch, interval, sample, summary, time_campaign
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.scene import UsageError

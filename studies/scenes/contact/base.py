@@ -79,7 +79,8 @@ class ContactModel(ShellSceneModel):
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Contact pressure (N,) at the grid's nodes."""
+        """Contact pressure (N,) at the grid's nodes; zero before the first state that has any."""
         pressure = np.zeros(self.shell.discretisation.grid.n_nodes)
-        pressure[self.nodes] = solution.pressure
+        if len(solution.pressure):
+            pressure[self.nodes] = solution.pressure
         return pressure
