@@ -22,14 +22,22 @@ README = Path(__file__).parent.parent / "README.md"
 
 
 def blocks() -> list[str]:
-    """The Python of the README: a measure and a scene."""
+    """The Python of the README: a notebook, a measure and a scene."""
     return re.findall(r"```python\n(.*?)```", README.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_notebook_of_the_readme_runs() -> None:
+    names: dict = {}
+    exec(blocks()[0], names)
+    steps = names["run"].steps
+    assert steps["delta_mm"].tolist() == [5.0, 10.0]
+    assert steps["force_N"].tolist() == pytest.approx([321.992, 806.646], rel=1e-5)
 
 
 @pytest.fixture
 def tutorial(monkeypatch: pytest.MonkeyPatch) -> str:
     """The measure of the README, executed on a copy of the catalogue; returns its code."""
-    code, _ = blocks()
+    _, code, _ = blocks()
     for name, measure in dict(MEASURES).items():
         monkeypatch.setitem(MEASURES, name, measure)
     monkeypatch.setitem(MEASURES, "no-drilling", None)
@@ -73,7 +81,7 @@ EXTRAPOLATED = 1e-4  # of two meshes
 @pytest.fixture
 def scene(monkeypatch: pytest.MonkeyPatch) -> dict:
     """Names of the README's scene, executed on a copy of the catalogue."""
-    _, code = blocks()
+    *_, code = blocks()
     assert len([line for line in code.splitlines() if line.strip()]) < 40
     monkeypatch.setitem(SCENES, "arch", None)
     names: dict = {"__name__": "arch"}

@@ -110,14 +110,14 @@ _WAYS: dict[str, tuple[str, dict[str, str]]] = {  # each algorithm as it is, and
 }
 AGREEMENT = tuple(
     _tyre(
-        f"agreement {way} {load} {section} {kind}",
-        {"load": load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
+        f"agreement {way} {load['load']} {section} {kind}",
+        {**load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
         contact=contact,
         model="half",
     )
     for way, (contact, settings) in _WAYS.items()
     for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
-    for load in ("dead", "follower")
+    for load in ({"load": "dead"}, {"load": "follower", "pressure_area": "mid"})
     for section in ("constant-s33", "nonsymmetric")
 )
 _EXACT = {"epsilon": "inf"}

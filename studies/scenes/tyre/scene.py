@@ -43,17 +43,19 @@ PLY = {
     "nu_LT": "Poisson ratio of a ply, from along to across the cords",
     "nu_TT": "Poisson ratio of a ply, across the cords",
 }
+AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface is 4 % off a solid
 SETTINGS = (
     Setting("gamma_deg", 52.0, "cord angle from the meridian; the plies alternate in sign", low=-90, high=90),
     Setting("p0_MPa", 0.15, "inflation pressure", low=-10, high=10),
     Setting("delta_mm", (5.0, 10.0, 15.0, 20.0), "indentation from first touch; 0: inflation alone", "floats", 0, 100),
-    Setting("load", "dead", "whether the pressure follows the wall", "choice", choices=("dead", "follower")),
+    Setting("load", "dead", "whether the pressure follows the wall", "choice", choices=tuple(AREA_OF)),
     Setting(
         "pressure_area",
-        "mid",
+        None,
         "area that carries pressures: mid-surface or true faces",
         "choice",
         choices=PRESSURE_AREAS,
+        otherwise=", ".join(f"{load} {area}" for load, area in AREA_OF.items()),
     ),
     Setting(
         "coupling",
@@ -126,15 +128,15 @@ class Tyre:
     sizes: TyreSizes | None = None
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
-        """Add the paper's elastic constants, unless the tyre is isotropic; raises UsageError on a mixture."""
-        settings = tyre_foundation.complete(settings)
+        """Add the area of the load, and the plies of the paper unless isotropic; raises UsageError on a mixture."""
+        settings = {"pressure_area": AREA_OF[str(settings["load"])], **tyre_foundation.complete(settings)}
         isotropic = [key for key in ("E_MPa", "nu") if key in settings]
         given = [key for key in ORTHOTROPIC if key in settings]
         if not isotropic:
             return {**settings, **{key: settings.get(key, value) for key, value in ORTHOTROPIC.items()}}
         if len(isotropic) == 1 or given:
             raise UsageError(f"an isotropic tyre takes E_MPa and nu together and no {', '.join(ORTHOTROPIC)}")
-        return dict(settings)
+        return settings
 
     def settle(self, request: Request) -> Request:
         """The smallest valid model, or the one asked for; raises UsageError when that is not valid."""
