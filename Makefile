@@ -1,6 +1,6 @@
 # make report     set everything up, solve the quick campaign, write reports/pages/quick
 # make standard   the same for the standard campaign (within the hour), and all of reports/pages
-# make test       set everything up, run the tests
+# make test       set everything up, run the tests one waits for; make slow: the others
 PYTHON ?= python3
 VENV   ?= .venv
 STORE  ?= .footprint/store
@@ -12,7 +12,7 @@ ENGINE ?= local:$(JOBS)
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: report standard test lint check bench clean
+.PHONY: report standard test slow lint check bench clean
 
 report: $(READY)
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
@@ -25,7 +25,10 @@ standard: $(READY)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
 
 test: $(READY)
-	$(BIN)/pytest -n $(JOBS) -m "not slow"
+	$(BIN)/pytest -n $(JOBS) --dist loadgroup -m "not slow"
+
+slow: $(READY)
+	$(BIN)/pytest -n $(JOBS) --dist loadgroup -m slow
 
 lint: $(READY)
 	$(BIN)/ruff check .
@@ -33,8 +36,7 @@ lint: $(READY)
 	$(BIN)/mypy
 
 # everything: lint, types, all tests, and a fresh quick campaign against the committed baseline and pages
-check: lint test
-	$(BIN)/pytest -n $(JOBS) -m slow
+check: lint test slow
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
 	$(BIN)/footprint analyse quick --store $(STORE)
 	$(BIN)/footprint check --store $(STORE)

@@ -102,15 +102,20 @@ def test_nnls_itself_is_right_or_corrected() -> None:
 
 def test_nnls_alone_is_no_oracle_of_exact_touch() -> None:
     """Must fail beside must pass, a published solver: nodes that just touch, everything else open, nothing presses."""
-    wrong = 0
+    wrong, corrected = 0, 0
     for seed in range(300):
         data, u, pressure = manufactured(
             np.random.default_rng(seed), "definite", np.array([0, 0, 0, 2, 0, 2, 0, 2, 0, 0])
         )
+        S = data.G @ np.linalg.solve(data.K, data.G.T)
+        ours = by_nnls(S, data.g0 + data.G @ np.linalg.solve(data.K, data.f))
+        np.testing.assert_allclose(ours.z, data.w * pressure, rtol=0, atol=NNLS)
+        corrected += ours.event is not None
         if np.max(np.abs(dual_by_nnls(data, math.inf)[1] - pressure)) > 1e-3:
             wrong += 1
             agrees("lcp, nnls", data, u, pressure)
     assert wrong > 0
+    assert corrected > 0
 
 
 def test_nnls_is_refused_without_symmetry_and_pivots_are_not(rng) -> None:

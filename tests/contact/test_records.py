@@ -118,6 +118,21 @@ def test_restarting_from_the_answer_takes_no_step(name, epsilon) -> None:
     np.testing.assert_allclose(again.u, first.u, rtol=0, atol=ROUNDING)
 
 
+@pytest.mark.parametrize(
+    ("name", "options"), [*((name, {}) for name in ALGORITHMS), ("augmented-lagrangian", {"c": 10.0})]
+)
+def test_pressures_from_before_that_are_far_too_large_are_taken_back(name, options) -> None:
+    """They open gaps, where nothing penetrates: a stiffness that is too soft to close them at once must go on."""
+    data = random_quadratic(np.random.default_rng(3), "inclined")
+    epsilon = 1e4 if name == "regularised" else math.inf
+    first = solve_from_rest(name, data.problem(), len(data.f), epsilon)
+    begun = replace(first, pressure=5 * first.pressure)
+    again = ALGORITHMS[name](epsilon=epsilon, **options).solve(data.problem(), begun)
+    assert again.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(again.u, first.u, rtol=0, atol=ORACLE)
+    np.testing.assert_allclose(again.pressure, first.pressure, rtol=0, atol=ORACLE)
+
+
 @each_algorithm
 def test_memory_is_passed_on_and_forgotten_with_the_solve(name) -> None:
     """Each linearisation gets what the last step remembered, or None at the start of a Newton."""

@@ -10,7 +10,7 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution, Outcome, rounding_floor, without_contact
-from contact.verify import Verdict, judge
+from contact.verify import Verdict, claim, judge
 from support.contact_problems import Quadratic, linear_mechanics, random_quadratic
 
 ROUNDING = 1e-12
@@ -187,3 +187,9 @@ def test_a_body_at_rest_without_load_is_not_divided_by_zero() -> None:
     data = Quadratic(np.eye(2), np.zeros(2), np.eye(2), np.ones(2), np.ones(2))
     verdict = judge(data.problem(), np.zeros(2), np.zeros(2))
     assert verdict.failures() == []
+
+
+def test_a_claim_widens_equilibrium_by_its_tolerance_and_balances_by_the_root_of_the_unknowns() -> None:
+    assert claim(1e-9, 10_000) == {}
+    assert claim(1e-4, 100) == {"equilibrium": 1e-4, "balance": pytest.approx(1e-3)}
+    assert claim(1.01e-8, 1)["balance"] == pytest.approx(1.01e-8)

@@ -316,15 +316,28 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return root
 
 
+def without_svg(patch: pytest.MonkeyPatch) -> None:
+    """Pictures are built but not turned to SVG, which takes most of the time of a page."""
+    patch.setattr(Figure, "savefig", lambda self, file, **options: file.write(b"<svg/>"))
+
+
 @pytest.fixture(scope="session")
 def files(store: Path) -> dict[str, str]:
+    """All pages, their pictures empty."""
+    with pytest.MonkeyPatch.context() as patch:
+        without_svg(patch)
+        return rendered(load_store(store))
+
+
+@pytest.fixture(scope="session")
+def drawn(store: Path) -> dict[str, str]:
+    """All pages and their pictures."""
     return rendered(load_store(store))
 
 
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Pictures are built but not turned to SVG, which takes most of the time of a page."""
-    monkeypatch.setattr(Figure, "savefig", lambda self, file, **options: file.write(b"<svg/>"))
+    without_svg(monkeypatch)
 
 
 @pytest.fixture

@@ -176,7 +176,9 @@ class Reader(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_all_pages_in_one_file_that_fetches_nothing(files: dict[str, str]) -> None:
+@pytest.mark.parametrize("pages", ["files", pytest.param("drawn", marks=pytest.mark.slow)])
+def test_all_pages_in_one_file_that_fetches_nothing(pages: str, request: pytest.FixtureRequest) -> None:
+    files = request.getfixturevalue(pages)
     whole = files[REPORT]
     reader = Reader()
     reader.feed(whole)

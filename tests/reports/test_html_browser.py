@@ -108,7 +108,7 @@ def browser(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFac
     root = tmp_path_factory.mktemp("browser")
     page = Path(os.environ.get("FOOTPRINT_REPORT") or root / REPORT).absolute()
     if "FOOTPRINT_REPORT" not in os.environ:
-        page.write_text(request.getfixturevalue("files")[REPORT], encoding="utf-8")
+        page.write_text(request.getfixturevalue("drawn")[REPORT], encoding="utf-8")
     opened = Browser(root / "profile")
     try:
         opened.call("Page.navigate", url=page.as_uri())

@@ -101,7 +101,17 @@ def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_pages_are_the_same_bytes_every_time(store: Path, files: dict[str, str], tmp_path: Path) -> None:
+    same_bytes(store, files, tmp_path)
+
+
+@pytest.mark.slow
+def test_pictures_are_the_same_bytes_every_time(store: Path, drawn: dict[str, str], tmp_path: Path) -> None:
+    same_bytes(store, drawn, tmp_path)
+
+
+def same_bytes(store: Path, files: dict[str, str], tmp_path: Path) -> None:
     written = write_pages(store, tmp_path)
     assert [path.relative_to(tmp_path).as_posix() for path in written] == list(files)
     assert {*PAGES} == {name for name in files if name.endswith(".md")}
@@ -128,6 +138,7 @@ def test_a_page_from_outside_is_one_entry_of_the_list(store: Path, monkeypatch: 
     assert "needy.md" not in files
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_committed_pages_agree_with_their_store(store: Path, out: Path) -> None:
     """Pictures are not compared."""
@@ -262,13 +273,14 @@ def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
 
 @pytest.mark.usefixtures("undrawn")
 def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> None:
-    text = rendered(load_store(own_store))["benchmarks.md"]
+    (page,) = (each for each in CHAPTERS if each.name == "benchmarks")
+    text = page.render(load_store(own_store)).text
     count = int(re.search(r"of each of the (\d+) states", text)[1])
     assert f"certifies {count} of them" in text
     assert "Not certified" not in text
     labels_of = [cell.label for cell in LISTS["report"]]
     path = own_store / "cells" / f"{labels_of.index('hemisphere 16')}.json"
     edit_json(path, lambda result: result["steps"][-1].update(failures=["energy"]))
-    text = rendered(load_store(own_store))["benchmarks.md"]
+    text = page.render(load_store(own_store)).text
     assert f"certifies {count - 1} of them" in text
     assert "Not certified, for energy: states of hemisphere." in text
