@@ -45,7 +45,6 @@ WORDS = {  # columns of the analysis that may be empty
     *("flag", "against", "largest", "removed", "flips", "label", "configuration", "runner_up", "command"),
     *("advised", "best", "measure", "contact", "newton", "element", "model", "scene", "ranking", "ended"),
 }
-CUT = "step cut"  # the words of a history event that say an attempt was rejected and repeated with a smaller step
 
 
 class StoreError(ValueError):

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import pandas as pd
-
 from reports import labels
 from reports.markdown import Part, commands, fixed, machine, prose, scientific, table
-from reports.tables import CUT, Cell, Store
+from reports.tables import Cell, Store
 
 
 def newton_part(store: Store) -> Part:
@@ -58,7 +56,7 @@ def _attempts(cell: Cell) -> str:
     rows = []
     for _, attempt in history.groupby(number):
         last = attempt.iloc[-1]
-        event = last.get("event")
-        said = "taken" if pd.isna(event) or CUT not in str(event) else str(event)
+        event = str(last.get("event"))
+        said = event if event in cell.cuts() else "taken"
         rows.append([f"{last['parameter']:g}", str(len(attempt) - 1), said])
     return table(f"Attempts of the cell `{cell.label}`", ["load fraction tried", "iterations", "outcome"], rows)
