@@ -47,6 +47,11 @@ def digits(value: float, count: int) -> str:
     return NOTHING if math.isnan(value) else f"{value + 0.0:#.{count}g}"
 
 
+def number(value: float) -> str:
+    """Six significant digits at most."""
+    return NOTHING if math.isnan(value) else f"{value:.6g}"
+
+
 def scientific(value: float | None, decimals: int = 1) -> str:
     """Mantissa and exponent; exact zero is 0."""
     if value is None or math.isnan(value):

@@ -43,7 +43,21 @@ TABLE_COLUMNS = {
 }
 WORDS = {  # columns of the analysis that may be empty
     *("flag", "against", "largest", "removed", "flips", "label", "configuration", "runner_up", "command"),
-    *("advised", "best", "measure", "contact", "newton", "element", "model", "scene", "ranking", "ended"),
+    *(
+        "ladder",
+        "family",
+        "at",
+        "advised",
+        "best",
+        "measure",
+        "contact",
+        "newton",
+        "element",
+        "model",
+        "scene",
+        "ranking",
+        "ended",
+    ),
 }
 
 
@@ -217,6 +231,10 @@ class Store:
         for column in WORDS.intersection(found.columns):
             found[column] = found[column].astype(object).where(found[column].notna(), "")
         return found
+
+    def rules(self) -> Mapping[str, float]:
+        """The thresholds by which the analysis judges, by name."""
+        return {str(name): float(value) for name, value in self.analysis("rules").iloc[0].items() if name != "campaign"}
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""

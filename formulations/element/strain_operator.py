@@ -90,13 +90,13 @@ class ElementGeometry:
             raise ValueError(f"interpolation {interpolation!r} must be {known}, the latter with full gradients only")
         at_centre = surface.geometry(grid.centre[:, 0], grid.centre[:, 1])
         parameter_area = 4.0 * grid.half.prod(axis=-1)
-        face = np.stack([_area_factor(at_centre, d) for d in (d_minus, d_plus)], axis=-1)
+        face = np.stack([area_factor(at_centre, d) for d in (d_minus, d_plus)], axis=-1)
         return cls(
             Q=Q.reshape(-1, N_GAUSS * N_Q, N_DOF),
             interpolation=interpolation,
             offset=offset,
             rows=shear_row_factors(geometry, d_minus, d_plus, kinematics),
-            weight=parameter_area * _area_factor(at_centre, 0.5 * (d_minus + d_plus)),
+            weight=parameter_area * area_factor(at_centre, 0.5 * (d_minus + d_plus)),
             face_weight=parameter_area[:, None] * face,
             node_beta=_node_beta(d_plus - d_minus),
             relaxation=_relaxation(at_centre, grid, d_plus - d_minus),
@@ -175,6 +175,6 @@ def _node_beta(h: float) -> np.ndarray:
     return beta.reshape(4, N_Q, N_DOF)
 
 
-def _area_factor(geometry: Geometry, d: float) -> np.ndarray:
+def area_factor(geometry: Geometry, d: float) -> np.ndarray:
     """A1 A2 zeta1 zeta2 of the surface at distance d."""
     return np.prod(geometry.A * (1.0 + geometry.k * d), axis=-1)

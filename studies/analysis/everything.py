@@ -1,7 +1,8 @@
-"""All tables of the analysis of a campaign, from its collected table into STORE/tables; the reports only read them."""
+"""All tables of the analysis of a campaign, into STORE/tables; the reports only read them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import pandas as pd
@@ -9,19 +10,48 @@ import pandas as pd
 from studies.analysis.advise import advice_table
 from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
+from studies.analysis.comparisons.answers import Answers
+from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
+from studies.analysis.comparisons.ladders import convergence
+from studies.analysis.comparisons.measure_errors import measure_errors
+from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
+from studies.analysis.comparisons.solid_shell import solid_shell
+from studies.analysis.comparisons.tyre_models import SAME, WITHIN, grids_reaching, tyre_models
 from studies.analysis.fronts import family_fronts, fronts
 from studies.analysis.held_out import held_out, summary
+from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
 from studies.analysis.profiles import profiles, solved
+from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.rows import reference_rows
 from studies.analysis.suspicious import flags
 from studies.analysis.verify import verified
+from studies.bench.scaling import FITTED_FROM, exponents
 from studies.scene import UsageError
 from studies.store.atomic import write_table
+
+FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # by the table that they are fitted to
+    "grids_reaching": ("work_precision", grids_reaching),
+    "rigid_body_powers": ("small_motions", rigid_body_powers),
+    "curved_beam_limits": ("curved_beam", curved_beam_limits),
+    "epsilon_laws": ("epsilon", epsilon_laws),
+    "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
+}
+
+RULES = {  # thresholds that the pages state
+    **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
+    **{"enough": ENOUGH, "equal": EQUAL, "same_model": SAME, "within": WITHIN, "fitted_from": FITTED_FROM},
+    **{"core_depth": DEPTH, "strain_rounding": NOTHING_LEFT, "epsilon_soft": SOFT, "epsilon_level": LEVEL},
+}
 
 
 def analyse(store: Path, campaign: str) -> list[Path]:
     """Write the tables of a campaign; returns their paths. Raises UsageError when it has no cell with an answer."""
-    tables = analysed(collect(store, campaign))
+    table = collect(store, campaign)
+    return written(store, campaign, analysed(table) | compared(store, campaign, table))
+
+
+def written(store: Path, campaign: str, tables: Mapping[str, pd.DataFrame]) -> list[Path]:
+    """Put tables of a campaign into the store; returns their paths."""
     paths = []
     for name, table in tables.items():
         path = store / "tables" / f"{name}.csv"
@@ -30,8 +60,28 @@ def analyse(store: Path, campaign: str) -> list[Path]:
     return paths
 
 
+def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """The tables that hold answers beside other answers, and what is fitted to the tables of experiments."""
+    answers = Answers.of(store, campaign)
+    sequences, errors = convergence(answers, table)
+    curves, limits = measure_errors(answers)
+    made = {name: (store / "tables" / f"{source}.csv", fit) for name, (source, fit) in FITTED.items()}
+    return {
+        "rules": pd.DataFrame([RULES]),
+        "convergence": sequences,
+        "convergence_errors": errors,
+        "element_choice": element_choice(sequences),
+        "measure_errors": curves,
+        "measure_limits": limits,
+        **tyre_comparison(answers),
+        "solid_shell": solid_shell(answers),
+        "tyre_models": tyre_models(answers),
+        **{name: fit(pd.read_csv(path)) for name, (path, fit) in made.items() if path.exists()},
+    }
+
+
 def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """All tables by name, from a collected one; raises UsageError when no cell of it has an answer."""
+    """The tables over all cells, from a collected one; raises UsageError when no cell of it has an answer."""
     if table.empty or not (table["outcome"] == "converged").any():
         raise UsageError("nothing to analyse: no cell of the campaign has converged")
     references = reference_rows(table)

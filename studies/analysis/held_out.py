@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.advise import COST, Question, questions
-from studies.analysis.richardson import FORMAL, UNSAFE, order_of
+from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
 from studies.analysis.rows import keys
 from studies.analysis.verify import EXACT, headline, judged
 
@@ -123,18 +123,13 @@ def _by_ladder(cells: pd.DataFrame) -> Iterator[tuple[object, pd.DataFrame]]:
 def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float]]:
     """Label and estimate on every mesh, coarse to fine, from the meshes up to it; the coarsest asks the second one."""
     rungs = rungs.drop_duplicates("size")
-    h, f = rungs["size"].to_numpy(float), rungs["value"].to_numpy(float)
+    h, f = (rungs[name].astype(float).tolist() for name in ("size", "value"))
     for j, label in enumerate(rungs["label"] if len(h) > 1 else ()):
-        steps = [_step(h, f, i) * (h[j] / h[i]) ** FORMAL for i in range(max(1, j - 1), max(1, j) + 1)]
+        steps = [abs(correction(h[: i + 1], f[: i + 1])) * (h[j] / h[i]) ** FORMAL for i in {max(1, j - 1), max(1, j)}]
         doubt = 1.0
-        if j >= 2 and not SENSIBLE[0] <= order_of(h[j - 2 : j + 1].tolist(), f[j - 2 : j + 1].tolist()) <= SENSIBLE[1]:
+        if j >= 2 and not SENSIBLE[0] <= order_of(h[j - 2 : j + 1], f[j - 2 : j + 1]) <= SENSIBLE[1]:
             doubt = UNSAFE
         yield str(label), doubt * max(steps) / abs(f[j]) if f[j] else math.inf
-
-
-def _step(h: np.ndarray, f: np.ndarray, i: int) -> float:
-    """Richardson's error of mesh i from the one before."""
-    return float(abs(f[i] - f[i - 1]) / ((h[i - 1] / h[i]) ** FORMAL - 1))
 
 
 def _measures(probe: pd.DataFrame) -> dict[str, float]:

@@ -87,16 +87,23 @@ def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
             path = values[-1] if isinstance(values, tuple) else values
         there = {**there, key: path}
     best: dict[str, Reference] = {}
-    scene = SCENES.get(row["scene"])  # a campaign may bring scenes of its own, which are not loaded here
-    for reference in scene.references if scene is not None else ():
-        value = row.get(f"q.{reference.quantity}", math.nan)
-        holds = all(_same(there.get(key), at) for key, at in reference.at.items())
-        if reference.value == 0.0 or pd.isna(value) or not holds:
+    for reference in holding(row["scene"], there):
+        if pd.isna(row.get(f"q.{reference.quantity}", math.nan)):
             continue
         known = best.get(reference.quantity)
         if known is None or reference.uncertainty < known.uncertainty:
             best[reference.quantity] = reference
     return best
+
+
+def holding(scene: str, there: Mapping[str, Any]) -> Iterator[Reference]:
+    """The references of a scene that hold where these are the settings, the measure and the load.
+
+    None that is zero: errors are relative. A campaign may bring scenes of its own, which are not loaded here.
+    """
+    for reference in SCENES[scene].references if scene in SCENES else ():
+        if reference.value != 0.0 and all(_same(there.get(key), at) for key, at in reference.at.items()):
+            yield reference
 
 
 def _same(there: Value | None, at: float | str) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
@@ -59,8 +60,11 @@ SOLID = (
     _tyre("isotropic coarse", ISOTROPIC, mesh="28x26"),
 )
 BENCHMARKS = (
-    *(Cell(f"cantilever {n}", "cantilever", {"mesh": f"{n}x{n // 16}"}, _PAPER) for n in (16, 32, 64)),
-    *(Cell(f"hemisphere {n}", "hemisphere", {"mesh": f"{n}x{n}"}, _PAPER) for n in (16, 32, 64)),
+    *(
+        Cell(f"{ladder.name} {mesh.split('x')[0]}", ladder.scene, {"mesh": mesh}, _PAPER)
+        for ladder in convergence_cells.BENCHMARKS
+        for mesh in ladder.meshes
+    ),
     *(
         Cell(f"hemisphere one step {newton}", "hemisphere", {"newton": newton}, {"load_fraction": "1", **_PAPER})
         for newton in ("mixed", "plain")
@@ -72,20 +76,42 @@ BENCHMARKS = (
         {"load_fraction": "1", **_PAPER},
     ),
 )
-_GROWING = {
-    "tyre": ("20x20", {"delta_mm": ",".join(str(d) for d in range(1, 21))}),
-    "hemisphere": ("16x16", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
-    "cantilever": ("32x2", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
-    "sze-pullout": ("12x18", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 21))}),
-    "roof-a": ("8x8", {"load_fraction": ",".join(f"{i / 20:g}" for i in range(1, 15))}),
-    "shallow-cap": ("32x4", {"load_fraction": ",".join(f"{i / 40:g}" for i in range(2, 23))}),
-}
+
+
+@dataclass(frozen=True)
+class Growing:
+    """A scene solved with every measure while its load grows: the key of the load, the quantity that is judged."""
+
+    scene: str
+    mesh: str
+    load: str
+    quantity: str
+    loads: tuple[float, ...]
+
+    @property
+    def cells(self) -> tuple[Cell, ...]:
+        """One a measure."""
+        settings = {self.load: ",".join(f"{load:g}" for load in self.loads)}
+        return tuple(
+            Cell(f"{self.scene} by {measure}", self.scene, {"measure": measure, "mesh": self.mesh}, settings)
+            for measure in MEASURES
+        )
+
+
+def _shares(parts: int, first: int, last: int) -> tuple[float, ...]:
+    return tuple(i / parts for i in range(first, last + 1))
+
+
+GROWING = (
+    Growing("tyre", "20x20", "delta_mm", "force_N", _shares(1, 1, 20)),
+    Growing("hemisphere", "16x16", "load_fraction", "inward_mm", _shares(20, 1, 20)),
+    Growing("cantilever", "32x2", "load_fraction", "tip_deflection_mm", _shares(20, 1, 20)),
+    Growing("sze-pullout", "12x18", "load_fraction", "w_A_mm", _shares(20, 1, 20)),
+    Growing("roof-a", "8x8", "load_fraction", "w_C_mm", _shares(20, 1, 14)),
+    Growing("shallow-cap", "32x4", "load_fraction", "w_apex_mm", _shares(40, 2, 22)),
+)
 MEASURED = (
-    *(
-        Cell(f"{scene} by {measure}", scene, {"measure": measure, "mesh": mesh}, settings)
-        for scene, (mesh, settings) in _GROWING.items()
-        for measure in MEASURES
-    ),
+    *(cell for growing in GROWING for cell in growing.cells),
     *(
         Cell(f"hemisphere {n} {' '.join(options.values())}", "hemisphere", {"mesh": f"{n}x{n}"}, settings)
         for interpolation in INTERPOLATIONS
@@ -154,7 +180,6 @@ LISTS: dict[str, Sequence[Cell]] = {
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),
-    "convergence": ("ladders",),
     "models": ("work_precision",),
     "agreement": ("epsilon", "cycles", "false_success"),
 }

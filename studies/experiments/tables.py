@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.campaigns.ladder_cells import ladder_table
 from studies.experiments.epsilon import epsilon_study
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
 from studies.experiments.invariance.symmetry import symmetry_table
@@ -37,7 +36,6 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes": extremes_table,
     "extremes_maps": axes_table,
     "extremes_check": check_table,
-    "ladders": ladder_table,
     "work_precision": work_precision_study,
 }
 

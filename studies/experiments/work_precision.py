@@ -57,17 +57,6 @@ def work_precision_study() -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True)
 
 
-def reaching(table: pd.DataFrame, family: str, error: float) -> pd.Series | None:
-    """The smallest grid of the family from which on every larger one stays below the error; None if there is none.
-
-    A force goes up and down with the place of the rim between the lines: one good grid may be chance.
-    """
-    rows = table[table["family"] == family].sort_values("unknowns")
-    beyond = (rows["error"].abs() > error).to_numpy()
-    first = int(beyond.nonzero()[0][-1]) + 1 if beyond.any() else 0
-    return rows.iloc[first] if first < len(rows) else None
-
-
 def _row(settings: Mapping[str, str], family: str, mesh: tuple[int, int]) -> dict[str, Any]:
     scene, request = complete("tyre", {**settings, "grading": family})
     return _solved(scene, request, mesh, 0.0)

@@ -14,9 +14,11 @@ from contact.catalogue import ALGORITHMS
 from reports.chapters.contact.agreement import agreement_page
 from reports.chapters.contact.agreement_cases import entries
 from reports.chapters.contact.algorithms import algorithms_page
-from reports.chapters.contact.epsilon import epsilon_page, findings, fitted_law
+from reports.chapters.contact.epsilon import epsilon_page
 from reports.chapters.overview.index import index_page
 from reports.tables import load_store
+from studies.analysis.everything import written
+from studies.analysis.powers import epsilon_laws
 from studies.campaigns.report_cells import AGREEMENT, enforcements
 from studies.store.atomic import write_json, write_table
 
@@ -173,26 +175,6 @@ def test_cycles_and_false_claims_are_counted(store: Path) -> None:
 # --- epsilon ----------------------------------------------------------------------------------------------------
 
 
-def test_a_law_is_found_between_its_two_ends() -> None:
-    epsilon = pd.Series(10.0 ** np.arange(-2, 9))
-    value = 1 / (epsilon + 1) + 1e-6  # soft below 1, a floor above 1e6
-    law = fitted_law(epsilon, value)
-    assert law.slope == pytest.approx(-1, abs=0.02)
-    assert (law.low, law.high) == (pytest.approx(10.0), pytest.approx(1e5))
-    assert fitted_law(epsilon, pd.Series(np.ones(11))).slope is None
-    assert fitted_law(epsilon, pd.Series(np.zeros(11))).slope is None
-
-
-def test_ends_of_a_made_up_table(store: Path) -> None:
-    data = load_store(store).table("epsilon")
-    found = findings(data[data["case"] == "tyre"])
-    assert found.penetration.slope == pytest.approx(-1, abs=1e-9)
-    assert found.soft_until == pytest.approx(0.1)  # error 0.02
-    assert found.level_from == pytest.approx(1e10)  # the last error above 1e-12 is that of 1e9
-    assert found.breaks_at == pytest.approx(1e6)
-    assert (found.best, found.best_error) == (pytest.approx(1e5), pytest.approx(2e-8))
-
-
 def test_page_of_epsilon_judges_the_papers_value(store: Path) -> None:
     text = epsilon_page(load_store(store)).text
     assert row(text, "| tyre | -1.000 |")[5:] == ["0.1", "1e+10"]
@@ -208,12 +190,14 @@ def test_a_form_that_never_breaks_down_is_a_dash(own_store: Path) -> None:
     data = pd.read_csv(path)
     data["outcome"] = "converged"
     write_table(path, data)
+    written(own_store, "report", {"epsilon_laws": epsilon_laws(data)})
     text = epsilon_page(load_store(own_store)).text
     broken = text[text.index("**Break-down") :]
     assert row(broken, "| tyre |")[1] == "–"
     assert "- the tyre at 20 mm: every tested ε converges" in text
     data.loc[data["form"].eq("displacement") & data["epsilon"].ge(1e4), "outcome"] = "rounding"
     write_table(path, data)
+    written(own_store, "report", {"epsilon_laws": epsilon_laws(data)})
     assert "- the tyre at 20 mm: this ε does not converge any more" in epsilon_page(load_store(own_store)).text
 
 

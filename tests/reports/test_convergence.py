@@ -4,20 +4,29 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
+import numpy as np
+import pandas as pd
 import pytest
 
-from reports.chapters.shells.convergence import BEYOND, WITHIN, convergence_page, split
-from reports.ladders import read_ladders
+from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
 from reports.tables import load_store
+from studies.analysis.collect import collect
+from studies.analysis.comparisons.answers import Answers
+from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
+from studies.analysis.verify import verified
 from studies.campaigns.ladder_cells import LADDERS
 from studies.store.atomic import write_json
+from support.made_up import analysed_again
+
+WOBBLE = (0.3, -0.2, 0.1, 0.05)
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
 
-def change_values(root: Path, prefix: str, change: Callable[[float, int], float | None]) -> None:
+def change_values(root: Path, prefix: str, change: Callable[[float, int], float | None], *, again: bool = True) -> None:
     """Replace every quantity of the cells of a ladder, mesh by mesh; None: the cell was not solved."""
     index = json.loads((root / "campaigns" / "report.json").read_text())
     paths = [root / "cells" / f"{row['id']}.json" for row in index["cells"] if row["label"].startswith(prefix)]
@@ -30,18 +39,30 @@ def change_values(root: Path, prefix: str, change: Callable[[float, int], float 
         else:
             result["quantities"] = new
         write_json(path, result)
+    if again:
+        analysed_again(root)
 
 
 def rows(text: str, ladder: str) -> list[list[str]]:
     return [[word.strip() for word in line.split("|")[1:-1]] for line in text.splitlines() if f"| {ladder} |" in line]
 
 
+def planted(size: float, value: float, i: int) -> float:
+    """Something beside the second order, mesh by mesh."""
+    return value * (1 + size * WOBBLE[i % len(WOBBLE)])
+
+
+def comparisons_of(root: Path) -> pd.DataFrame:
+    store = load_store(root)
+    return comparisons(store, sequences(store))
+
+
 def test_every_quantity_of_every_ladder_has_the_order_it_was_made_with(store: Path) -> None:
-    rungs = read_ladders(load_store(store))
-    assert len(rungs) == sum(len(ladder.quantities) for ladder in LADDERS)
-    for rung in rungs:
-        assert rung.sequence.orders == pytest.approx([2.0] * (len(rung.meshes) - 2), abs=1e-6), rung.ladder
-        assert rung.sequence.verdict == "asymptotic"
+    data = sequences(load_store(store))
+    assert data["sequence"].nunique() == sum(len(ladder.quantities) for ladder in LADDERS)
+    assert set(data["verdict"]) == {"asymptotic"}
+    for _, own in data.groupby("sequence"):
+        assert list(own["order"])[2:] == pytest.approx([2.0] * (len(own) - 2), abs=1e-6), own["ladder"].iloc[0]
 
 
 def test_page_shows_values_orders_limits_and_parts(store: Path) -> None:
@@ -69,31 +90,49 @@ def test_page_shows_values_orders_limits_and_parts(store: Path) -> None:
 
 
 def test_parts_add_up_to_the_difference(store: Path) -> None:
-    pairs = [(rung, reference) for rung in read_ladders(load_store(store)) for reference in rung.references]
-    assert len(pairs) > 30
-    for rung, reference in pairs:
-        s = split(rung, reference)
-        assert s.mesh is not None
-        assert s.model is not None
-        assert s.mesh + s.model == pytest.approx(s.difference, abs=1e-12)
+    found = comparisons_of(store)
+    assert len(found) > 30
+    np.testing.assert_allclose(found["mesh_part"] + found["model_part"], found["error"], atol=1e-12)
 
 
 def test_a_planted_model_error_is_told_from_that_of_the_mesh(own_store: Path) -> None:
     change_values(own_store, "convergence pagano-S100 ", lambda value, i: 1.02 * value)
-    rung = next(rung for rung in read_ladders(load_store(own_store)) if rung.ladder == "pagano-S100")
-    (reference,) = rung.references
-    found = split(rung, reference)
-    assert found.model == pytest.approx(0.02, abs=1e-6)
-    assert found.mesh == pytest.approx(-0.1 / 64 * 1.02, abs=1e-6)
-    assert found.verdict == BEYOND
+    (found,) = comparisons_of(own_store).query("ladder == 'pagano-S100' and quantity == 'w_bar'").to_dict("records")
+    assert found["model_part"] == pytest.approx(0.02, abs=1e-6)
+    assert found["mesh_part"] == pytest.approx(-0.1 / 64 * 1.02, abs=1e-6)
+    assert found["verdict"] == BEYOND
 
 
 def test_references_apply_only_to_what_was_solved(store: Path) -> None:
-    found = {(r.ladder, r.quantity): [ref["value"] for ref in r.references] for r in read_ladders(load_store(store))}
+    found = comparisons_of(store).groupby(["ladder", "quantity"])["value"].agg(list)
     assert found["tyre-isotropic", "force_N"] == [pytest.approx(523.8, abs=0.1)]  # the solid at 10 mm
-    assert found["tyre", "force_N"] == []  # that solid is isotropic
+    assert ("tyre", "force_N") not in found  # that solid is isotropic
     assert found["pagano-S10", "w_bar"] != found["pagano-S100", "w_bar"]
     assert len(found["pressurised-cylinder-open", "stretch"]) == 1
+
+
+def test_one_ladder_has_one_verdict_everywhere(own_store: Path) -> None:
+    """Orders near every threshold: the sequences of cells, however they are grouped, and the verified cells agree."""
+    for k, ladder in enumerate(LADDERS):
+        size = 10.0 ** -(k % 8)
+        own = partial(planted, size)
+        change_values(own_store, f"convergence {ladder.name} ", own, again=False)
+    table = collect(own_store, "report")
+    data, _ = convergence(Answers.of(own_store, "report"), table)
+    split = verified(table)
+    said = (
+        data[data["at"] == ""]
+        .groupby(["sequence", "quantity"])
+        .agg({"label": tuple, "verdict": "first", "limit": "first"})
+    )
+    for (labels, quantity), own in said.reset_index().groupby(["label", "quantity"]):
+        assert own["verdict"].nunique() == own["limit"].nunique(dropna=False) == 1, (labels, quantity)
+        told = split[split["label"].isin(labels) & (split["quantity"] == quantity)]
+        if own["sequence"].size > 1:  # the planned ladder is all there is of its request
+            asymptotic = own["verdict"].iloc[0].startswith(("asymptotic", "same"))
+            assert set(told["asymptotic"]) == {asymptotic}, (labels, quantity)
+    assert said["verdict"].nunique() >= 4
+    assert said.reset_index().duplicated(["label", "quantity"]).sum() > 20
 
 
 def test_a_sequence_that_is_not_monotone_has_no_order_and_no_limit(own_store: Path) -> None:
@@ -101,7 +140,7 @@ def test_a_sequence_that_is_not_monotone_has_no_order_and_no_limit(own_store: Pa
     page = convergence_page(load_store(own_store))
     values, _, *parts = rows(page.text, "roof-a")
     assert values[-5:] == ["–", "–", "not asymptotic: no order", "–", "–"]
-    assert parts[0][-1] == "no limit"
+    assert parts[0][-1] == NO_LIMIT
     assert parts[0][5:8] == ["–", "–", "–"]
 
 

@@ -11,12 +11,10 @@ import pytest
 
 from reports.chapters.shells.figures_rigid_body import shared_curves
 from reports.chapters.shells.locking import excess, locking_page, worst_energy
-from reports.chapters.shells.rigid_body import fitted_power, powers, rigid_body_page
+from reports.chapters.shells.rigid_body import rigid_body_page
 from reports.tables import Store, load_store
 from studies.experiments.locking import MESHES, THINNESS
 from studies.store.atomic import write_table
-
-AMOUNTS = [0.2, 0.1, 0.05]
 
 pytestmark = pytest.mark.usefixtures("undrawn")
 
@@ -35,20 +33,6 @@ def line(text: str, start: str) -> list[str]:
 # --- rigid motions ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("rate", "coefficient"), [(1, 0.3), (2, -0.5), (4, -0.125)])
-def test_power_of_a_strain_with_a_higher_term(rate: int, coefficient: float) -> None:
-    found = fitted_power(AMOUNTS, [coefficient * a**rate * (1 - a**2 / 3) for a in AMOUNTS])
-    assert found is not None
-    assert found.rate == pytest.approx(rate, abs=0.01)
-    assert found.coefficient == pytest.approx(coefficient, rel=1e-5)
-
-
-def test_what_is_rounding_has_no_power() -> None:
-    assert fitted_power(AMOUNTS, [1e-15, -2e-15, 1e-15]) is None
-    assert fitted_power(AMOUNTS, [math.nan] * 3) is None
-    assert fitted_power(AMOUNTS, [0.2, 0.1, -0.05]) is None  # no power changes its sign
-
-
 def test_rates_of_the_famous_failures(loaded: Store) -> None:
     text = rigid_body_page(loaded).text
     assert line(text, "| von-karman | out of plane |")[2:] == ["-0.1250 a^4.00"] * 4
@@ -56,9 +40,9 @@ def test_rates_of_the_famous_failures(loaded: Store) -> None:
     assert line(text, "| donnell | translation |")[2] == "0"
     assert line(text, "| donnell | translation |")[3].endswith("a^2.00")
     assert "| exact | drilling | -" not in text
-    found = powers(loaded)
-    shear = found.query("measure == 'donnell' and surface == 'cylinder' and motion == 'translation'")["largest"].iloc[0]
-    assert shear.rate == pytest.approx(1, abs=0.01)
+    found = loaded.analysis("rigid_body_powers")
+    shear = found.query("measure == 'donnell' and surface == 'cylinder' and motion == 'translation'").iloc[0]
+    assert shear["largest_rate"] == pytest.approx(1, abs=0.01)
 
 
 def test_every_case_has_its_row_with_law_and_difference(loaded: Store) -> None:

@@ -14,7 +14,7 @@ import pytest
 
 from reports import labels
 from reports.chapter import Chapter
-from reports.chapters.tyre.paper_table import FILE
+from reports.chapters.tyre.meshes import SOLID
 from reports.contents import CHAPTERS
 from reports.html import REPORT
 from reports.markdown import Part
@@ -45,13 +45,6 @@ def as_solved(directory: Path) -> Path:
     return directory
 
 
-def drop_cell(root: Path, label: str) -> None:
-    def drop(index: dict[str, Any]) -> None:
-        index["cells"] = [row for row in index["cells"] if row["label"] != label]
-
-    edit_json(root / "campaigns/report.json", drop)
-
-
 DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no store": (lambda root: shutil.rmtree(root), "no such directory"),
     "no index": (lambda root: (root / "campaigns/report.json").unlink(), ": no campaign"),
@@ -70,16 +63,16 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "table missing": (lambda root: (root / "cells/0/contact.csv").unlink(), "contact.csv: missing"),
     "table empty": (lambda root: (root / "cells/0/contact.csv").write_text(""), "contact.csv: cannot be read"),
     "column": (lambda root: (root / "cells/0/contact.csv").write_text("a,b\n1,2\n"), "lacks the columns delta_mm"),
-    "reference": (lambda root: (root / "references" / FILE).unlink(), f"{FILE}: missing"),
-    "no ladders": (lambda root: (root / "tables/ladders.csv").unlink(), "ladders.csv: missing"),
+    "reference": (lambda root: (root / "references" / SOLID).unlink(), f"{SOLID}: missing"),
+    "no orders": (lambda root: (root / "tables/convergence.csv").unlink(), "convergence.csv: missing"),
+    "of another campaign": (
+        lambda root: replace_in(root / "tables/rules.csv", ",report", ",another"),
+        "rules.csv: not of campaign 'report'",
+    ),
     "no locking": (lambda root: (root / "tables/membrane_locking.csv").unlink(), "membrane_locking.csv: missing"),
     "column of a table": (
         lambda root: (root / "tables/small_motions.csv").write_text("measure\nexact\n"),
         "rigid-body.md lacks 'surface', of rigid_body, small_motions",
-    ),
-    "rung": (
-        lambda root: drop_cell(root, "convergence roof-a 8x8 paper"),
-        "no cell 'convergence roof-a 8x8 paper', which the pages need",
     ),
     "label": (
         lambda root: edit_json(root / "campaigns/report.json", lambda d: d["cells"].pop(0)),

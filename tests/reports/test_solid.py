@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 from reports import labels
-from reports.chapters.shells.solid_part import Sequence3, cancellation, solid_part
-from reports.orders import fitted_order
+from reports.chapters.shells.solid_part import solid_part
 from reports.result_figures import draw_result
 from reports.tables import StoreError, load_cell, load_store
+from studies.analysis.comparisons.solid_shell import cancellation
 from studies.campaigns.cell import Cell
 from studies.campaigns.plan import Row
 from studies.campaigns.report_cells import LISTS
@@ -22,6 +22,7 @@ from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, write_json, write_text
+from support.made_up import analysed_again
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
 GROWTH = {"inner": 4.6, "outer": 4.3}  # mm
@@ -56,7 +57,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
         "settings": {**request.settings, "steps": request.steps},
         **{"outcome": "converged", "class": "converged", "cuts": [], "reason": "converged", "quantities": quantities},
         "steps": [{"delta_mm": d, "force_N": F * body * (1 + error), **step} for d, F in FORCE.items()],
-        **{"counters": {}, "timing_s": {}, "provenance": {}},
+        **{"counters": {}, "timing_s": {}, "provenance": {}, "files": []},
     }
     write_json(directory.with_suffix(".json"), {"schema": SCHEMA, "id": directory.name, **result})
 
@@ -73,6 +74,7 @@ def store(tmp_path: Path) -> Path:
     write_json(tmp_path / "campaigns" / "solid.json", {**told, "cells": rows})
     name = "isotropic_tyre_3d_solid.csv"
     write_text(tmp_path / "references" / name, (DATA / name).read_text(encoding="utf-8"))
+    analysed_again(tmp_path, "solid")
     return tmp_path
 
 
@@ -81,6 +83,7 @@ def edit(store: Path, label: str, change: Callable[[dict[str, Any]], object]) ->
     data = json.loads(path.read_text(encoding="utf-8"))
     change(data)
     write_json(path, data)
+    analysed_again(store, "solid")
 
 
 def rows(text: str, title: str) -> dict[str, list[str]]:
@@ -135,31 +138,6 @@ def test_steps_of_a_solid_are_checked_as_those_of_a_tyre(store: Path) -> None:
     edit(store, labels.SOLID.format(mesh="14x18"), lambda result: result["steps"][0].pop("force_N"))
     with pytest.raises(StoreError, match="lacks force_N"):
         load_store(store)
-
-
-def test_limit_and_spread_of_a_sequence() -> None:
-    sizes = (1 / 28, 1 / 42, 1 / 84)
-    exact = Sequence3(sizes, tuple(3.0 + 5.0 * h**2 for h in sizes))
-    assert exact.limit == pytest.approx(3.0, rel=1e-12)
-    assert exact.spread <= 1e-12
-    assert exact.order == pytest.approx(2.0, abs=1e-9)
-    assert exact.mesh == pytest.approx(5.0 / 84**2 / 3.0, rel=1e-9)
-    cubic = Sequence3(sizes, tuple(3.0 + 5.0 * h**3 for h in sizes))
-    assert cubic.order == pytest.approx(3.0, abs=1e-9)
-    assert abs(cubic.limit / 3.0 - 1) < cubic.spread
-
-
-@pytest.mark.parametrize("order", [0.7, 2.0, 4.0])
-def test_an_order_through_three_unequal_meshes(order: float) -> None:
-    sizes = (1.0, 0.6, 0.35)
-    assert fitted_order(sizes, [2.0 - h**order for h in sizes]) == pytest.approx(order, abs=1e-9)
-
-
-def test_orders_through_unequal_meshes_that_mean_nothing_are_not_given() -> None:
-    sizes = (1.0, 0.5, 0.25)
-    assert fitted_order(sizes, (1.0, 2.0, 1.5)) is None
-    assert fitted_order(sizes, (1.0, 2.0, 4.0)) is None  # diverges
-    assert fitted_order(sizes, (1.0, 2.0, float("nan"))) is None
 
 
 def test_cancellation_at_the_equator_by_hand() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -16,7 +15,6 @@ from studies.analysis.everything import analysed
 from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
 from studies.analysis.profiles import _pairs, flip_check, problems, profiles, solved, within
-from studies.analysis.richardson import limit_of, order_of
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, printed, walls
 from studies.analysis.verify import verified
@@ -41,27 +39,6 @@ def test_two_spellings_of_one_request_are_one_ladder() -> None:
 def test_a_mesh_hardly_coarser_than_the_next_is_no_rung() -> None:
     (rungs,) = ladders(cells(sizes=(14, 16, 20, 28)))
     assert list(rungs["n1"]) == [14, 20, 28]
-
-
-@pytest.mark.parametrize("p", [0.5, 1.0, 1.8, 2.0, 4.0])
-@pytest.mark.parametrize("sizes", [(1, 0.5, 0.25), (1, 0.6, 0.5), (1, 2 / 3, 1 / 3)])
-def test_order_and_limit_of_a_known_law(p: float, sizes: tuple[float, ...]) -> None:
-    values = [3 + 0.2 * h**p for h in sizes]
-    assert order_of(sizes, values) == pytest.approx(p, rel=1e-8)
-    limit = limit_of(sizes, values)
-    assert limit.value == pytest.approx(3, rel=1e-10)
-    assert limit.asymptotic == (p in (1.8, 2.0))
-    assert limit.uncertainty == pytest.approx((1.25 if limit.asymptotic else 3) * 0.2 * sizes[-1] ** p, rel=1e-6)
-
-
-def test_what_has_no_order_has_no_limit_to_trust() -> None:
-    assert math.isnan(order_of((1, 0.5, 0.25), (1.0, 2.0, 1.5)))
-    limit = limit_of((1, 0.5, 0.25), (1.0, 2.0, 1.5))
-    assert (limit.value, limit.uncertainty, limit.asymptotic) == (1.5, 3.0, False)
-    same = limit_of((1, 0.5, 0.25), (2.0, 2.0, 2.0))
-    assert (same.value, same.uncertainty, same.asymptotic) == (2.0, 0.0, True)
-    with pytest.raises(ValueError, match="a limit takes three"):
-        limit_of((1, 0.5), (1.0, 1.0))
 
 
 def test_the_split_finds_each_planted_part() -> None:

@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from formulations.recovery import energy_products, recovery_errors, refined
+from studies.analysis.comparisons.tyre_models import reaching
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.error_control import AdaptiveScene, extrapolate, parse_error
-from studies.experiments.work_precision import reaching, work_precision
+from studies.experiments.work_precision import work_precision
 from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
 from studies.solving import resolve, solve
@@ -149,7 +150,7 @@ def test_adapted_grids_save_two_thirds_of_the_unknowns(element: str) -> None:
     """1 % from some grid on: the adapted family needs at most a third of the unknowns of the uniform one."""
     meshes = {"uniform": [(n, n) for n in range(36, 84, 4)]}
     table = work_precision({"element": element, "delta_mm": "20"}, meshes, reference=LIMITS[element])
-    uniform, adapted = (reaching(table, family, 0.01) for family in ("uniform", "adapted"))
+    uniform, adapted = (reaching(table[table["family"] == family], 0.01) for family in ("uniform", "adapted"))
     assert uniform is not None
     assert adapted is not None
     assert adapted["unknowns"] <= uniform["unknowns"] / 3

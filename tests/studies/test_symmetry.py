@@ -191,21 +191,6 @@ def test_renumbering_changes_the_order_and_nothing_else() -> None:
 # --- the mirror -----------------------------------------------------------------------------------------------------
 
 
-def test_images_of_a_known_map() -> None:
-    """psi odd, phi odd, and their product, which only the half turn keeps."""
-    psi, phi = np.meshgrid([-1.0, 0.0, 1.0], [-2.0, -1.0, 0.0, 1.0], indexing="ij")
-    touching = np.ones_like(psi, bool)
-    touching[0, 1] = False
-    odd = np.sin(np.pi * phi / 2) * psi
-    found = mirror._images(5 + odd, touching)
-    assert found["central_MPa"] == pytest.approx(0, abs=1e-14)
-    assert found["mirror_MPa"] == pytest.approx(2)
-    assert found["mirror_both_MPa"] == pytest.approx(2)
-    lone = np.zeros_like(psi)
-    lone[0, 1] = 3.0
-    assert mirror._images(lone, touching) == {"mirror_MPa": 3.0, "mirror_both_MPa": 0.0, "central_MPa": 3.0}
-
-
 @dataclass(frozen=True)
 class Known(Sweep):
     """A curve with its maximum at 63.21 degrees; it does not converge at 20 and is not stable below 15."""

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.campaigns.ladder_cells import LADDERS, cells, ladder_table
+from studies.campaigns.ladder_cells import LADDERS, cells
 from studies.campaigns.plan import identity
 from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.experiments import tables
@@ -88,11 +88,3 @@ def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
     fewer = {cell.label for cell in cells({"element": "paper"}, "paper", finest=False)}
     left_out = {f"convergence {ladder.name} {ladder.meshes[-1]} paper" for ladder in LADDERS}
     assert {cell.label for cell in made} - fewer == left_out
-
-
-def test_the_ladder_table_tells_the_pages_what_to_read() -> None:
-    table = ladder_table()
-    assert set(table["ladder"]) == {ladder.name for ladder in LADDERS}
-    tyre = table.query("ladder == 'tyre-isotropic' and quantity == 'force_N'")
-    assert list(tyre["mesh"]) == ["28x26", "42x40", "56x54", "84x80"]
-    assert set(tyre["at"]) == {"delta_mm=10"}

@@ -6,7 +6,6 @@ import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.limits import figures_symmetry
-from reports.chapters.tyre.paper_table import FILE, IMAGES, asymmetry, printed_map
 from reports.markdown import NOTHING, Part, commands, fixed, joined, machine, picture, prose, scientific, table
 from reports.tables import Store
 
@@ -124,8 +123,9 @@ def _mirror(store: Store) -> Part:
     """The mirror asymmetry over gamma, with the printed value."""
     every = store.table("mirror")
     data = every.dropna(subset=["mirror_both_MPa"])
-    printed = printed_map(store.reference_table(FILE, ["row_label"]))
-    told = max(asymmetry(printed, image)[1] for image in list(IMAGES)[1:])
+    symmetry = store.analysis("tyre_symmetry")
+    mirrors = symmetry[(symmetry["who"] == "printed") & symmetry["image"].str.startswith("mirror")]
+    told = float(mirrors["both_touch_MPa"].max())
     sweeps = {
         f"{measure}, {mesh}": group.sort_values("gamma_deg")
         for (mesh, measure), group in data.groupby(["mesh", "measure"], sort=False)
@@ -190,6 +190,6 @@ CHAPTER = Chapter(
     "Symmetry",
     "axes, numbering, units, load steps and rigid motions, which must not matter, and the mirrored tyre.",
     symmetry_page,
-    needs=("symmetry", "mirror"),
+    needs=("symmetry", "mirror", "tyre_symmetry"),
     always=True,
 )

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+import math
+from collections.abc import Iterator
 
 from reports.chapters.overview.outcomes import completeness, refusals
-from reports.ladders import applies
 from reports.markdown import NOTHING, Part, digits, fixed, machine, percent, prose, scientific, table
-from reports.orders import MeshSequence
-from reports.tables import Cell, Planned, Store
+from reports.tables import Planned, Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
 LEAST = 3  # meshes of a sequence
@@ -24,63 +22,30 @@ def campaign_page(store: Store, contents: str = "") -> Part:
 
 
 def _sequences(store: Store) -> str:
-    rows = [row for group in _ladders(store) for row in _rows(store, group)]
+    heading = "## Orders and references"
+    rows = list(_rows(store)) if store.has_analysis("convergence") else []
     if not rows:
-        return f"## Orders and references\n\nNo request was solved on {LEAST} meshes or more."
+        return f"{heading}\n\nNo request was solved and analysed on 3 meshes or more."
     header = ["scene", "measure", "quantity", "meshes", "finest", "order", "limit", "reference", "kind", "error"]
-    words = prose(f"""Requests that were solved on {LEAST} meshes or more and differ in nothing else. The order is that
-of the last three; the error is that of the limit, where there is an order, and of the finest mesh elsewhere.""")
-    return f"## Orders and references\n\n{words}\n\n" + table("Sequences of meshes", header, rows, words=4)
+    words = prose("""Requests that were solved on 3 meshes or more and differ in nothing else; of two meshes that hardly
+differ the finer one counts. The order is that of the last three; the error is that of the limit, where there is an
+order, and of the finest mesh elsewhere.""")
+    return f"{heading}\n\n{words}\n\n" + table("Sequences of meshes", header, rows, words=4)
 
 
-def _ladders(store: Store) -> Iterator[list[Planned]]:
-    """Converged cells that differ in their meshes only, coarse to fine."""
-    found: dict[str, dict[str, Planned]] = {}
-    for each in store.planned:
-        if each.ended == "converged" and each.result is not None:
-            rest = {key: value for key, value in each.asked.items() if key not in ("mesh", "model_reason")}
-            found.setdefault(repr(rest), {}).setdefault(each.result["mesh"], each)
-    for group in found.values():
-        if len(group) >= LEAST:
-            yield sorted(group.values(), key=_fineness)
-
-
-def _fineness(planned: Planned) -> int:
-    """Elements along the longer side."""
-    assert planned.result is not None
-    return max(int(n) for n in planned.result["mesh"].split("x"))
-
-
-def _rows(store: Store, group: list[Planned]) -> Iterator[list[str]]:
-    """A row for each headline quantity with a reference; without any, for the first quantity."""
-    results = [each.result for each in group if each.result is not None]
-    finest, sizes = results[-1], tuple(1 / _fineness(each) for each in group)
-    known = {q: _references(store, group[-1], finest, q) for q in finest["quantities"]}
-    chosen = [q for q, references in known.items() if references] or list(known)[:1]
-    for quantity in chosen:
-        values = tuple(_number(result["quantities"].get(quantity)) for result in results)
-        sequence = MeshSequence(sizes, values)
-        order, limit = sequence.orders[-1], sequence.limit
-        head = [finest["scene"], finest["measure"], quantity, ", ".join(result["mesh"] for result in results)]
-        told = [digits(values[-1], 6), NOTHING if order is None else fixed(order, 2)]
-        told.append(NOTHING if limit is None else digits(limit, 6))
-        if not known[quantity]:
+def _rows(store: Store) -> Iterator[list[str]]:
+    """A row for each sequence and reference."""
+    data, errors = store.analysis("convergence"), store.analysis("convergence_errors")
+    for sequence, own in data[data["ladder"] == ""].groupby("sequence", sort=False):
+        first, finest = own.iloc[0], own.iloc[-1]
+        head = [first["scene"], first["measure"], first["quantity"], ", ".join(own["mesh"])]
+        told = [digits(finest["value"], 6), fixed(finest["order"], 2), digits(first["limit"], 6)]
+        known = errors[errors["sequence"] == sequence].drop_duplicates("reference", keep="last")
+        if known.empty:
             yield [*head, *told, NOTHING, NOTHING, NOTHING]
-        for reference in known[quantity]:
-            best = values[-1] if limit is None else limit
-            error = best / float(reference["value"]) - 1
-            yield [*head, *told, digits(float(reference["value"]), 6), reference["kind"], percent(error)]
-
-
-def _references(store: Store, planned: Planned, result: Mapping[str, Any], quantity: str) -> list[Mapping[str, Any]]:
-    """Those that hold at the last load."""
-    cell = Cell(planned.label, planned.scene, planned.command, store.path, result)
-    asked = (row for row in store.references if row["scene"] == planned.scene and row["quantity"] == quantity)
-    return [row for row in asked if float(row["value"]) != 0 and applies(row["at"], cell, {})]
-
-
-def _number(value: Any) -> float:
-    return float("nan") if value is None else float(value)
+        for each in known.to_dict("records"):
+            error = each["error"] if math.isnan(first["limit"]) else each["model_part"]
+            yield [*head, *told, digits(each["value"], 6), each["kind"], percent(error)]
 
 
 def _outcomes(store: Store) -> str:

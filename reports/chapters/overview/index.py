@@ -7,16 +7,13 @@ import math
 from reports import labels
 from reports.chapters.overview.headlines import headlines
 from reports.chapters.overview.outcomes import completeness, refusals
-from reports.chapters.shells.benchmarks import BENCHMARKS, limit
-from reports.chapters.shells.convergence import WITHIN, split
-from reports.chapters.shells.element_choice import choices
+from reports.chapters.shells.benchmarks import BENCHMARKS
+from reports.chapters.shells.convergence import comparisons, sequences
 from reports.chapters.shells.locking import worst_energy
 from reports.chapters.tyre.algorithms import relative_difference, set_difference
 from reports.chapters.tyre.meshes import change, isotropic_differences
 from reports.chapters.tyre.paper import forces
-from reports.chapters.tyre.paper_table import FILE, HALF, compare, on_printed_nodes, printed_map
-from reports.ladders import read_ladders
-from reports.maps import at_delta
+from reports.chapters.tyre.printed_pressures import reading
 from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
 from reports.tables import Cell, Store
 
@@ -93,8 +90,8 @@ def _newton(store: Store) -> str:
 
 
 def _element(store: Store) -> str:
-    found = choices(store)
-    counts = [sum(choice.verdict == word for choice in found) for word in ("better", "equal", "worse")]
+    found = store.analysis("element_choice")
+    counts = [int((found["verdict"] == word).sum()) for word in ("better", "equal", "worse")]
     return prose(f"""**Which element.** On the coarsest mesh of each scene the default element is nearer to the limit
 than the element of the paper for {counts[0]} of {len(found)} quantities, equal for {counts[1]} and worse for
 {counts[2]}; see [which element](convergence.md#which-element).""")
@@ -114,20 +111,19 @@ def _agreement(store: Store) -> str:
 
 
 def _convergence(store: Store) -> str:
-    rungs = read_ladders(store)
-    good = sum(rung.sequence.asymptotic for rung in rungs)
-    parts = [split(rung, reference) for rung in rungs if rung.sequence.asymptotic for reference in rung.references]
-    within = sum(part.verdict == WITHIN for part in parts)
+    data = sequences(store)
+    each, parts = data.drop_duplicates("sequence"), comparisons(store, data)
+    parts = parts[parts["asymptotic"].astype(bool)]
+    good = int(each["asymptotic"].sum())
+    within = int(parts["verdict"].str.startswith("within").sum())
     return (
-        f"**Mesh against model.** {good} of {len(rungs)} sequences of meshes are in their asymptotic range. Their "
+        f"**Mesh against model.** {good} of {len(each)} sequences of meshes are in their asymptotic range. Their "
         f"extrapolated values are within the uncertainties in {within} of {len(parts)} comparisons with references."
     )
 
 
 def _limitations(store: Store) -> str:
-    paper = store.cell(labels.PAPER)
-    printed = printed_map(store.reference_table(FILE, ["row_label"]))
-    c = compare(on_printed_nodes(at_delta(paper.table("contact"), labels.DELTA), printed, HALF), printed)
+    c = reading(store.analysis("tyre_comparison"), labels.DELTA)
     mesh = change(store.cell(labels.FINE), store.cell(labels.BASE))
     follower = change(store.cell(labels.FOLLOWER), store.cell(labels.BASE))
     coarse, fine = (
@@ -136,14 +132,13 @@ def _limitations(store: Store) -> str:
     )
     hemisphere = BENCHMARKS[-1]
     quantity = list(hemisphere.quantities)[-1]
-    reference = store.reference(hemisphere.scene, quantity, "read", load_fraction=1.0)["value"]
-    goal = limit(store, hemisphere, quantity, 1.0)
-    off = None if goal is None else goal / reference - 1.0
+    errors = hemisphere.errors(store, "read")
+    off = float(errors.loc[(errors["quantity"] == quantity) & (errors["load"] == 1.0), "model_part"].iloc[0])
     return prose(f"""## Known limitations
 
 - The origin of the plane's travel in the paper is not known. Counted from first touch, at {labels.DELTA:g} mm the
-  centre pressure is {fixed(c.centre, 3)} MPa (printed: {fixed(c.printed_centre, 3)}), but {c.outside} of the
-  {c.printed_nodes} printed nodes are not in contact.
+  centre pressure is {fixed(c["centre_MPa"], 3)} MPa (printed: {fixed(c["printed_centre_MPa"], 3)}), but {c["outside"]}
+  of the {c["printed_nodes"]} printed nodes are not in contact.
 - The paper's mesh is coarse: halving its elements changes the force by {percent(mesh)}. Its dead load is a model; a
   pressure that follows the wall changes the force by {percent(follower)}.
 - Against three-dimensional solids the force of the isotropic tyre is off by up to {percent(coarse, sign=False)} on

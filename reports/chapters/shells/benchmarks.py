@@ -9,13 +9,11 @@ from typing import Any
 
 import pandas as pd
 
-from reports import labels
 from reports.chapter import Chapter
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.shells.newton_steps import newton_part
 from reports.markdown import Part, commands, fixed, joined, percent, picture, prose, table
-from reports.orders import extrapolated, order_against, self_order
-from reports.tables import Cell, Store
+from reports.tables import Store
 
 INTRODUCTION = prose("""# Benchmarks without contact
 
@@ -33,23 +31,29 @@ class Benchmark:
 
     scene: str
     title: str
-    label: str
     quantities: Mapping[str, str]
     references: Mapping[str, str]
     curve: str
     side: str
     remark: str
 
-    def cells(self, store: Store) -> dict[int, Cell]:
-        """The meshes by elements along a side."""
-        return {n: store.cell(self.label.format(n=n)) for n in labels.MESHES}
+    def sequences(self, store: Store) -> pd.DataFrame:
+        """Its sequences, a row a mesh, quantity by quantity, at growing loads."""
+        data = store.analysis("convergence")
+        own = data[(data["family"] == "benchmarks") & (data["ladder"] == self.scene)]
+        return own.assign(load=own["at"].str.partition("=")[2].astype(float))
+
+    def errors(self, store: Store, kind: str) -> pd.DataFrame:
+        """Errors against one kind of reference, a row a mesh, with the loads and limits of the sequences."""
+        errors = store.analysis("convergence_errors")
+        named = self.sequences(store).drop_duplicates("sequence")[["sequence", "quantity", "load"]]
+        return named.merge(errors[errors["kind"] == kind], on="sequence")
 
 
 BENCHMARKS = (
     Benchmark(
         scene="cantilever",
         title="Cantilever under end shear",
-        label=labels.CANTILEVER,
         quantities={"tip_shortening_mm": "tip shortening [mm]", "tip_deflection_mm": "tip deflection [mm]"},
         references={"exact": "elastica", "read": "Sze et al."},
         curve="sze2004_3.1_cantilever_end_shear.csv",
@@ -60,7 +64,6 @@ BENCHMARKS = (
     Benchmark(
         scene="hemisphere",
         title="Hemisphere with a hole under point loads",
-        label=labels.HEMISPHERE,
         quantities={"outward_mm": "outward displacement [mm]", "inward_mm": "inward displacement [mm]"},
         references={"read": "Sze et al."},
         curve="sze2004_3.4_hemisphere_18deg_hole.csv",
@@ -76,39 +79,20 @@ def benchmarks_page(store: Store) -> Part:
     return joined([Part(INTRODUCTION), *parts, newton_part(store), Part(_equilibrium(store))])
 
 
-def limit(store: Store, benchmark: Benchmark, quantity: str, fraction: float) -> float | None:
-    """Richardson's limit of a quantity over the three meshes."""
-    return extrapolated(*_on_meshes(store, benchmark, quantity, fraction))
-
-
-def _on_meshes(store: Store, benchmark: Benchmark, quantity: str, fraction: float) -> tuple[float, float, float]:
-    """A quantity on the three meshes, NaN where a path did not get there."""
-    cells = benchmark.cells(store).values()
-    coarse, medium, fine = (cell.value(quantity, load_fraction=fraction) for cell in cells)
-    return coarse, medium, fine
-
-
-def _places(store: Store, benchmark: Benchmark) -> list[tuple[str, float]]:
-    """Quantities and the load fractions that were asked for."""
-    coarsest = next(iter(benchmark.cells(store).values()))
-    fractions = coarsest.result["settings"]["load_fraction"]
-    return [(quantity, float(fraction)) for quantity in benchmark.quantities for fraction in fractions]
-
-
 def _values(store: Store, benchmark: Benchmark) -> Part:
-    cells = benchmark.cells(store)
-    meshes = [cell.result["mesh"] for cell in cells.values()]
+    data = benchmark.sequences(store)
+    references = {kind: benchmark.errors(store, kind) for kind in benchmark.references}
     values, sources = [], {}
-    for quantity, fraction in _places(store, benchmark):
-        row = [benchmark.quantities[quantity], f"{fraction:g}"]
-        row += [fixed(value, 5) for value in _on_meshes(store, benchmark, quantity, fraction)]
-        row.append(fixed(limit(store, benchmark, quantity, fraction), 5))
+    for sequence, own in data.groupby("sequence", sort=False):
+        first = own.iloc[0]
+        row = [benchmark.quantities[first["quantity"]], f"{first['load']:g}"]
+        row += [fixed(value, 5) for value in (*own["value"], first["limit"])]
         for kind, name in benchmark.references.items():
-            reference = store.reference(benchmark.scene, quantity, kind, load_fraction=fraction)
+            reference = references[kind][references[kind]["sequence"] == sequence].iloc[0]
             row.append(f"{reference['value']:.10g}")
             sources[name] = f"- *{name}*: {reference['source']}; relative uncertainty {reference['uncertainty']:g}"
         values.append(row)
-    header = ["quantity", "load fraction", *meshes, "extrapolated", *benchmark.references.values()]
+    header = ["quantity", "load fraction", *dict.fromkeys(data["mesh"]), "extrapolated", *benchmark.references.values()]
     text = "\n\n".join(
         [
             f"## {benchmark.title}",
@@ -116,7 +100,7 @@ def _values(store: Store, benchmark: Benchmark) -> Part:
             benchmark.remark,
             table(f"{benchmark.title}: displacements on three meshes", header, values),
             *(_orders(store, benchmark, kind) for kind in benchmark.references),
-            commands(cell.command for cell in cells.values()),
+            commands(data["command"]),
         ]
     )
     return Part(text)
@@ -124,36 +108,40 @@ def _values(store: Store, benchmark: Benchmark) -> Part:
 
 def _orders(store: Store, benchmark: Benchmark, kind: str) -> str:
     """Errors and orders against one reference."""
-    meshes = [cell.result["mesh"] for cell in benchmark.cells(store).values()]
-    rows = []
-    for quantity, fraction in _places(store, benchmark):
-        f = _on_meshes(store, benchmark, quantity, fraction)
-        source = store.reference(benchmark.scene, quantity, kind, load_fraction=fraction)
-        reference, noise = source["value"], source["value"] * source["uncertainty"]
-        goal = extrapolated(*f)
-        row = [benchmark.quantities[quantity], f"{fraction:g}", *(percent(value / reference - 1, 3) for value in f)]
-        row.append(percent(None if goal is None else goal / reference - 1, 3))
-        orders = [*(order_against(a, b, reference, noise) for a, b in pairwise(f)), self_order(*f)]
-        rows.append([*row, *(fixed(order, 2) for order in orders)])
+    own_order = benchmark.sequences(store).groupby("sequence")["order"].last()
+    rows, meshes = [], []
+    for sequence, own in benchmark.errors(store, kind).groupby("sequence", sort=False):
+        first, meshes = own.iloc[0], list(own["mesh"])
+        row = [benchmark.quantities[first["quantity"]], f"{first['load']:g}"]
+        row += [percent(error, 3) for error in (*own["error"], first["model_part"])]
+        rows.append([*row, *(fixed(order, 2) for order in (*own["order"].iloc[1:], own_order[sequence]))])
     steps = [f"order {a} to {b}" for a, b in pairwise(meshes)]
     header = ["quantity", "load fraction", *meshes, "extrapolated", *steps, "own order"]
     return table(f"{benchmark.title}: differences from {benchmark.references[kind]}, and orders", header, rows)
 
 
 def _pictures(store: Store, benchmark: Benchmark) -> Part:
-    cells, columns = benchmark.cells(store), list(benchmark.quantities)
+    data, columns = benchmark.sequences(store), list(benchmark.quantities)
     published = store.reference_table(benchmark.curve)
     published.columns = pd.Index(["load_fraction", *columns])
-    curves = {cell.result["mesh"]: pd.DataFrame(cell.steps) for cell in cells.values() if cell.steps}
+    meshes = list(dict.fromkeys(data["mesh"]))
+    solved = data.dropna(subset="value")
+    curves = {
+        str(mesh): own.pivot(index="load", columns="quantity", values="value")
+        .rename_axis("load_fraction")
+        .reset_index()
+        for mesh, own in solved.groupby("mesh", sort=False)
+    }
     kind, who = next(iter(benchmark.references.items()))
     errors: dict[str, list[float]] = {}
+    known, whole = benchmark.errors(store, kind), data[data["load"] == 1.0]
     for quantity in columns:
-        f, goal = _on_meshes(store, benchmark, quantity, 1.0), limit(store, benchmark, quantity, 1.0)
-        reference = store.reference(benchmark.scene, quantity, kind, load_fraction=1.0)["value"]
         name = benchmark.quantities[quantity].partition(" [")[0]
-        errors[f"{name}, from {who}"] = [value / reference - 1 for value in f]
-        if goal is not None:
-            errors[f"{name}, from the extrapolated value"] = [value / goal - 1 for value in f]
+        against = known[(known["quantity"] == quantity) & (known["load"] == 1.0)]
+        own = whole[whole["quantity"] == quantity]
+        errors[f"{name}, from {who}"] = list(against["error"])
+        if own["limit"].notna().all():
+            errors[f"{name}, from the extrapolated value"] = list(own["value"] / own["limit"] - 1)
     names = f"{benchmark.scene}-load-displacement.svg", f"{benchmark.scene}-error.svg"
     text = "\n\n".join(
         [
@@ -161,9 +149,10 @@ def _pictures(store: Store, benchmark: Benchmark) -> Part:
             picture(names[1], f"{benchmark.title}: error over the mesh at full load"),
         ]
     )
+    along = [int(mesh.split("x")[0]) for mesh in meshes]
     drawn = {
         names[0]: figures_benchmarks.load_displacement(curves, benchmark.quantities, published),
-        names[1]: figures_benchmarks.error_by_mesh(labels.MESHES, errors, benchmark.side),
+        names[1]: figures_benchmarks.error_by_mesh(along, errors, benchmark.side),
     }
     return Part(text, drawn)
 
@@ -196,5 +185,6 @@ CHAPTER = Chapter(
     "Benchmarks without contact",
     "large bending against exact and published values.",
     benchmarks_page,
+    needs=("convergence", "convergence_errors"),
     always=True,
 )

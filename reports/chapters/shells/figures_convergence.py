@@ -2,50 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
+import pandas as pd
 
 from reports.drawing import BLACK, LINES, MARKERS, canvas, look, style, to_svg
+from reports.markdown import fixed
 
 
-@dataclass(frozen=True)
-class Curve:
-    """Relative mesh errors of a quantity of a scene over the sizes of the elements, coarse to fine."""
-
-    scene: str
-    quantity: str
-    order: str
-    sizes: Sequence[float]
-    errors: Sequence[float]
-    asymptotic: bool
-
-
-def mesh_errors(curves: Sequence[Curve]) -> str:
-    """Errors over the element size, as a share of that of the coarsest mesh, log-log.
+def mesh_errors(data: pd.DataFrame) -> str:
+    """Errors over the element size, as a share of that of the coarsest mesh, log-log: a row a mesh of sequences.
 
     A colour is a scene, a line and a marker one of its quantities, a full marker a sequence in its asymptotic range.
     Dotted black: first and second order.
     """
-    scenes = list(dict.fromkeys(curve.scene for curve in curves))
+    scenes = list(dict.fromkeys(data["ladder"]))
     drawn = dict.fromkeys(scenes, 0)
+    finest, top = 1.0, 0.0
     with style():
         figure, (axes,) = canvas(width=8.5, height=4.2)
-        for curve in curves:
-            i, j = scenes.index(curve.scene), drawn[curve.scene]
-            drawn[curve.scene] += 1
+        for _, own in data.groupby("sequence", sort=False):
+            first, errors = own.iloc[0], np.abs(own["value"].to_numpy(float) / own["limit"].to_numpy(float) - 1)
+            i, j = scenes.index(first["ladder"]), drawn[first["ladder"]]
+            drawn[first["ladder"]] += 1
             drawn_as = {
                 "color": look(i).colour,
                 "marker": MARKERS[j % len(MARKERS)],
                 "linestyle": LINES[j % len(LINES)],
             }
-            drawn_as["fillstyle"] = "full" if curve.asymptotic else "none"
-            h = np.asarray(curve.sizes) / curve.sizes[0]
-            name = f"{curve.scene}, {curve.quantity}: {curve.order}"
-            axes.loglog(h, np.abs(np.asarray(curve.errors)), **drawn_as, label=name)
-        finest = min(curve.sizes[-1] / curve.sizes[0] for curve in curves)
-        top = 2 * max(abs(curve.errors[0]) for curve in curves)
+            drawn_as["fillstyle"] = "full" if first["asymptotic"] else "none"
+            h = own["size"].to_numpy(float) / first["size"]
+            name = f"{first['ladder']}, {first['quantity']}: {fixed(own['order'].iloc[-1], 2)}"
+            axes.loglog(h, errors, **drawn_as, label=name)
+            finest, top = min(finest, float(h[-1])), max(top, 2 * float(errors[0]))
         for order in (1, 2):
             axes.loglog([finest, 1], [top * finest**order, top], color=BLACK, linestyle=":", linewidth=1)
             axes.text(0.97 * finest, top * finest**order, f"order {order}", ha="right", va="center", fontsize=8)

@@ -9,20 +9,22 @@ import pandas as pd
 from reports.drawing import BLACK, canvas, looks, style, to_svg
 
 
-def errors_over_load(errors: Mapping[str, pd.DataFrame], words: Mapping[str, str]) -> str:
-    """Size of the errors over the load, one panel a scene: scene -> table (load, one column a measure)."""
-    drawn = looks(str(name) for table in errors.values() for name in table.columns if name != "load")
+def errors_over_load(data: pd.DataFrame, words: Mapping[str, str]) -> str:
+    """Size of the errors over the load, one panel a scene: columns scene, measure, load, error; words: of the loads."""
+    drawn = looks(data["measure"])
+    scenes = dict(iter(data.groupby("scene", sort=False)))
     with style():
-        rows = -(-len(errors) // 3)
-        figure, panels = canvas(-(-len(errors) // rows), height=1.2 + 2.8 * rows, rows=rows)
-        for axes, (scene, table) in zip(panels, errors.items(), strict=True):
+        rows = -(-len(scenes) // 3)
+        figure, panels = canvas(-(-len(scenes) // rows), height=1.2 + 2.8 * rows, rows=rows)
+        for axes, (scene, own) in zip(panels, scenes.items(), strict=True):
             for name, look in drawn.items():
-                if name in table:
-                    size = table[name].abs()
-                    axes.plot(table["load"], size.where(size > 0), **look.dashes, label=name)
+                curve = own[own["measure"] == name]
+                if len(curve):
+                    size = curve["error"].abs()
+                    axes.plot(curve["load"], size.where(size > 0), **look.dashes, label=name)
             for level in (0.01, 0.05):
                 axes.axhline(level, color=BLACK, linewidth=0.8, linestyle=":")
-            axes.set(title=scene, xlabel=words[scene], yscale="log", ylim=(1e-5, 2), xlim=(0, None))
+            axes.set(title=scene, xlabel=words[str(scene)], yscale="log", ylim=(1e-5, 2), xlim=(0, None))
         figure.supylabel("error against the exact measure [-]", fontsize=10)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=4)

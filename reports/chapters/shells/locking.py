@@ -9,7 +9,6 @@ import pandas as pd
 from reports.chapter import Chapter
 from reports.chapters.shells import figures_locking
 from reports.markdown import NOTHING, Part, fixed, joined, machine, percent, picture, prose, scientific, table
-from reports.orders import MeshSequence
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Locking
@@ -92,7 +91,7 @@ def _ring(store: Store) -> Part:
     rows = [[f"{h:g}", *(_ratio(float(value), float(h)) for value in grid.loc[h])] for h in grid.index]
     spread, all_of_it = (float((part.max() / part.min() - 1).max()) for part in (grid[grid.index > ROUNDED], grid))
     middle = grid.index[len(grid) // 2]
-    thin = MeshSequence(tuple(1 / int(n) for n in grid.columns), tuple(float(value) for value in grid.loc[middle]))
+    thin = store.analysis("curved_beam_limits").set_index("h_over_R").loc[middle]
     text = prose(f"""## Curved beam: membrane and trapezoidal locking
 
 A quarter of a ring, clamped at one end and pulled radially at the other, against the closed form of the curved
@@ -100,11 +99,11 @@ Timoshenko beam. Two kinds of locking could show here: a curved element that mus
 directors that fan out along the element, as the sides of a trapezium do, and are squeezed when it bends. While h/R
 falls from {grid.index[0]:g} to {grid.index[grid.index > ROUNDED][-1]:g}, a ratio changes by at most
 {percent(spread, 2, False)}; with the thinnest ring, by {"less" if all_of_it < ONE else "more"} than
-{percent(ONE, 0, False)}. At h/R = {middle:g} the order is {fixed(thin.orders[-1], 2)} and the limit
-{fixed(thin.limit, 4)}. The thick ring differs by O(h/R)², since the strain between the faces is linear and not that of
-fibres of unequal length. In the thinnest one rounding takes what follows the second decimal: (R/h)² of double precision
-is gone. Trapezia in the plane of the shell, bent about their own plane, cannot arise on a tensor grid and are not
-tested.""")
+{percent(ONE, 0, False)}. At h/R = {middle:g} the order is {fixed(thin["order"], 2)} and the limit
+{fixed(thin["limit"], 4)}. The thick ring differs by O(h/R)², since the strain between the faces is linear and not that
+of fibres of unequal length. In the thinnest one rounding takes what follows the second decimal: (R/h)² of double
+precision is gone. Trapezia in the plane of the shell, bent about their own plane, cannot arise on a tensor grid and are
+not tested.""")
     name = "locking-ring.svg"
     body = table("End deflection over the closed form", ["h/R", *(f"{n} elements" for n in grid.columns)], rows)
     shown = picture(name, "Error of the deflection of the ring over h/R")
@@ -209,6 +208,6 @@ CHAPTER = Chapter(
     "Locking",
     "thickness, shear, curved beam and membrane, over thinner and thinner shells.",
     locking_page,
-    needs=("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
+    needs=("thickness_locking", "shear_locking", "curved_beam", "curved_beam_limits", "membrane_locking"),
     always=True,
 )

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
-import numpy as np
-import pandas as pd
+import math
 
 from reports import labels
 from reports.chapter import Chapter
@@ -18,28 +15,14 @@ INTRODUCTION = prose("""# Strain measures
 All measures run on the same element, section, loads and solver. Only their coefficients differ, so a difference on this
 page is the measure's and nothing else's. What each leaves under [rigid motions](rigid-body.md) has a page of its
 own.""")
-LEVELS = (0.01, 0.05)
-
-
-@dataclass(frozen=True)
-class Growing:
-    """A scene whose load grows: its name, the key of the load, the quantity that is judged, words for both."""
-
-    scene: str
-    load: str
-    quantity: str
-    load_words: str
-    quantity_words: str
-
-
-SCENES = (
-    Growing("tyre", "delta_mm", "force_N", "travel of the plane [mm]", "contact force"),
-    Growing("hemisphere", "load_fraction", "inward_mm", "load fraction", "inward displacement"),
-    Growing("cantilever", "load_fraction", "tip_deflection_mm", "load fraction", "tip deflection"),
-    Growing("sze-pullout", "load_fraction", "w_A_mm", "load fraction", "deflection under the load"),
-    Growing("roof-a", "load_fraction", "w_C_mm", "load fraction", "deflection of the crown"),
-    Growing("shallow-cap", "load_fraction", "w_apex_mm", "load fraction", "deflection of the apex"),
-)
+WORDS = {  # of a scene: what is judged, and over what
+    "tyre": ("contact force", "travel of the plane [mm]"),
+    "hemisphere": ("inward displacement", "load fraction"),
+    "cantilever": ("tip deflection", "load fraction"),
+    "sze-pullout": ("deflection under the load", "load fraction"),
+    "roof-a": ("deflection of the crown", "load fraction"),
+    "shallow-cap": ("deflection of the apex", "load fraction"),
+}
 
 
 def measures_page(store: Store) -> Part:
@@ -48,61 +31,46 @@ def measures_page(store: Store) -> Part:
 
 
 def enough_part(store: Store) -> Part:
-    """Error against the exact measure over the load, and where it passes 1 % and 5 %."""
-    errors = {growing.scene: errors_of(store, growing) for growing in SCENES}
-    blocks, lines = [], []
-    for growing in SCENES:
-        error = errors[growing.scene]
-        end = error.iloc[-1] if len(error) else pd.Series(np.nan, index=error.columns)  # no load reached: dashes
+    """Error against the exact measure over the load: where it first passes 1 % and 5 %, and the largest."""
+    found, blocks = store.analysis("measure_limits"), []
+    for scene, own in found.groupby("scene", sort=False):
         rows = [
-            [name, percent(float(end[name])), *(crossing(error, name, level) for level in LEVELS)]
-            for name in error.columns.drop("load")
+            [
+                row["measure"],
+                percent(row["error"]),
+                *(_first(row[level]) for level in ("first_1", "first_5")),
+                f"{percent(row['largest'])} at {digits(row['largest_at'], 3)}",
+            ]
+            for row in own.to_dict("records")
         ]
-        last = digits(float(end["load"]), 3)
-        header = ["measure", f"error at {last}", *(f"above {percent(level, 0, sign=False)} from" for level in LEVELS)]
-        blocks.append(table(f"{growing.scene}: {growing.quantity_words} by {growing.load_words}", header, rows))
-        lines += [
-            cell.command for cell in store.matching(labels.BY_MEASURE.format(scene=growing.scene, measure=r"\S+"))
+        what, load = WORDS[str(scene)]
+        header = [
+            "measure",
+            f"error at {digits(own['load'].iloc[0], 3)}",
+            "first above 1 %",
+            "first above 5 %",
+            "largest error",
         ]
+        blocks.append(table(f"{scene}: {what} by {load}", header, rows))
     text = prose("""## Which measure is enough
 
 Each scene is solved with every measure on one mesh while its load grows; the error is the difference from the exact
-measure on the same mesh, so the mesh is not in it. The last columns give the load from which the error stays above 1 %
-and 5 %; a dash means that at the last load it is below. Curves that coincide cover each other.""")
+measure on the same mesh, so the mesh is not in it. An error may change its sign on the way, and be small at the last
+load after it has been large: so the columns give the load at which it *first* exceeds 1 % and 5 %, interpolated between
+two loads, and the largest error up to the last load, with the load where it is that large. A dash: it never does; "from
+the start": it does so at the first load already. Curves that coincide cover each other.""")
     name = "measures-enough.svg"
-    drawn = figures_measures.errors_over_load(errors, {growing.scene: growing.load_words for growing in SCENES})
+    axes = {scene: load for scene, (_, load) in WORDS.items()}
+    drawn = figures_measures.errors_over_load(store.analysis("measure_errors"), axes)
     shown = picture(name, "Error against the exact measure over the load, by scene and measure; dotted: 1 % and 5 %")
-    return Part("\n\n".join([text, shown, *blocks, commands(lines)]), {name: drawn})
+    return Part("\n\n".join([text, shown, *blocks, commands(found["command"])]), {name: drawn})
 
 
-def errors_of(store: Store, growing: Growing) -> pd.DataFrame:
-    """Columns ``load`` and one for each measure but the exact one: value / exact value - 1, NaN where not reached."""
-    exact = store.cell(labels.BY_MEASURE.format(scene=growing.scene, measure="exact"))
-    asked = {float(load) for load in exact.result["settings"][growing.load]}  # a traced curve has points between them
-    reached = [step for step in exact.steps if min(abs(load - step[growing.load]) for load in asked) < 1e-9]
-    loads = [float(step[growing.load]) for step in reached]
-    values = np.array([float(step[growing.quantity]) for step in reached])
-    columns: dict[str, object] = {"load": loads}
-    for cell in store.matching(labels.BY_MEASURE.format(scene=growing.scene, measure=r"(?!exact$)\S+")):
-        found = np.array([cell.value(growing.quantity, **{growing.load: load}) for load in loads])
-        columns[cell.label.rsplit(" ", 1)[1]] = found / values - 1
-    return pd.DataFrame(columns)
-
-
-def crossing(error: pd.DataFrame, name: str, level: float) -> str:
-    """The load from which |error| stays above the level, between two loads by linear interpolation.
-
-    A dash when it ends below the level, or was never found there.
-    """
-    known = error[["load", name]].dropna()
-    load, size = known["load"].to_numpy(), known[name].abs().to_numpy()
-    below = np.flatnonzero(size <= level)
-    if len(size) == 0 or size[-1] <= level:
+def _first(load: float) -> str:
+    """A load at which a level is first exceeded."""
+    if math.isnan(load):
         return NOTHING
-    if len(below) == 0:
-        return f"below {digits(float(load[0]), 3)}"
-    last = below[-1]
-    return digits(float(np.interp(level, size[last : last + 2], load[last : last + 2])), 3)
+    return "from the start" if load == 0 else digits(load, 3)
 
 
 def element_part(store: Store) -> Part:
@@ -138,5 +106,6 @@ CHAPTER = Chapter(
     "Strain measures",
     "up to which load each is enough.",
     measures_page,
+    needs=("measure_errors", "measure_limits"),
     always=True,
 )

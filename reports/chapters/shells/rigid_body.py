@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import pandas as pd
 
@@ -21,32 +20,6 @@ it leaves as a closed form; a Donnell that passes would be as wrong as an exact 
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
 MOTIONS = ("translation", "out of plane", "drilling", "about the axis")
 KEYS = ["measure", "surface", "motion"]
-
-
-@dataclass(frozen=True)
-class Power:
-    """A strain c a^n of small motions of the amount a."""
-
-    rate: float
-    coefficient: float
-
-
-def fitted_power(amounts: list[float], strains: list[float]) -> Power | None:
-    """Rate and coefficient of the smallest motions; None where a strain is nothing but rounding.
-
-    The rate is the slope between the two smallest amounts; the coefficient is c(a) = strain/a^n with n the nearest
-    whole number, its error of order a^2 extrapolated away.
-    """
-    pairs = sorted(zip(amounts, strains, strict=True))[:2]
-    if any(not abs(strain) > NOTHING_LEFT for _, strain in pairs):  # NaN is not above it either
-        return None
-    (a, small), (b, large) = pairs
-    rate = math.log(large / small) / math.log(b / a) if large / small > 0 else float("nan")
-    if math.isnan(rate):
-        return None
-    n = round(rate)
-    low, high = small / a**n, large / b**n
-    return Power(rate, low + (low - high) / ((b / a) ** 2 - 1))
 
 
 def rigid_body_page(store: Store) -> Part:
@@ -89,43 +62,33 @@ def _strain(value: float) -> str:
     return "0" if abs(value) < NOTHING_LEFT else f"{value + 0.0:.6e}"
 
 
-def powers(store: Store) -> pd.DataFrame:
-    """Fitted powers of measured and declared strains: a row for each measure, surface and motion."""
-    rows = []
-    for key, group in store.table("small_motions").groupby(KEYS, sort=False):
-        amounts = list(group["amount"])
-        found = (fitted_power(amounts, list(group[column])) for column in ("strain", "declared", "largest"))
-        rows.append((*key, *found, bool(group["declared"].notna().all())))
-    return pd.DataFrame(rows, columns=[*KEYS, "strain", "declared", "largest", "told"])
-
-
 def _rates(store: Store) -> Part:
     """Leading terms of the strains under small motions, by surface."""
-    found = powers(store)
+    found = store.analysis("rigid_body_powers")
     surfaces = list(dict.fromkeys(found["surface"]))
     rows = []
     for (measure, motion), group in found.groupby(["measure", "motion"], sort=False):
-        if group["strain"].notna().any():
-            cells = group.set_index("surface")["strain"]
-            rows.append([measure, motion, *(_power(cells[surface]) for surface in surfaces)])
-    both = found[found["strain"].notna() & found["declared"].notna()]
-    pairs = list(zip(both["strain"], both["declared"], strict=True))
-    rate = max((abs(a.rate - b.rate) for a, b in pairs), default=None)
-    coefficient = max((abs(a.coefficient / b.coefficient - 1) for a, b in pairs), default=None)
+        if group["strain_rate"].notna().any():
+            cells = group.set_index("surface")
+            rows.append([measure, motion, *(_power(cells.loc[surface], "strain") for surface in surfaces)])
+    both = found.dropna(subset=["strain_rate", "declared_rate"])
+    rate = float((both["strain_rate"] - both["declared_rate"]).abs().max())
+    coefficient = float((both["strain_coefficient"] / both["declared_coefficient"] - 1).abs().max())
     text = prose(f"""## Rates: how the strain begins
 
 Under small motions the strain begins as c aⁿ, a being the angle in rad or the share of the size of the sample. Rate
 and coefficient are fitted to motions that halve. A linear measure makes the error -θ²/2 in any rotation; half the
 square of the rotation, where a measure adds it, leaves -θ⁴/8, less by the factor θ²/4. Laws that are declared begin
-with the same rates and coefficients: over {len(pairs)} cases fitted rates differ by at most {scientific(rate)},
+with the same rates and coefficients: over {len(both)} cases fitted rates differ by at most {scientific(rate)},
 coefficients by {scientific(coefficient)} of their value. Motions that leave nothing on any surface have no row.""")
     header = ["measure", "motion", *surfaces]
     kinds = "Leading term of the strain E11 or E22 on the outer face, fitted"
     return Part("\n\n".join([text, table(kinds, header, rows, words=2), _karman(store)]))
 
 
-def _power(power: Power | None) -> str:
-    return "0" if power is None else f"{fixed(power.coefficient, 4)} a^{fixed(power.rate, 2)}"
+def _power(row: pd.Series, name: str) -> str:
+    rate, coefficient = row[f"{name}_rate"], row[f"{name}_coefficient"]
+    return "0" if math.isnan(rate) else f"{fixed(coefficient, 4)} a^{fixed(rate, 2)}"
 
 
 def _karman(store: Store) -> str:
@@ -151,7 +114,7 @@ def _donnell(store: Store) -> Part:
     for _, row in data[_case(data, "donnell", "cylinder", "translation")].iterrows():
         strain, declared, largest = (float(row[key]) for key in ("strain", "declared", "largest"))
         rows.append([f"{row['amount']:g}", _strain(strain), _strain(declared), _strain(largest)])
-    found = powers(store)
+    found = store.analysis("rigid_body_powers")
     case = found[_case(found, "donnell", "cylinder", "translation")].iloc[0]
     flat = found[_case(found, "donnell", "plate", "translation")].iloc[0]
     text = prose(f"""## Why Donnell fails
@@ -165,23 +128,15 @@ therefore the sum of two terms,
 
 and they cancel. Donnell's shallow-shell theory keeps the first term only, as if the frame did not turn, so the
 translated cylinder seems to have the slope U sin φ/R. The slope enters twice. Squared and halved it is a membrane
-strain, (U sin φ/R)²/(2 ζ²) on a face stretched by ζ = 1 + d/R: fitted rate {_rate(case["strain"])}, coefficient
-{_coefficient(case["strain"])}, declared {_coefficient(case["declared"])}. To the first power it is a transverse shear,
-since the director has not moved: the largest strain falls with the rate {_rate(case["largest"])} only. On a plate the
-frame does not turn and Donnell leaves {_power(flat["largest"])}.
+strain, (U sin φ/R)²/(2 ζ²) on a face stretched by ζ = 1 + d/R: fitted rate {fixed(case["strain_rate"], 2)},
+coefficient {fixed(case["strain_coefficient"], 4)}, declared {fixed(case["declared_coefficient"], 4)}. To the first
+power it is a transverse shear, since the director has not moved: the largest strain falls with the rate
+{fixed(case["largest_rate"], 2)} only. On a plate the frame does not turn and Donnell leaves {_power(flat, "largest")}.
 
 The theory was made for shells that buckle in many small waves, where v3,φ is much larger than v2; it must not be used
 where a shell moves far compared with its buckles.""")
     header = ["U over the size of the sample", "E22, outer face", "declared", "largest of all strains"]
     return Part("\n\n".join([text, table("Donnell's cylinder, translated", header, rows)]))
-
-
-def _rate(power: Power | None) -> str:
-    return NOTHING if power is None else fixed(power.rate, 2)
-
-
-def _coefficient(power: Power | None) -> str:
-    return NOTHING if power is None else fixed(power.coefficient, 4)
 
 
 def _turn(store: Store) -> Part:
@@ -229,6 +184,6 @@ CHAPTER = Chapter(
     "Rigid motions",
     "what they leave in each measure, against its declared law.",
     rigid_body_page,
-    needs=("rigid_body", "small_motions", "rotation_sweep"),
+    needs=("rigid_body", "small_motions", "rigid_body_powers", "rotation_sweep"),
     always=True,
 )

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
-import numpy as np
-import pandas as pd
+import math
+from collections.abc import Mapping
+from typing import Any
 
 from reports import labels
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_cost
-from reports.maps import at_delta
 from reports.markdown import (
     NOTHING,
     Part,
@@ -24,13 +22,10 @@ from reports.markdown import (
     scientific,
     table,
 )
-from reports.tables import Cell, Store
+from reports.tables import Store
 
 PRECISION = "cost-precision.svg"
 STEP = ("elements", "scatter", "factorisation", "solve", "contact", "total")
-FITTED_FROM = 9_000  # unknowns
-WITHIN = 0.01  # error of the force that an engineer asks for
-SAME = 1e-9  # relative difference below which a part of the tyre gives the whole
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
 
@@ -44,51 +39,44 @@ Times are wall times of one run each, on the machine of the [overview](index.md)
 
 def _models(store: Store) -> Part:
     """Parts of the tyre beside the whole."""
-    cells = store.matching(labels.MODEL)
-    rows, times, same = [], [], 0
-    for cell in cells:
-        model, plies = _words(cell)
-        whole = store.cell(f"model full {plies}")
-        counters = cell.result["counters"]
-        counts = [str(counters[name]) for name in ("dofs", "newton_iterations", "factorisations")]
-        off = differences(cell, whole)
-        rows.append([plies, f"`{model}`", *counts, *map(_difference, off)])
-        same += max(off) <= SAME
-        share = cell.result["timing_s"]["total"] / whole.result["timing_s"]["total"]
-        spent = [fixed(cell.result["timing_s"].get(name, 0.0), 2) for name in TIMES]
-        times.append([plies, f"`{model}`", *spent, percent(share, 0, sign=False)])
+    found, same_at = store.analysis("tyre_models"), store.rules()["same_model"]
+    rows, times = [], []
+    for row in found.to_dict("records"):
+        result, named = store.cell(row["label"]).result, [row["plies"], f"`{row['model']}`"]
+        counts = [str(result["counters"][name]) for name in ("dofs", "newton_iterations", "factorisations")]
+        rows.append([*named, *counts, *(_difference(row[name], same_at) for name in ("force_off", "pressure_off"))])
+        spent = [fixed(result["timing_s"].get(name, 0.0), 2) for name in TIMES]
+        times.append([*named, *spent, percent(row["time_share"], 0, sign=False)])
     delta = fixed(labels.DELTA, 0)
     text = prose(f"""## Do less: a part of the tyre
 
 Inflation is the same all around and is solved on one column of elements; pressed to {delta} mm on a mesh of
-{cells[0].result["mesh"]}, a tyre with angle plies is a half under a turn by 180° about the contact normal, one without
-is a quarter between two mirror planes. {same} of {len(cells)} models give the force, the pressures and the contact set
-of the whole to {scientific(SAME, 0)} of their value. `--model auto` takes the smallest valid one; a mirror is refused
-for angle plies.""")
+{found["mesh"].iloc[0]}, a tyre with angle plies is a half under a turn by 180° about the contact normal, one without
+is a quarter between two mirror planes. {found["same"].sum()} of {len(found)} models give the force, the pressures and
+the contact set of the whole to {scientific(same_at, 0)} of their value. `--model auto` takes the smallest valid one; a
+mirror is refused for angle plies.""")
     header = ["plies", "model", "unknowns", "iterations", "factorisations", "force off", "pressure off"]
     spent_on = ["plies", "model", *(f"{name} [s]" for name in TIMES), "of the whole"]
     steady = table(f"Inflation and {delta} mm, against the whole", header, rows, words=2)
     timed = machine(table("Wall times", spent_on, times, words=2))
-    return Part("\n\n".join([text, steady, timed, commands(cell.command for cell in cells)]))
+    return Part("\n\n".join([text, steady, timed, commands(found["command"])]))
 
 
 def _precision(store: Store) -> Part:
     """Force against unknowns on uniform, hand-made and adapted grids."""
-    data = store.table("work_precision")
-    rows, times, found = [], [], []
-    for element in dict.fromkeys(data["element"]):
-        own = data[data["element"] == element]
-        needed = {family: reaching(grids, WITHIN) for family, grids in own.groupby("family", sort=False)}
-        uniform, adapted = needed.get("uniform"), needed.get("adapted")
-        if uniform is not None and adapted is not None:
-            share = adapted["unknowns"] / uniform["unknowns"]
-            found.append(f"element `{element}`: {percent(share, 0, sign=False)} of the unknowns of a uniform grid")
-        for family, grid in needed.items():
-            named = [f"`{element}`", f"`{family}`"]
-            rows.append([*named, *([NOTHING] * 4 if grid is None else _grid(grid))])
-            if grid is not None:
-                times.append([*named, fixed(grid["factorisation_s"], 2), fixed(grid["total_s"], 2)])
-    delta, within = fixed(labels.DELTA, 0), percent(WITHIN, 0, sign=False)
+    needed, delta = store.analysis("grids_reaching"), fixed(labels.DELTA, 0)
+    within = percent(store.rules()["within"], 0, sign=False)
+    rows, times = [], []
+    for row in needed.to_dict("records"):
+        named, known = [f"`{row['element']}`", f"`{row['family']}`"], not math.isnan(row["unknowns"])
+        rows.append([*named, *(_grid(row) if known else [NOTHING] * 4)])
+        if known:
+            times.append([*named, fixed(row["factorisation_s"], 2), fixed(row["total_s"], 2)])
+    adapted = needed[(needed["family"] == "adapted") & needed["share"].notna()]
+    found = [
+        f"element `{row['element']}`: {percent(row['share'], 0, sign=False)} of the unknowns of a uniform grid"
+        for row in adapted.to_dict("records")
+    ]
     text = prose(f"""## Put the elements where the force is decided
 
 Force of the paper's tyre at {delta} mm against the mean of two fine adapted grids. `patch` is the spacing of the paper,
@@ -101,19 +89,12 @@ up and down with the place of the rim of the patch between the lines, so that a 
     spent = ["element", "grid", "factorisation [s]", "total with its estimate [s]"]
     timed = machine(table(f"Wall times of the grids that reach {within}", spent, times, words=2))
     shown = picture(PRECISION, "Error of the force over the unknowns, by grid")
-    return Part(f"{text}\n\n{body}\n\n{timed}\n\n{shown}", {PRECISION: figures_cost.precision(data)})
+    drawn = {PRECISION: figures_cost.precision(store.table("work_precision"))}
+    return Part(f"{text}\n\n{body}\n\n{timed}\n\n{shown}", drawn)
 
 
-def reaching(grids: pd.DataFrame, error: float) -> pd.Series | None:
-    """The smallest grid from which on every larger one stays below the error; None if there is none."""
-    rows = grids.sort_values("unknowns")
-    beyond = np.flatnonzero((rows["error"].abs() > error).to_numpy())
-    first = int(beyond[-1]) + 1 if len(beyond) else 0
-    return rows.iloc[first] if first < len(rows) else None
-
-
-def _grid(grid: pd.Series) -> list[str]:
-    return [str(grid["mesh"]), str(grid["unknowns"]), fixed(grid["force_N"], 1), percent(grid["error"])]
+def _grid(row: Mapping[Any, Any]) -> list[str]:
+    return [str(row["mesh"]), f"{row['unknowns']:.0f}", fixed(row["force_N"], 1), percent(row["error"])]
 
 
 def _scaling(store: Store) -> Part:
@@ -127,11 +108,11 @@ def _scaling(store: Store) -> Part:
         [row["mesh"], str(row["dofs"]), *(fixed(1e3 * row[f"{part}_s"], 1) for part in STEP), fixed(row["peak_GiB"], 2)]
         for row in data.to_dict("records")
     ]
-    large = data[data["dofs"] >= FITTED_FROM]
-    powers = [fixed(_exponent(large["dofs"], large[f"{part}_s"]), 2) for part in STEP]
+    fitted = store.analysis("scaling_exponents").to_dict("records") if store.has_analysis("scaling_exponents") else [{}]
+    powers = [fixed(fitted[0].get(part), 2) for part in STEP]
     text = prose(f"""The whole tyre, the paper's element, in contact; shortest processor time of several, each size in a
-process of its own. The last line is the exponent of the unknowns, fitted from {FITTED_FROM} on; in theory nested
-dissection takes 1.5 to factorise, and all else is linear but for a logarithm.""")
+process of its own. The last line is the exponent of the unknowns, fitted from {store.rules()["fitted_from"]:g} on; in
+theory nested dissection takes 1.5 to factorise, and all else is linear but for a logarithm.""")
     header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
     body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
     return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
@@ -164,30 +145,8 @@ time to that of the coarsest shell from which on all finer ones are within 0.3 %
     return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
 
 
-def _exponent(size: pd.Series, time: pd.Series) -> float:
-    return float(np.polyfit(np.log(size), np.log(time), 1)[0]) if len(size) > 1 else float("nan")
-
-
-def _words(cell: Cell) -> tuple[str, str]:
-    found = re.fullmatch(labels.MODEL, cell.label)
-    assert found is not None
-    return found["model"], found["plies"]
-
-
-def differences(cell: Cell, whole: Cell) -> tuple[float, float]:
-    """Force and largest nodal pressure relative to the whole; infinite for another contact set, NaN where unreached."""
-    if any(each.find_step(delta_mm=labels.DELTA) is None for each in (cell, whole)):
-        return float("nan"), float("nan")
-    force = abs(cell.value("force_N", delta_mm=labels.DELTA) / whole.value("force_N", delta_mm=labels.DELTA) - 1)
-    own, other = (at_delta(each.table("contact"), labels.DELTA) for each in (cell, whole))
-    if not np.array_equal(own["active"], other["active"]):
-        return force, float("inf")
-    pressures = own["pressure_MPa"].to_numpy(), other["pressure_MPa"].to_numpy()
-    return force, float(np.max(np.abs(pressures[0] - pressures[1])) / np.max(pressures[1]))
-
-
-def _difference(value: float) -> str:
-    return f"under {scientific(SAME, 0)}" if value <= SAME else scientific(value)
+def _difference(value: float, same: float) -> str:
+    return f"under {scientific(same, 0)}" if value <= same else scientific(value)
 
 
 CHAPTER = Chapter(
@@ -195,6 +154,6 @@ CHAPTER = Chapter(
     "Cost of the tyre",
     "what a part of the tyre saves, what a grid that follows the error saves, and what a step costs.",
     cost_page,
-    needs=("work_precision",),
+    needs=("rules", "work_precision", "grids_reaching", "tyre_models"),
     always=True,
 )

@@ -6,7 +6,7 @@ import pandas as pd
 
 from reports import labels
 from reports.chapters.tyre import figures as figures_tyre
-from reports.chapters.tyre.paper_table import FILE, HALF, printed_map
+from reports.chapters.tyre.printed_pressures import HALF
 from reports.maps import at_delta, different_nodes, pressure_map
 from reports.markdown import (
     NOTHING,
@@ -143,13 +143,17 @@ def _coupling_row(cell: Cell, lumped: Cell) -> list[str]:
 
 def _rows(store: Store, cells: tuple[Cell, ...], row: float) -> dict[str, pd.Series]:
     """Pressures along the meridian of a printed row: ours by coupling, and the printed ones."""
-    printed = printed_map(store.reference_table(FILE, ["row_label"]))
+    nodes = store.analysis("tyre_printed_nodes")
+    own = nodes[(nodes["delta_mm"] == nodes["delta_mm"].iloc[0]) & (nodes["row_label"] == row)]
     curves = {
         cell.result["settings"]["coupling"]: pressure_map(at_delta(cell.table("contact"), labels.DELTA))[HALF * row]
         for cell in cells
         if cell.find_step(delta_mm=labels.DELTA) is not None
     }
-    return {**{name: curve.fillna(0.0) for name, curve in curves.items()}, "printed": printed.T[row]}
+    return {
+        **{name: curve.fillna(0.0) for name, curve in curves.items()},
+        "printed": own.set_index("psi_deg")["printed_MPa"],
+    }
 
 
 def costs_part(store: Store) -> Part:

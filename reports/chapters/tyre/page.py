@@ -39,5 +39,6 @@ CHAPTER = Chapter(
     "The tyre",
     "an inflated angle-ply torus pressed on a rigid plane, against the paper's printed table and against solids.",
     tyre_page,
+    needs=("rules", "tyre_comparison", "tyre_printed_nodes", "tyre_symmetry"),
     always=True,
 )

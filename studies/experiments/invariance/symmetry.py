@@ -27,6 +27,7 @@ from studies.complete import complete
 from studies.experiments.conformance import NOTICED, Element, claims_objectivity
 from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
 from studies.experiments.rigid_body import rotation
+from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.parts import settle_model
 from studies.scenes.tyre.scene import Tyre, TyreModel
 from studies.walk import walk
@@ -236,11 +237,9 @@ def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iter
         outcome = tyre.outcome if not tyre.outcome.converged else last.point.outcome
         answer = _answer(last.problem, last.state, outcome, algorithm, seen)
         p = answer.seen.pressure.reshape(shape)
-        turned = (-np.arange(shape[1])) % shape[1]
-        images = {"psi": p[::-1], "phi": p[:, turned], "both": p[::-1][:, turned]}
-        off = {name: float(np.max(np.abs(p - image)) / (np.max(p) or math.nan)) for name, image in images.items()}
+        peak = float(np.max(p)) or math.nan
         what = f"cords at {gamma:g} deg"
-        yield _row(f"tyre turned about its normal, {what}", answer, answer, off["both"])
+        yield _row(f"tyre turned about its normal, {what}", answer, answer, central_asymmetry(p) / peak)
         mirrored = gamma in (0.0, 90.0)
         why = "" if mirrored else settle_model("auto", {"gamma_deg": gamma})[1]
-        yield _row(f"tyre mirrored, {what}", answer, answer, max(off["psi"], off["phi"]), why)
+        yield _row(f"tyre mirrored, {what}", answer, answer, mirror_asymmetry(p) / peak, why)

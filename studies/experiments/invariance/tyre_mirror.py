@@ -19,6 +19,7 @@ from contact.continuation.critical_points import negative_eigenvalues
 from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import configured
 from studies.complete import complete
+from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
 from studies.walk import walk
 
@@ -56,17 +57,9 @@ class Sweep:
         row |= {"outcome": "converged", "delta_mm": last.point.requested}
         row["negative"] = negative_eigenvalues(last.problem, state, np.inf)
         own, touching = (model.wall.spread(v).reshape(model.wall.shape) for v in (state.pressure, state.active))
-        return row | {"peak_MPa": float(own.max()), "contact_nodes": int(touching.sum())} | _images(own, touching)
-
-
-def _images(p: np.ndarray, touching: np.ndarray) -> dict[str, float]:
-    """Of maps over psi, symmetric about its middle, and phi, periodic, the first line at -pi."""
-    turned = (-np.arange(p.shape[1])) % p.shape[1]
-    pairs = [(p[::-1], touching[::-1]), (p[:, turned], touching[:, turned])]
-    every = max(float(np.max(np.abs(p - image))) for image, _ in pairs)
-    both = max(float(np.max(np.abs(p - image), where=touching & own, initial=0.0)) for image, own in pairs)
-    central = float(np.max(np.abs(p - p[::-1][:, turned])))
-    return {"mirror_MPa": every, "mirror_both_MPa": both, "central_MPa": central}
+        row |= {"peak_MPa": float(own.max()), "contact_nodes": int(touching.sum())}
+        row |= {"mirror_MPa": mirror_asymmetry(own), "mirror_both_MPa": mirror_asymmetry(own, touching)}
+        return row | {"central_MPa": central_asymmetry(own)}
 
 
 SWEEPS = (Sweep("exact", "42x40", ANGLES), *(Sweep(measure, "14x20", FEW, "12") for measure in MEASURES))

@@ -16,6 +16,7 @@ import pandas as pd
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome, without_contact
 from studies.scene import Observation, Stage, UsageError
+from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
 
 OVERLAP = 1e-6  # mm
@@ -205,17 +206,9 @@ def to_edges(x: np.ndarray, active: np.ndarray) -> float:
 
 
 def asymmetries(pressure: np.ndarray) -> dict[str, float]:
-    """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak.
-
-    central: max |p(psi, phi) - p(-psi, -phi)|; mirror: the larger of the two maxima over one sign changed.
-    """
+    """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak."""
     peak = float(pressure.max())
     if peak <= 0:
         return {"central_asymmetry": 0.0, "mirror_asymmetry": 0.0}
-    turned = (-np.arange(pressure.shape[1])) % pressure.shape[1]  # phi -> -phi on the periodic line
-    psi, phi = pressure[::-1], pressure[:, turned]
-    mirror = max(np.max(np.abs(pressure - psi)), np.max(np.abs(pressure - phi)))
-    return {
-        "central_asymmetry": float(np.max(np.abs(pressure - phi[::-1])) / peak),
-        "mirror_asymmetry": float(mirror / peak),
-    }
+    central, mirror = central_asymmetry(pressure), mirror_asymmetry(pressure)
+    return {"central_asymmetry": central / peak, "mirror_asymmetry": mirror / peak}

@@ -1,0 +1,171 @@
+"""Ladders of meshes: values, orders, limits and verdicts, and their errors against references in a mesh and model part.
+
+    finest - reference = (finest - limit) + (limit - reference) = mesh part + model part, all over the reference
+
+A model part counts where it is larger than the uncertainties of limit and reference together.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from studies.analysis.comparisons.answers import Answer, Answers
+from studies.analysis.richardson import MeshSequence, order_against
+from studies.analysis.rows import STEP_KEYS, holding, ladders
+from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS, Ladder
+from studies.scene import Reference
+
+COLUMNS = (
+    *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "value"),
+    *("order", "verdict", "asymptotic", "limit", "uncertainty", "iterations", "label", "command"),
+)
+ERROR_COLUMNS = (
+    *("sequence", "reference", "kind", "value", "uncertainty", "source", "mesh", "error", "order"),
+    *("mesh_part", "model_part", "limit_uncertainty", "verdict"),
+)
+WITHIN, BEYOND, NO_LIMIT = "within the uncertainties", "beyond the uncertainties", "no limit"
+ELEMENTS = {"refined": None, "paper": -1}  # by name, the meshes of its ladders: all, or all but the finest
+
+
+@dataclass(frozen=True, eq=False)
+class Rungs:
+    """One quantity on the meshes of a ladder, coarse to fine; at: the load it is read at, empty for the whole path.
+
+    ladder, family: empty for cells that no ladder has planned.  answers: None for a mesh that has no record.
+    """
+
+    ladder: str
+    family: str
+    element: str
+    quantity: str
+    at: Mapping[str, float]
+    meshes: tuple[str, ...]
+    labels: tuple[str, ...]
+    answers: tuple[Answer | None, ...]
+    sizes: tuple[float, ...]
+
+    @property
+    def finest(self) -> Answer | None:
+        """The last answer that there is."""
+        return next((answer for answer in reversed(self.answers) if answer is not None), None)
+
+    @property
+    def sequence(self) -> MeshSequence:
+        """Its values, NaN where a mesh was not solved."""
+        found = (math.nan if answer is None else answer.value(self.quantity, **self.at) for answer in self.answers)
+        return MeshSequence(self.sizes, tuple(found))
+
+    @property
+    def references(self) -> list[Reference]:
+        """Those of the scene that hold for what was solved; no error is relative to zero."""
+        if self.finest is None:
+            return []
+        last = self.finest.steps[-1] if self.finest.steps else {}
+        there = {**self.finest.settings, "measure": self.finest.record["measure"]}
+        there |= {key: self.at.get(key, last.get(key)) for key in STEP_KEYS}
+        return [each for each in holding(self.finest.record["scene"], there) if each.quantity == self.quantity]
+
+
+def convergence(answers: Answers, table: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """COLUMNS, a row a mesh of every sequence, and ERROR_COLUMNS, a row a mesh and reference of it.
+
+    table: collected, of whose cells those belong together that differ in the mesh only.
+
+    order: of the three meshes that end with this one, and against a reference of the two.
+    """
+    rows: list[list[object]] = []
+    errors: list[list[object]] = []
+    for i, rungs in enumerate((*_planned(answers), *_others(answers, table))):
+        sequence = rungs.sequence
+        rows += _rows(i, rungs, sequence)
+        for j, reference in enumerate(rungs.references):
+            errors += _errors(i, j, rungs.meshes, sequence, reference)
+    return pd.DataFrame(rows, columns=list(COLUMNS)), pd.DataFrame(errors, columns=list(ERROR_COLUMNS))
+
+
+def _planned(answers: Answers) -> Iterator[Rungs]:
+    """The ladders that the campaign has planned, with each element, and the benchmarks at every load."""
+    for element, last in ELEMENTS.items():
+        for ladder in LADDERS:
+            labels = tuple(LABEL.format(ladder=ladder.name, mesh=mesh, element=element) for mesh in ladder.meshes)
+            key, _, value = ladder.at.partition("=")
+            at = [{key: float(value)} if key else {}]
+            yield from _of_ladder(answers, ladder, element, labels[:last], at)
+    for ladder in BENCHMARKS:
+        labels = tuple(f"{ladder.name} {mesh.split('x')[0]}" for mesh in ladder.meshes)
+        first = answers.get(labels[0])
+        loads = [] if first is None else first.settings["load_fraction"]
+        yield from _of_ladder(answers, ladder, "paper", labels, [{"load_fraction": load} for load in loads])
+
+
+def _of_ladder(
+    answers: Answers, ladder: Ladder, element: str, labels: tuple[str, ...], loads: Sequence[Mapping[str, float]]
+) -> Iterator[Rungs]:
+    if not any(label in answers.planned for label in labels):
+        return
+    found, meshes = tuple(map(answers.get, labels)), ladder.meshes[: len(labels)]
+    sizes = tuple(1 / int(mesh.split("x")[0]) for mesh in meshes)
+    for quantity in ladder.quantities:
+        for at in loads:
+            yield Rungs(ladder.name, ladder.family, element, quantity, at, meshes, labels, found, sizes)
+
+
+def _others(answers: Answers, table: pd.DataFrame) -> Iterator[Rungs]:
+    """All requests that have converged on three meshes or more: their quantities with references, else the first."""
+    for group in ladders(table):
+        labels, sizes = tuple(group["label"]), tuple(group["size"].astype(float))
+        found = tuple(map(answers.get, labels))
+        assert found[-1] is not None
+        every = [
+            Rungs("", "", "", quantity, {}, tuple(group["mesh"]), labels, found, sizes)
+            for quantity in found[-1].record["quantities"]
+        ]
+        yield from [rungs for rungs in every if rungs.references] or every[:1]
+
+
+def _rows(i: int, rungs: Rungs, sequence: MeshSequence) -> Iterator[list[object]]:
+    orders = (math.nan, math.nan, *sequence.orders)
+    found = rungs.finest
+    who = ["", ""] if found is None else [found.record[key] for key in ("scene", "measure")]
+    at = ",".join(f"{key}={value:g}" for key, value in rungs.at.items())
+    verdict = [sequence.verdict, sequence.asymptotic, sequence.limit, sequence.uncertainty]
+    for j, (mesh, answer) in enumerate(zip(rungs.meshes, rungs.answers, strict=True)):
+        yield [
+            *(i, rungs.ladder, rungs.family, rungs.element, *who, rungs.quantity, at),
+            *(mesh, sequence.sizes[j], sequence.values[j], orders[j], *verdict),
+            math.nan if answer is None else answer.record["counters"].get("newton_iterations", math.nan),
+            *(rungs.labels[j], "" if answer is None else answer.command),
+        ]
+
+
+def _errors(
+    i: int, j: int, meshes: Sequence[str], sequence: MeshSequence, reference: Reference
+) -> Iterator[list[object]]:
+    value, limit, sizes, values = reference.value, sequence.limit, sequence.sizes, sequence.values
+    own, noise = abs(sequence.uncertainty / value), abs(value) * reference.uncertainty
+    model = limit / value - 1
+    parts = [(values[-1] - limit) / value, model, own, verdict_of(model, own, reference.uncertainty)]
+    for k, mesh in enumerate(meshes):
+        order = order_against(sizes[k - 1 : k + 1], values[k - 1 : k + 1], value, noise) if k else math.nan
+        yield [
+            *(i, j, reference.kind, value, reference.uncertainty, reference.source),
+            *(mesh, values[k] / value - 1, order, *parts),
+        ]
+
+
+def verdict_of(model: float, limit_uncertainty: float, reference_uncertainty: float) -> str:
+    """Is the model part more than what limit and reference may be off by? All relative."""
+    if math.isnan(model):
+        return NO_LIMIT
+    return WITHIN if abs(model) <= limit_uncertainty + reference_uncertainty else BEYOND
+
+
+def of_ladders(convergence: pd.DataFrame, element: str) -> dict[tuple[Any, ...], pd.DataFrame]:
+    """The planned sequences with an element, by ladder and quantity; not the benchmarks at their many loads."""
+    own = convergence[(convergence["element"] == element) & ~convergence["at"].astype(str).str.startswith("load")]
+    return dict(iter(own.groupby(["ladder", "quantity"], sort=False)))

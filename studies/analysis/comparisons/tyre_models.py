@@ -1,0 +1,80 @@
+"""What a part of the tyre saves and whether it gives the whole, and which grids reach an error of the force."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.comparisons.answers import HERE, Answer, Answers
+from studies.campaigns.report_cells import MODELS
+
+DELTA = 20.0  # mm
+SAME = 1e-9  # relative difference below which a part of the tyre gives the whole
+WITHIN = 0.01  # error of the force that an engineer asks for
+COLUMNS = ("plies", "model", "mesh", "force_off", "pressure_off", "same", "time_share", "label", "command")
+REACHING_COLUMNS = ("element", "family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s", "share")
+
+
+def tyre_models(answers: Answers) -> pd.DataFrame:
+    """COLUMNS, a row a model: force and largest nodal pressure relative to those of the whole; its time over theirs.
+
+    pressure_off: infinite for another contact set; NaN where DELTA was not reached.
+    """
+    found = answers.those(MODELS)
+    wholes = {_plies(each): each for each in found if each.record["model"] == "full"}
+    rows: list[list[object]] = []
+    for each in found:
+        if (whole := wholes.get(_plies(each))) is None:
+            continue
+        off = differences(each, whole)
+        share = each.record["timing_s"]["total"] / whole.record["timing_s"]["total"]
+        named = [_plies(each), each.record["model"], each.record["mesh"]]
+        rows.append([*named, *off, max(off) <= SAME, share, each.label, each.command])
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _plies(answer: Answer) -> str:
+    return "isotropic" if "E_MPa" in answer.settings else "angle plies"
+
+
+def differences(part: Answer, whole: Answer) -> tuple[float, float]:
+    """Force and largest nodal pressure at DELTA relative to the whole."""
+    force = abs(part.value("force_N", delta_mm=DELTA) / whole.value("force_N", delta_mm=DELTA) - 1)
+    if math.isnan(force):
+        return math.nan, math.nan
+    tables = (each.table("contact") for each in (part, whole))
+    own, other = (table[(table["delta_mm"] - DELTA).abs() < HERE] for table in tables)
+    if not np.array_equal(own["active"], other["active"]):
+        return force, math.inf
+    pressures = own["pressure_MPa"].to_numpy(), other["pressure_MPa"].to_numpy()
+    return force, float(np.max(np.abs(pressures[0] - pressures[1])) / np.max(pressures[1]))
+
+
+def grids_reaching(grids: pd.DataFrame) -> pd.DataFrame:
+    """REACHING_COLUMNS, a row an element and family of grids: the smallest grid that reaches WITHIN; NaN without one.
+
+    grids: of work_precision_study.  share: of the unknowns of the uniform grid that reaches it.
+    """
+    rows = []
+    for element, own in grids.groupby("element", sort=False):
+        found = {str(family): reaching(each, WITHIN) for family, each in own.groupby("family", sort=False)}
+        uniform = found.get("uniform")
+        for family, grid in found.items():
+            row = {} if grid is None else grid.to_dict()
+            if grid is not None and uniform is not None:
+                row["share"] = grid["unknowns"] / uniform["unknowns"]
+            rows.append({**row, "element": element, "family": family})
+    return pd.DataFrame(rows, columns=list(REACHING_COLUMNS))
+
+
+def reaching(grids: pd.DataFrame, error: float) -> pd.Series | None:
+    """The smallest grid from which on every larger one stays below the error; None if there is none.
+
+    A force goes up and down with the place of the rim of the patch between the lines: one good grid may be chance.
+    """
+    rows = grids.sort_values("unknowns")
+    beyond = np.flatnonzero((rows["error"].abs() > error).to_numpy())
+    first = int(beyond[-1]) + 1 if len(beyond) else 0
+    return rows.iloc[first] if first < len(rows) else None
