@@ -12,7 +12,7 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import TOLERANCE, settings_of
 from studies.request import Request, Settings, Value
-from studies.scene import CompletingScene, Scene, Setting, SettlingScene, UsageError
+from studies.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, UsageError, has_contact
 from studies.scenes import SCENES
 
 MODELS = ("auto", "full")
@@ -30,7 +30,7 @@ def complete(
     if scene is None:
         raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
     known = {setting.key: setting for setting in (*scene.settings, TOLERANCE)}
-    if "epsilon" in known:  # the scene has contact
+    if has_contact(scene):
         known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
     for key in given:
         if key not in known:
@@ -51,8 +51,8 @@ def complete(
         raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
         raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
-    if "epsilon" in known and "epsilon" not in settings:
-        settings["epsilon"] = ALGORITHMS[request.contact]().epsilon
+    if has_contact(scene) and EPSILON.key not in settings:
+        settings[EPSILON.key] = ALGORITHMS[request.contact]().epsilon
     request = replace(request, settings=Settings(settings))
     return scene, scene.settle(request) if isinstance(scene, SettlingScene) else replace(request, model="full")
 

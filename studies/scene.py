@@ -266,3 +266,8 @@ class SettlingScene(Protocol):
     def settle(self, request: Request) -> Request:
         """The request as it will be solved, its model chosen; raises UsageError on what does not apply."""
         ...
+
+
+def has_contact(scene: Scene) -> bool:
+    """Whether something may touch: the scene takes the regularisation of a contact condition."""
+    return any(setting.key == EPSILON.key for setting in scene.settings)

@@ -33,11 +33,6 @@ class IterationCost:
     solution: float
     total: float
 
-    @property
-    def ratio(self) -> float:
-        """Whole iteration over the factorisation it contains."""
-        return self.total / self.factorisation
-
 
 def bench(mesh: str = "42x40", delta_mm: float = 20.0, repeats: int = 9) -> IterationCost:
     """Bring the paper's tyre into contact, then repeat one iteration of mixed semismooth Newton from that state."""

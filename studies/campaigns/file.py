@@ -54,7 +54,6 @@ CATALOGUES: dict[str, Mapping[str, Any]] = {
 }
 KEYS = ("title", "lists", "pages", "modules", "cross")
 CROSS_KEYS = (*OPTIONS, *SETTINGS, "vary", "set", "steps")
-ALL_PAGES = "all"
 
 
 @dataclass(frozen=True)

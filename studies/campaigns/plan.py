@@ -17,7 +17,7 @@ from studies.campaigns.file import Campaign
 from studies.complete import complete
 from studies.plugins import modules_of
 from studies.request import Request
-from studies.scene import UsageError
+from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 from studies.store.atomic import SCHEMA, plain
 from studies.store.source_hash import CATALOGUE, sources_hash
@@ -73,7 +73,7 @@ def _row(cell: Cell) -> Row:
 
 def _refusal(request: Request) -> str:
     """Why a resolved request makes no sense, as far as that shows without building it."""
-    if "epsilon" not in request.settings and request.contact != Request.contact:
+    if not has_contact(SCENES[request.scene]) and request.contact != Request.contact:
         return f"{request.scene} has no contact: {Request.contact} stands for every algorithm"
     try:
         refused = configured(request.contact, request.settings).supports(_NO_MECHANICS)

@@ -10,6 +10,7 @@ import pytest
 
 from studies.complete import complete
 from studies.request import Request, Settings, text_of
+from studies.scene import has_contact
 from studies.scenes import SCENES
 from studies.store.atomic import plain
 
@@ -21,6 +22,13 @@ def test_a_request_is_hashable_and_survives_the_index(scene: str) -> None:
     assert again == request
     assert again.key() == request.key()
     assert len({again, request, replace(request, mesh=(3, 3))}) == 2
+
+
+def test_contact_is_a_property_of_the_scene() -> None:
+    touching = {name for name, scene in SCENES.items() if has_contact(scene)}
+    assert {"tyre", "tyre-solid", "ring", "panel", "plate-contact", "strip-contact", "heavy-strip"} == touching
+    for name in SCENES:
+        assert ("epsilon" in complete(name, {})[1].settings) == (name in touching)
 
 
 def test_keys_differ_in_what_is_asked_and_in_nothing_else() -> None:
