@@ -141,7 +141,7 @@ def test_worker_processes_find_entry_points_and_a_new_source_is_solved_again(
 ) -> None:
     changed = tmp_path / "site"
     changed.mkdir()
-    installed(changed, source + "\n# edited\n", entries)
+    installed(changed, source + "\nEDITED = True\n", entries)
     small = tmp_path / "small.toml"
     small.write_text(
         '[[cross]]\nmeasures = ["no-drilling"]\n[cross.scenes.cantilever]\nmeshes = ["2x1"]\n'

@@ -62,13 +62,15 @@ class Sweep:
         return row | {"central_MPa": central_asymmetry(own)}
 
 
-SWEEPS = (Sweep("exact", "42x40", ANGLES), *(Sweep(measure, "14x20", FEW, "12") for measure in MEASURES))
+def all_sweeps() -> tuple[Sweep, ...]:
+    """The exact measure on a fine mesh, and each of the catalogue on a coarse one."""
+    return (Sweep("exact", "42x40", ANGLES), *(Sweep(measure, "14x20", FEW, "12") for measure in MEASURES))
 
 
-def mirror_table(sweeps: Sequence[Sweep] = SWEEPS) -> pd.DataFrame:
+def mirror_table(sweeps: Sequence[Sweep] = ()) -> pd.DataFrame:
     """One row an angle: those of the grid, then those of the search for the largest ``mirror_both_MPa``."""
     rows = []
-    for sweep in sweeps:
+    for sweep in sweeps or all_sweeps():
         own = [sweep.at(gamma, "grid") for gamma in sweep.angles]
         rows += own + _searched(sweep, own)
     return pd.DataFrame(rows).sort_values(["mesh", "measure", "gamma_deg"], kind="stable", ignore_index=True)
