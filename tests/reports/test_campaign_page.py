@@ -110,3 +110,19 @@ def test_a_record_of_another_cell_is_not_taken_for_it(store: Path) -> None:
     write_json(store / "cells" / "0.json", record("1", 16))
     with pytest.raises(StoreError, match="of cell '1' of cantilever, not of 'cell 8'"):
         load_store(store)
+
+
+def test_where_the_numbers_were_made_is_told_of_all_cells(store: Path) -> None:
+    """A record of old does not say whether the files were modified."""
+    made = {"version": "1.0", "commit": "abc", "packages": {"numpy": "2"}, "machine": {"cores": 2}}
+    for n, more in ((0, {}), (1, {"modified": False}), (2, {"modified": True})):
+        told = {
+            **record(f"{n:x}", 2 ** (n + 3)),
+            "provenance": {**made, **more},
+            "timing_s": {"total": 2.0, "cpu": 1.5},
+        }
+        write_json(store / "cells" / f"{n:x}.json", told)
+    text = campaign_page(load_store(store)).text
+    assert "| commit | abc: 2 cells; abc (modified): 1 cells |" in text
+    assert "| time on the clock, processor time of all cells [s] | 6.00, 4.50 |" in text
+    assert text.index("<!-- machine -->\n\n**Where the numbers were made**") > text.index("## Machine")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from reports.chapters.overview.outcomes import completeness, refusals
+from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.markdown import NOTHING, Part, digits, fixed, machine, percent, prose, scientific, table
 from reports.tables import Planned, Store
 
@@ -14,9 +14,9 @@ LEAST = 3  # meshes of a sequence
 
 
 def campaign_page(store: Store, contents: str = "") -> Part:
-    """The whole page; contents: the list of the other pages. Nothing on it is a time."""
+    """The whole page; contents: the list of the other pages. Times are those of its last block."""
     head = f"# Campaign `{store.campaign}`\n\n{store.title}." + (f"\n\n{contents}" if contents else "")
-    sections = (_sequences, _outcomes, _refused, _unfinished)
+    sections = (_sequences, _outcomes, _refused, _unfinished, origin)
     parts = [head, f"## Completeness\n\n{completeness(store)}", *(section(store) for section in sections)]
     return Part("\n\n".join(parts) + "\n")
 

@@ -6,7 +6,7 @@ import math
 
 from reports import labels
 from reports.chapters.overview.headlines import headlines
-from reports.chapters.overview.outcomes import completeness, refusals
+from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.chapters.shells.benchmarks import BENCHMARKS
 from reports.chapters.shells.convergence import comparisons, sequences
 from reports.chapters.shells.locking import worst_energy
@@ -14,13 +14,13 @@ from reports.chapters.tyre.algorithms import relative_difference, set_difference
 from reports.chapters.tyre.meshes import change, isotropic_differences
 from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
-from reports.markdown import Part, commands, digits, fixed, folded, machine, percent, prose, scientific, table
+from reports.markdown import Part, commands, fixed, folded, machine, percent, prose, scientific, table
 from reports.tables import Cell, Store
 
 
 def index_page(store: Store, contents: str) -> Part:
     """The whole page; contents: the list of the other pages."""
-    sections = (_findings, _limitations, _completeness, _machine)
+    sections = (_findings, _limitations, _completeness, origin)
     top = ["# Results", headlines(store), f"## Pages\n\n{contents}"]
     return Part("\n\n".join([*top, *(section(store) for section in sections)]) + "\n")
 
@@ -156,19 +156,3 @@ def _locking(store: Store) -> str:
         f"Coarse meshes of very thin doubly curved shells that bend freely [still lock](locking.md): of the energy of "
         f"the {shell} with free ends at h/R = {thinness:g}, {n} x {n} elements find {percent(ratio, 0, False)}."
     )
-
-
-def _machine(store: Store) -> str:
-    """Versions and times, skipped by comparisons."""
-    made = [cell.result["provenance"] for cell in store.cells.values()]
-    total = sum(cell.result["timing_s"].get("total", 0.0) for cell in store.cells.values())
-    packages = dict.fromkeys(f"{name} {version}" for p in made for name, version in p["packages"].items())
-    machines = dict.fromkeys(", ".join(f"{key} {value}" for key, value in p["machine"].items()) for p in made)
-    rows = [
-        ["footprint", ", ".join(dict.fromkeys(p["version"] for p in made))],
-        ["commit", ", ".join(dict.fromkeys(p["commit"] for p in made))],
-        ["packages", ", ".join(packages)],
-        ["machine", "; ".join(machines)],
-        ["time to solve all cells [s]", digits(total, 3)],
-    ]
-    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], rows, words=2))

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from typing import Any
 
-from reports.markdown import machine, prose, table
+from reports.markdown import digits, machine, prose, table
 from reports.tables import CLASSES, Planned, Store
 
 WORDS = {  # of each class, for people
@@ -56,3 +57,34 @@ def refusals(store: Store) -> str:
 def _counts(planned: Iterable[Planned], present: list[str]) -> list[str]:
     counts = Counter(each.ended for each in planned)
     return [str(counts.total()), *(str(counts[name]) for name in present)]
+
+
+def origin(store: Store) -> str:
+    """Where the numbers of the whole campaign were made: commits, versions, machines and time; not compared."""
+    results = {each.id: each.result for each in store.planned if each.result is not None}.values()
+    made = [result["provenance"] for result in results if result["provenance"]]
+    times = [result["timing_s"] for result in results]
+    spent = {name: sum(each.get(name, 0.0) for each in times) for name in ("cpu", "total")}
+    packages = (f"{name} {version}" for each in made for name, version in each["packages"].items())
+    machines = (", ".join(f"{key} {value}" for key, value in each["machine"].items()) for each in made)
+    rows = [
+        ["footprint", _counted(each["version"] for each in made)],
+        ["commit", _counted(_commit(each) for each in made)],
+        ["packages", ", ".join(dict.fromkeys(packages))],
+        ["machine", _counted(machines)],
+        [
+            "time on the clock, processor time of all cells [s]",
+            f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
+        ],
+    ]
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], rows, words=2))
+
+
+def _commit(made: Mapping[str, Any]) -> str:
+    """The commit, and whether the files were others than those of it; a record of old does not say."""
+    return f"{made['commit']}{' (modified)' if made.get('modified') else ''}"
+
+
+def _counted(names: Iterable[str]) -> str:
+    """Each name with the number of cells it stands for."""
+    return "; ".join(f"{name}: {count} cells" for name, count in Counter(names).items())
