@@ -116,6 +116,12 @@ def test_two_errors_that_cancel_are_not_accuracy() -> None:
     assert best["measure"] == "exact"
 
 
+def test_an_error_below_what_the_reference_knows_buys_nothing() -> None:
+    table = cells()
+    found = fronts(table, verified(table).assign(uncertainty=1.01 * 2 / 16**2))
+    assert list(found["front.flops"]) == [True, True, False, False]
+
+
 def test_the_front_itself() -> None:
     cost = np.array([1.0, 2.0, 2.0, 3.0, 4.0, 5.0, 1.0, np.nan])
     error = np.array([1.0, 0.5, 0.5, 0.7, 0.499, 0.1, np.nan, 0.0])

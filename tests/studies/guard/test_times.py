@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.stats import mannwhitneyu
 
 from studies.guard.compare import NothingComparedError
 from studies.guard.times import FEWEST, compare_times, floor_of
@@ -60,6 +61,18 @@ def test_a_planted_slowdown_is_found_and_nothing_else(rng: np.random.Generator) 
     row = found.set_index("label").loc["cell 50"]
     assert row["change"] == pytest.approx(0.25, abs=0.03)
     assert row["p"] < 0.01
+
+
+def test_p_is_controlled_over_all_cells(rng: np.random.Generator) -> None:
+    """Benjamini and Hochberg's step-up, written out."""
+    before, now = night(rng), night(rng, slower={7: 0.5})
+    sides = [dict(iter(side.groupby("label", sort=False)["seconds"])) for side in (before, now)]
+    raw = np.array([mannwhitneyu(sides[1][cell], sides[0][cell], alternative="greater").pvalue for cell in sides[0]])
+    order = np.argsort(raw)
+    stepped = raw[order] * len(raw) / np.arange(1, len(raw) + 1)
+    adjusted = np.empty_like(raw)
+    adjusted[order] = np.minimum(np.minimum.accumulate(stepped[::-1])[::-1], 1.0)
+    np.testing.assert_allclose(compare_times(before, now)["p"], adjusted, rtol=1e-12)
 
 
 def test_faster_is_found_only_when_asked_for(rng: np.random.Generator) -> None:
