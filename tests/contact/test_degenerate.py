@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
@@ -114,6 +115,8 @@ def test_nnls_alone_is_no_oracle_of_exact_touch() -> None:
         if np.max(np.abs(dual_by_nnls(data, math.inf)[1] - pressure)) > 1e-3:
             wrong += 1
             agrees("lcp, nnls", data, u, pressure)
+    if wrong + corrected == 0:  # that of 1.15 is
+        pytest.skip(f"nnls of scipy {scipy.__version__} is right on all of them")
     assert wrong > 0
     assert corrected > 0
 
