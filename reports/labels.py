@@ -13,14 +13,10 @@ CONSISTENT = "consistent"
 FINE = "fine"
 FOLLOWER, FOLLOWER_FINE = "follower", "follower fine"
 ISOTROPIC, ISOTROPIC_FINE = "isotropic", "isotropic fine"
-ISOTROPIC_COARSE = "isotropic coarse"
 SOLID, SOLID_PENALTY = "solid {mesh}", "solid penalty"
 SOLID_MESHES = ("14x18", "28x36", "56x72")
-MESHES = (16, 32, 64)
-CANTILEVER, HEMISPHERE = "cantilever {n}", "hemisphere {n}"
 ONE_STEP_MIXED, ONE_STEP_PLAIN = "hemisphere one step mixed", "hemisphere one step plain"
 TWENTY_STEPS_PLAIN = "hemisphere twenty steps plain"
-BY_MEASURE = "{scene} by {measure}"
 ELEMENT = "hemisphere {n} {interpolation} {thickness} {membrane}"
 ELEMENT_MESHES = (8, 16, 32)
 
@@ -34,8 +30,6 @@ EXPECTED_TO_FAIL = {
 }
 DELTA = 20.0  # mm, the travel of the printed table
 CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page
-CONVERGENCE = "convergence {ladder} {mesh} {element}"
-LADDER_ELEMENT, OTHER_ELEMENT = "refined", "paper"  # of the convergence page, and what it is compared with
 AGREEMENT = r"agreement .*"  # the tyre by all algorithms, loads and sections
 AGREEMENT_REFERENCE = "agreement semismooth {load} {section} exact"
 MODEL = r"model (?P<model>\S+) (?P<plies>.+)"  # the tyre as a whole and in parts

@@ -11,15 +11,13 @@ from reports import labels
 from reports.markdown import Part, commands, digits, fixed, percent, prose, table
 from reports.tables import Store
 
-FACES = ("inner", "outer")
-
 
 def solid_part(store: Store) -> Part:
     """The whole section."""
     data = store.analysis("solid_shell")
     forces = data[data["quantity"] == "force_N"]
     growth = data[data["quantity"].str.startswith("inflated")]
-    lines = dict.fromkeys(data["command"])
+    order = data["body"].map({"solid": 0, "shell": 2}).fillna(1).argsort(kind="stable")  # the soft plane between them
     blocks = [
         _introduction(store, forces),
         _values("Force [N] on three meshes", "Δ [mm]", forces, 2),
@@ -28,7 +26,7 @@ def solid_part(store: Store) -> Part:
         _equator(store, growth),
         _values("Growth of the equator by inflation [mm] on three meshes", "face", growth, 4),
         _parts("What the difference of the growth is made of", "face", growth),
-        commands(lines),
+        commands(data["command"].iloc[order]),
     ]
     return Part("\n\n".join(blocks))
 
