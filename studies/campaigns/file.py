@@ -26,7 +26,7 @@ from __future__ import annotations
 import itertools
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -36,8 +36,8 @@ from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
 from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.plugins import load_file
-from studies.request import text_of
-from studies.scene import UsageError
+from studies.request import Request, text_of
+from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 
 SHIPPED = Path(__file__).parent
@@ -112,7 +112,10 @@ def _modules(path: Path, names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
-    """The cells of one cross, scene by scene; the last axis varies fastest."""
+    """The cells of one cross, scene by scene; the last axis varies fastest.
+
+    Of a scene without contact the contact algorithms are no axis.
+    """
     _known(path, cross, ("name", "scenes", *CROSS_KEYS))
     if not isinstance(cross.get("scenes"), Mapping):
         raise UsageError(f"campaign {path}: a cross needs its scenes, as tables [cross.scenes.NAME]")
@@ -122,6 +125,8 @@ def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
         asked = {**cross, **own}
         constant = {**cross.get("set", {}), **own.get("set", {})}
         axes = _axes(path, asked)
+        if not has_contact(SCENES[scene]):  # one algorithm stands for all: the others would solve the same
+            axes = [replace(axis, values=[Request.contact]) if axis.key == "contact" else axis for axis in axes]
         steps = {"steps": asked["steps"]} if "steps" in asked else {}
         for values in itertools.product(*(axis.values for axis in axes)):
             chosen = list(zip(axes, values, strict=True))

@@ -14,6 +14,8 @@ from studies.campaigns.file import SHIPPED, find, names
 from studies.campaigns.plan import plan
 from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.campaigns.run import run
+from studies.scene import has_contact
+from studies.scenes import SCENES
 
 
 def test_standard_crosses_what_was_promised() -> None:
@@ -26,7 +28,8 @@ def test_standard_crosses_what_was_promised() -> None:
     combinations = Counter((c.scene, c.options["measure"], c.options["contact"]) for c in swept)
     scenes = {scene for scene, *_ in combinations}
     assert len(scenes) >= 6
-    assert set(combinations) == {(s, m, c) for s in scenes for m in MEASURES for c in ALGORITHMS}
+    algorithms = {scene: ALGORITHMS if has_contact(SCENES[scene]) else ["semismooth"] for scene in scenes}
+    assert set(combinations) == {(s, m, c) for s in scenes for m in MEASURES for c in algorithms[s]}
     assert set(combinations.values()) == {4 * 3}
     for scene in scenes:
         own = [cell for cell in swept if cell.scene == scene]
@@ -40,8 +43,7 @@ def test_rows_of_shipped_campaigns_are_solved_or_have_a_reason(name: str) -> Non
     rows = plan(find(name))
     assert len({row.cell.label for row in rows}) == len(rows)
     assert all((row.id is None) == bool(row.reason) for row in rows)
-    assert any(row.reason for row in rows)
-    assert sum(row.id is not None for row in rows) > 0.5 * len(rows)
+    assert sum(row.id is not None for row in rows) > 0.9 * len(rows)
 
 
 def test_names_are_those_of_files_and_lists() -> None:
@@ -98,7 +100,7 @@ def test_the_table_has_a_row_for_everything_that_was_planned(tmp_path: Path) -> 
     next(iter((tmp_path / "store/cells").glob("*.json"))).unlink()
     table = collect(tmp_path / "store", "c")
     assert tuple(table.columns[: len(COLUMNS)]) == COLUMNS
-    assert sorted(table["outcome"]) == ["converged", "converged", "missing", "unsupported"]
+    assert sorted(table["outcome"]) == ["converged", "converged", "missing"]
     tyre = table[(table["scene"] == "tyre") & (table["outcome"] == "converged")].iloc[0]
     assert (tyre["n1"], tyre["n2"], tyre["element"], tyre["section"]) == (12, 12, "refined", "constant-s33")
     assert tyre["tolerance"] == 1e-3
