@@ -165,12 +165,18 @@ class Store:
     def select(self, **wanted: Any) -> list[Cell]:
         """The cells behind the pages whose resolved request has all these values, in the order of the campaign.
 
-        wanted: scene, measure, contact, newton, mesh, model, steps, or any setting. Of equal requests the first one.
-        Raises StoreError for a cell without a record.
+        wanted: scene, measure, contact, newton, mesh, model, steps, or any setting. Of equal requests the first one;
+        none that was refused before it was solved. Raises StoreError for another cell without a record.
         """
-        matching = [each for each in self.planned if each.shown and each.matches(wanted)]
-        unique = {json.dumps(each.asked, sort_keys=True): each for each in reversed(matching)}
-        return [self.cell(each.label) for each in reversed(unique.values())]
+        matching = [
+            each
+            for each in self.planned
+            if each.shown and (each.result or each.ended != "unsupported") and each.matches(wanted)
+        ]
+        unique: dict[str, Planned] = {}
+        for each in matching:
+            unique.setdefault(json.dumps(each.asked, sort_keys=True), each)
+        return [self.cell(each.label) for each in unique.values()]
 
     def find(self, **wanted: Any) -> Cell:
         """The one cell of ``select``; raises StoreError when there is none, or more than one."""

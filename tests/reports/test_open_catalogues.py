@@ -28,6 +28,10 @@ COLUMNS = {
     "contact": ("semismooth", ALGORITHMS),
     "contender": ("lcp", ALGORITHMS),
 }
+EXTENDED = (  # tables in which a measure or an algorithm has rows of its own
+    *("rigid_body", "small_motions", "rotation_sweep", "symmetry", "mirror", "false_success"),
+    *("fronts", "family_fronts", "profiles", "pairs", "solved", "measure_limits", "measure_errors"),
+)
 COMPARED = {"exact": MEASURES, "semismooth": ALGORITHMS}  # in the columns competitor, a and b
 
 
@@ -36,7 +40,7 @@ def extended(table: pd.DataFrame) -> pd.DataFrame:
     parts = [table]
     for column, (known, names) in COLUMNS.items():
         if column in table:
-            own = table[table[column] == known]
+            own = table[table[column] == (known if (table[column] == known).any() else "linear")]
             parts += [own.assign(**{column: name}) for name in names]
     for column in {"competitor", "a"} & set(table.columns):
         for known, names in COMPARED.items():
@@ -79,8 +83,9 @@ def all_pages(store: Path, root: Path) -> dict[str, str]:
     )
     for name, table in analysed(sweep).items():
         write_table(root / "tables" / f"{name}.csv", table.assign(campaign="report"))
-    for path in (root / "tables").glob("*.csv"):
-        extended(pd.read_csv(path)).to_csv(path, index=False)
+    for path in (root / "tables" / f"{name}.csv" for name in EXTENDED):
+        if path.exists():
+            extended(pd.read_csv(path)).to_csv(path, index=False)
     return rendered(load_store(root))
 
 

@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from reports import labels
 from reports.maps import at_delta, different_nodes
-from reports.tables import Cell, Store
+from reports.tables import Cell, Store, StoreError
 
 SAME = 1e-7  # relative difference of forces below which two algorithms agree
+
+STUDY = {"scene": "tyre", "model": "half", "delta_mm": (5, 10, 15, 20)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +20,7 @@ class Entry:
 
     cell: Cell
     reference: Cell
+    own: tuple[str, ...]  # what of its settings is not its default
 
     @property
     def contact(self) -> str:
@@ -39,18 +41,13 @@ class Entry:
     @property
     def way(self) -> str:
         """The algorithm with what distinguishes it from its defaults, for a table."""
-        name, comma, setting = self._words.partition(",")
-        finite = "" if self.exact else f", ε = {self.cell.result['settings']['epsilon']:g}"
-        return f"`{name}`{comma}{setting}{finite}"
+        finite = () if self.exact else (f"ε = {self.cell.result['settings']['epsilon']:g}",)
+        return ", ".join([f"`{self.contact}`", *self.own, *finite])
 
     @property
     def as_it_is(self) -> bool:
         """Has the algorithm its own settings, but for epsilon?"""
-        return self._words == self.contact
-
-    @property
-    def _words(self) -> str:
-        return self.cell.label.removeprefix("agreement ").rsplit(" ", 3)[0]
+        return not self.own
 
     @property
     def travels(self) -> list[float]:
@@ -86,9 +83,24 @@ class Entry:
         return self.most_nodes_unlike == 0 and self.largest_difference <= SAME
 
 
+def unusual(cell: Cell, usual: Cell) -> tuple[str, ...]:
+    """The settings of a cell, other than epsilon, that another one has otherwise: "settle 1"."""
+    there = usual.result["settings"]
+    own = (
+        (key, value) for key, value in cell.result["settings"].items() if key != "epsilon" and there.get(key) != value
+    )
+    return tuple(f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}" for key, value in own)
+
+
 def entries(store: Store) -> Iterator[Entry]:
-    """Every cell of the study, in the order of the campaign; raises StoreError when a reference is missing."""
-    for cell in store.matching(labels.AGREEMENT):
-        settings = cell.result["settings"]
-        wanted = labels.AGREEMENT_REFERENCE.format(load=settings["load"], section=settings["section"])
-        yield Entry(cell, store.cell(wanted))
+    """Every cell of the study, in the order of the campaign; raises StoreError when a reference is missing.
+
+    The first cell of an algorithm on a case is that with its defaults.
+    """
+    for cell in store.select(**STUDY):
+        case = {key: cell.result["settings"][key] for key in ("load", "section")}
+        usual = store.select(**STUDY, **case, contact=cell.result["contact"])[0]
+        references = store.select(**STUDY, **case, contact="semismooth", epsilon=math.inf)
+        if not references:
+            raise StoreError(f"{store.path}: no reference by semismooth with the exact condition for {case}")
+        yield Entry(cell, references[0], unusual(cell, usual))
