@@ -145,6 +145,7 @@ def test_nodal_thickness_strain_pays_on_the_hemisphere() -> None:
 POINTS = ("w_A_mm", "u_B_mm", "u_C_mm")
 
 
+@pytest.mark.slow
 def test_pulled_cylinder_before_the_snap() -> None:
     found = [at(run("sze-pullout", mesh, load_fraction="0.25"), 0.25, *POINTS) for mesh in ("8x12", "12x18", "16x24")]
     printed = reference("sze-pullout", "read", 0.25, *POINTS)

@@ -129,7 +129,8 @@ def limits(scene: str) -> tuple[np.ndarray, float]:
     return found, float(extrapolated(found[1], found[2], 4 / 3))
 
 
-@each_roof
+@pytest.mark.slow
+@pytest.mark.parametrize("scene", ROOFS)
 def test_limit_load_converges_to_that_of_the_solid(scene: str) -> None:
     """Strains linear between the faces cost 0.3 to 0.5 % at 12.7 mm (of the order h^2), next to nothing at 6.35 mm."""
     found, limit = limits(scene)
@@ -145,9 +146,7 @@ def test_limit_load_converges_to_that_of_the_solid(scene: str) -> None:
         assert number == (4 if scene == "roof-e" else 2)
 
 
-@pytest.mark.parametrize(
-    "scene", [pytest.param(name, marks=() if name in QUICK else pytest.mark.slow) for name in ROOFS if name != "roof-e"]
-)
+@pytest.mark.parametrize("scene", [pytest.param(name, marks=pytest.mark.slow) for name in ROOFS if name != "roof-e"])
 def test_limit_load_is_the_published_one_to_one_per_cent(scene: str) -> None:
     """Those of the thick roofs are 1.0 to 1.3 % above ours, with the solid between: they are 0.6 to 0.9 % above it.
 

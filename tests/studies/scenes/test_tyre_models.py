@@ -54,7 +54,8 @@ def assert_same(part: Result, full: Result) -> None:
         {"element": "paper", "coupling": "consistent"},
         {"load": "follower", "section": "nonsymmetric", "pressure_area": "face"},
         {"gamma_deg": "30", "epsilon": "1e4", "interpolation": "isoparametric"},
-        *({"foundation": name} for name in PARAMETERS if name != "plane"),
+        {"foundation": "cleat"},
+        *(pytest.param({"foundation": f}, marks=pytest.mark.slow) for f in PARAMETERS if f not in ("plane", "cleat")),
     ],
     ids=str,
 )

@@ -26,6 +26,7 @@ def copied(tmp_path: Path) -> Path:
     ("file", "matters"),
     [
         ("formulations/element/mixed.py", True),
+        ("formulations/strains/__init__.py", True),
         ("contact/newton/step.py", True),
         ("contact/algorithms/lcp.py", True),
         ("studies/solving.py", True),
