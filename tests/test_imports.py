@@ -6,6 +6,7 @@ import ast
 import subprocess
 import sys
 from collections.abc import Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -81,6 +82,47 @@ def test_the_packages_are_there() -> None:
 )
 def test_offences_are_seen(file, source, found) -> None:
     assert offences(file, source) == found
+
+
+def module_of(file: str) -> str:
+    return file.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def graph_of(sources: dict[str, str]) -> dict[str, set[str]]:
+    """Our modules that each one imports, lazily or not; what only a type checker reads does not count."""
+    modules = {module_of(file): source for file, source in sources.items()}
+    graph = {}
+    for name, source in modules.items():
+        tree = ast.parse(source)
+        guarded = [
+            each for each in ast.walk(tree) if isinstance(each, ast.If) and "TYPE_CHECKING" in ast.unparse(each.test)
+        ]
+        typing = {id(node) for each in guarded for node in ast.walk(each)}
+        wanted: set[str] = set()
+        for node in ast.walk(tree):
+            if id(node) in typing:
+                continue
+            if isinstance(node, ast.Import):
+                wanted |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                whole = {f"{node.module}.{alias.name}" for alias in node.names} & modules.keys()
+                wanted |= whole or {str(node.module)}
+        graph[name] = (wanted & modules.keys()) - {name}
+    return graph
+
+
+def test_nothing_imports_in_circles() -> None:
+    graph = graph_of({file: (ROOT / file).read_text(encoding="utf-8") for file in FILES})
+    assert sum(map(len, graph.values())) > 500  # the walk sees the imports
+    TopologicalSorter(graph).prepare()
+
+
+def test_a_circle_is_seen_even_a_lazy_one() -> None:
+    lazy = {"studies/a.py": "def f():\n    from studies import b", "studies/b.py": "import studies.a"}
+    with pytest.raises(CycleError):
+        TopologicalSorter(graph_of(lazy)).prepare()
+    typed = {**lazy, "studies/b.py": "if TYPE_CHECKING:\n    import studies.a"}
+    TopologicalSorter(graph_of(typed)).prepare()
 
 
 HEAVY = ("clarabel", "cvxpy", "matplotlib", "meshio", "osqp", "rich", "scipy.interpolate", "scipy.optimize", "skfem")
