@@ -320,6 +320,14 @@ def test_default_mesh_lines_are_those_of_the_paper_scene() -> None:
     assert np.diff(phi) == pytest.approx([157.5 / 11] * 11 + [2.5] * 18 + [157.5 / 11] * 11)
 
 
+@pytest.mark.parametrize("place", [(1, 1), (0, 0)])
+def test_either_mirror_alone_is_an_asymmetry(place: tuple[int, int]) -> None:
+    """Lines of psi -1, 0, 1 and of phi 0, 90, 180, -90 deg; a bump on the line 0 of one has its image by the other."""
+    pressure = np.ones((3, 4))
+    pressure[place] = 1.25
+    assert asymmetries(pressure) == pytest.approx({"central_asymmetry": 0.2, "mirror_asymmetry": 0.2})
+
+
 def test_asymmetries_of_planted_maps() -> None:
     rng = np.random.default_rng(0)
     pressure = rng.random((5, 8))
