@@ -18,10 +18,7 @@ from reports.files import write_texts
 from reports.maps import along_meridian, at_delta, deltas, pressure_map
 from reports.tables import TYRES, Cell, load_cell
 
-BOOKKEEPING = {
-    *("newton_iterations", "factorisations", "assemblies", "flops", "set_changes", "substeps", "limit_point"),
-    *("kkt", "balances", "failures", "diagnosis", "rounding"),
-}
+UNITS = ("mm", "MPa", "N", "deg")
 
 
 def draw_result(directory: Path) -> list[Path]:
@@ -71,11 +68,15 @@ def mm_per_degree(profile: pd.DataFrame) -> tuple[float, float]:
 
 def _load_displacement(cell: Cell) -> str:
     steps = pd.DataFrame(cell.steps)
-    columns = [str(name) for name in steps if name not in BOOKKEEPING | {"load_fraction"}]
-    return figures_benchmarks.load_displacement({cell.scene: steps}, {name: _words(name) for name in columns})
+    load = str(steps.columns[0])
+    columns = [str(name) for name in steps if name in (*cell.result["quantities"], "contact_nodes")]
+    names = {name: _words(name) for name in columns}
+    named = (load, "load fraction" if load == "load_fraction" else _words(load))
+    return figures_benchmarks.load_displacement({cell.scene: steps}, names, load=named)
 
 
 def _words(quantity: str) -> str:
     """tip_deflection_mm -> tip deflection [mm]."""
     name, _, unit = quantity.rpartition("_")
-    return f"{name.replace('_', ' ')} [{unit}]"
+    words = name.replace("_", " ")
+    return f"{words} [{unit}]" if unit in UNITS else f"{words} {unit}"

@@ -22,8 +22,6 @@ from studies.scene import UsageError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CERTIFICATE = ("kkt", "balances", "failures", "diagnosis", "rounding")  # of a step
-
 
 @dataclass(frozen=True, eq=False)
 class Run:
@@ -44,16 +42,15 @@ class Run:
     @property
     def steps(self) -> pd.DataFrame:
         """A row for each requested load: the load, what is read off, and the counts of its solution."""
-        return pd.DataFrame(self.result.steps).drop(columns=list(CERTIFICATE), errors="ignore")
+        return pd.DataFrame([{**step.seen, **step.counters} for step in self.result.loads])
 
     @property
     def certificate(self) -> pd.DataFrame:
         """A row for each requested load: residuals and balances as recomputed from the problem, and what fails."""
-        rows = [
-            {**step["kkt"], **step.get("balances", {}), "failures": ", ".join(step.get("failures", ()))}
-            for step in self.result.steps
-        ]
-        return pd.DataFrame(rows)
+        found = [step.certificate for step in self.result.loads]
+        return pd.DataFrame(
+            [{**each["kkt"], **each["balances"], "failures": ", ".join(each["failures"])} for each in found]
+        )
 
     @property
     def quantities(self) -> dict[str, float]:

@@ -23,6 +23,11 @@ GROUPS: dict[str, dict[str, Any]] = {
     "footprint.contact": ALGORITHMS,
     "footprint.scenes": SCENES,
 }
+NEEDED = {  # of a part, beside its name
+    "footprint.measures": ("reference", "rigid_body_law", "kinematics", "strain", "gradient", "contract"),
+    "footprint.contact": ("parameters", "epsilon", "supports", "solve"),
+    "footprint.scenes": ("title", "default_mesh", "settings", "references", "build"),
+}
 _used: list[str] = []  # the files of --use, which worker processes need, too
 _module_of: dict[tuple[str, str], str] = {}  # the module that a part came with, by group and name
 _entered: set[EntryPoint] = set()
@@ -68,6 +73,7 @@ def load_file(path: Path) -> None:
         raise UsageError(f"plug-in {path}: the name {name!r} is taken by {module.__file__}; rename the file")
     for group, catalogue in GROUPS.items():
         for part in catalogue.keys() - {key for key, known in before[group].items() if catalogue.get(key) is known}:
+            _check(f"plug-in {path}: {part!r} of {group}", group, catalogue[part])
             _module_of[group, part] = name
 
 
@@ -94,8 +100,21 @@ def _enter(entry: EntryPoint, group: str, catalogue: dict[str, Any]) -> None:
         raise UsageError(f"{said}: the name of the part is {name!r}")
     if before is not None and before is not part:
         raise UsageError(f"{said}: there is another part of this name")
+    _check(said, group, part)
     catalogue[entry.name] = part
     _module_of[group, entry.name] = entry.module
+
+
+def _check(said: str, group: str, part: object) -> None:
+    """Raises UsageError for a part that is not complete; an algorithm is a class, and each parameter a field of it."""
+    missing = [name for name in NEEDED[group] if not hasattr(part, name)]
+    if missing:
+        raise UsageError(f"{said}: the part has no {', '.join(missing)}")
+    if group == "footprint.contact":
+        missing = [each.key for each in getattr(part, "parameters", ()) if not hasattr(part, each.key)]
+        if missing or not isinstance(part, type):
+            what = f"no default for {', '.join(missing)}" if missing else "to be a class, not an instance"
+            raise UsageError(f"{said}: the part has {what}")
 
 
 def _line(error: BaseException) -> str:

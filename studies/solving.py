@@ -27,6 +27,7 @@ from studies.complete import complete
 from studies.provenance import provenance
 from studies.request import Request
 from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
+from studies.step import Step
 from studies.store.atomic import plain, write_by, write_json, write_table
 from studies.walk import Visited, walk
 
@@ -52,7 +53,7 @@ class Result:
     reason: str = ""
     unsupported: str = ""
     quantities: dict[str, float] = field(default_factory=dict)
-    steps: list[dict[str, Any]] = field(default_factory=list)
+    loads: list[Step] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
     timing: dict[str, float] = field(default_factory=dict)
     history: list[dict[str, Any]] = field(default_factory=list)
@@ -84,12 +85,17 @@ class Result:
         }
 
     @property
+    def steps(self) -> list[dict[str, Any]]:
+        """The loads that were reached, flat."""
+        return [step.flat for step in self.loads]
+
+    @property
     def verdict(self) -> str:
         """The class of the outcome: what a solve may end in of :data:`CLASSES`."""
         if self.unsupported:
             return UNSUPPORTED
         if self.outcome.converged:
-            return WRONG if any(step["failures"] for step in self.steps) else CONVERGED
+            return WRONG if any(step.certificate["failures"] for step in self.loads) else CONVERGED
         return CAP_HIT if Outcome.ITERATION_LIMIT in (self.outcome, self.cause) else NOT_CONVERGED
 
     def write(self, directory: Path) -> None:
@@ -197,11 +203,8 @@ def _record_curve(visited: Visited, trace: Trace, result: Result) -> None:
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
         _record(result, seen, certificate(problem, state, tolerance=tolerance), spent)
     result.quantities |= stage.summarise(trace.points)
-    columns = [
-        {k: v for k, v in step.items() if k not in ("kkt", "balances", "failures", "diagnosis")}
-        for step in result.steps
-    ]
-    result.tables["curve"] = [pd.DataFrame(columns)]
+    rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
+    result.tables["curve"] = [pd.DataFrame(rows)]
 
 
 def certificate(
@@ -229,7 +232,7 @@ def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent:
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:
-        result.steps.append({**seen.step, **judged, **spent})
+        result.loads.append(Step.of({**seen.step, **judged, **spent}, spent))
 
 
 def _account(result: Result, stage: str, counters: Mapping[str, float], history: Sequence[Mapping[str, Any]]) -> None:

@@ -13,6 +13,7 @@ from studies.request import Request, Settings
 from studies.scene import UsageError
 from studies.scenes.element import PRESETS
 from studies.solving import UNSUPPORTED
+from studies.step import Step
 from studies.store.layout import Archive, DamagedError
 
 MISSING = "missing"
@@ -22,7 +23,6 @@ COLUMNS = (
     *("label", "id", "scene", "measure", "contact", "newton", "mesh", "n1", "n2", "model"),
     *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason", "command", "request"),
 )
-NOT_READ = ("rounding", "substeps", "limit_point")  # of a step: how it was got
 NUMBERS = ("epsilon", "tolerance")
 
 
@@ -55,10 +55,8 @@ def _row(archive: Archive, planned: Mapping[str, Any]) -> dict[str, Any]:
     if found is None:
         failure = archive.failure(planned["id"]) or {"class": MISSING, "reason": ""}
         return {**row, "outcome": failure["class"], "reason": failure["reason"]}
-    last = found["steps"][-1] if found["steps"] else {}
-    numbers = {
-        key: value for key, value in last.items() if _is_number(value) and key not in (*found["counters"], *NOT_READ)
-    }
+    last = Step.of(found["steps"][-1] if found["steps"] else {}, found["counters"])
+    numbers = {key: value for key, value in last.seen.items() if _is_number(value)}
     return {
         **row,
         **{"outcome": found["class"], "reason": found["reason"]},
@@ -67,7 +65,7 @@ def _row(archive: Archive, planned: Mapping[str, Any]) -> dict[str, Any]:
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
         **{f"t.{key}": value for key, value in found["timing_s"].items()},
         **_seconds(found["timing_s"]),
-        **{f"k.{key}": _number(value) for key, value in last.get("kkt", {}).items()},
+        **{f"k.{key}": _number(value) for key, value in last.certificate.get("kkt", {}).items()},
     }
 
 

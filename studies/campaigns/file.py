@@ -74,7 +74,7 @@ def find(name: str) -> Campaign:
     if path.exists():
         return read(path)
     if name in LISTS:
-        return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]), tuple(TABLES_OF.get(name, ())))
+        return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
     if name.endswith(".toml"):
         return read(Path(name))
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")
@@ -93,7 +93,7 @@ def read(path: Path) -> Campaign:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
     _known(path, data, KEYS)
     use = _modules(path, data.get("modules", []))
-    cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]]
+    cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]()]
     for cross in data.get("cross", []):
         cells += _crossed(path, cross)
     unique = _without_repeats(path, cells)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
@@ -110,53 +111,59 @@ GROWING = (
     Growing("roof-a", "8x8", "load_fraction", "w_C_mm", _shares(20, 1, 14)),
     Growing("shallow-cap", "32x4", "load_fraction", "w_apex_mm", _shares(40, 2, 22)),
 )
-MEASURED = (
-    *(cell for growing in GROWING for cell in growing.cells),
-    *(
-        Cell(f"hemisphere {n} {' '.join(options.values())}", "hemisphere", {"mesh": f"{n}x{n}"}, settings)
-        for interpolation in INTERPOLATIONS
-        for thickness in THICKNESS_STRAINS
-        for membrane in MEMBRANES
-        for options in [{"interpolation": interpolation, "thickness_strain": thickness, "membrane": membrane}]
-        for settings in [{"load_fraction": "1", **options}]
-        for n in (8, 16, 32)
-    ),
+OPTIONS = tuple(
+    Cell(f"hemisphere {n} {' '.join(chosen)}", "hemisphere", {"mesh": f"{n}x{n}"}, {"load_fraction": "1", **options})
+    for chosen in product(INTERPOLATIONS, THICKNESS_STRAINS, MEMBRANES)
+    for options in [dict(zip(("interpolation", "thickness_strain", "membrane"), chosen, strict=True))]
+    for n in (8, 16, 32)
 )
+
+
+def measured() -> tuple[Cell, ...]:
+    """Every measure of the catalogue under growing loads, and all options of the element."""
+    return (*(cell for growing in GROWING for cell in growing.cells), *OPTIONS)
+
+
 CONVERGENCE = (
     *convergence_cells.cells({"element": "refined"}, "refined"),
     *convergence_cells.cells({"element": "paper"}, "paper", finest=False),
 )
-_WAYS: dict[str, tuple[str, dict[str, str]]] = {  # each algorithm as it is, and settings that change how it gets there
-    **{contact: (contact, {}) for contact in ALGORITHMS},
+_WAYS: dict[str, tuple[str, dict[str, str]]] = {  # settings that change how an algorithm gets there
     "semismooth, settle 1": ("semismooth", {"settle": "1"}),
     "qp, eps 1e-3": ("qp", {"eps": "1e-3"}),
     "qp, clarabel": ("qp", {"backend": "clarabel"}),
     "lcp, active-set": ("lcp", {"method": "active-set"}),
     "lcp, nnls": ("lcp", {"method": "nnls"}),
 }
-AGREEMENT = tuple(
-    _tyre(
-        f"agreement {way} {load['load']} {section} {kind}",
-        {**load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
-        contact=contact,
-        model="half",
+
+
+def agreement() -> tuple[Cell, ...]:
+    """Every algorithm of the catalogue as it is, and by the other ways, for two loads and two sections."""
+    return tuple(
+        _tyre(
+            f"agreement {way} {load['load']} {section} {kind}",
+            {**load, "section": section, "delta_mm": "5,10,15,20", "epsilon": epsilon, **settings},
+            contact=contact,
+            model="half",
+        )
+        for way, (contact, settings) in ({name: (name, {}) for name in ALGORITHMS} | _WAYS).items()
+        for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
+        for load in ({"load": "dead"}, {"load": "follower", "pressure_area": "mid"})
+        for section in ("constant-s33", "nonsymmetric")
     )
-    for way, (contact, settings) in _WAYS.items()
-    for kind, epsilon in enforcements(math.inf if settings else ALGORITHMS[contact]().epsilon)
-    for load in ({"load": "dead"}, {"load": "follower", "pressure_area": "mid"})
-    for section in ("constant-s33", "nonsymmetric")
-)
+
+
 _EXACT = {"epsilon": "inf"}
 ROBUSTNESS = (
     *(
         _tyre(
             f"one step {way} {mesh}",
-            {**_TO_20, **_EXACT, **_WAYS[way][1]},
+            {**_TO_20, **_EXACT, **settle},
             mesh=mesh,
             contact="semismooth",
             model="half",
         )
-        for way in ("semismooth", "semismooth, settle 1")
+        for way, settle in (("semismooth", {}), ("semismooth, settle 1", {"settle": "1"}))
         for mesh in ("28x26", "42x40", "84x80")
     ),
     _tyre("far", {"delta_mm": "20,25,30,35,40", **_EXACT}, contact="semismooth", model="half"),
@@ -168,15 +175,18 @@ MODELS = (  # what a part of the tyre saves, and that it changes nothing
         for model in ("full", "half", "mirror", "quarter")
     ),
 )
-LISTS: dict[str, Sequence[Cell]] = {
-    "tyre": TYRE,
-    "benchmarks": BENCHMARKS,
-    "measures": MEASURED,
-    "solid": (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
-    "convergence": CONVERGENCE,
-    "agreement": (*AGREEMENT, *ROBUSTNESS),
-    "models": MODELS,
-    "report": (*TYRE, *SOLID, *BENCHMARKS, *MEASURED, *CONVERGENCE, *AGREEMENT, *ROBUSTNESS, *MODELS),
+LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked for: catalogues grow
+    "tyre": lambda: TYRE,
+    "benchmarks": lambda: BENCHMARKS,
+    "measures": measured,
+    "solid": lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
+    "convergence": lambda: CONVERGENCE,
+    "agreement": lambda: (*agreement(), *ROBUSTNESS),
+    "models": lambda: MODELS,
+    "report": lambda: (
+        *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
+        *(*agreement(), *ROBUSTNESS, *MODELS),
+    ),
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),

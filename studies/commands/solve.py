@@ -19,8 +19,7 @@ from studies.scenes import SCENES
 from studies.solving import Result, solve
 from studies.store.atomic import write_by
 
-LEFT_OUT = {"kkt", "balances", "failures", "diagnosis", "rounding"}  # of a step: too wide for a terminal
-LEFT_OUT |= {"factorisations", "assemblies", "flops", "set_changes", "substeps"}
+COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -60,7 +59,7 @@ def run(options: argparse.Namespace) -> int:
         if result.frozen is None:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
-    _print_table(result.as_json())
+    _print_table(result)
     if options.plot:
         _draw(options.out)
     if not result.outcome.converged:
@@ -117,18 +116,17 @@ def _progress() -> Iterator[Callable[[str], None]]:
         yield lambda text: status.update(f"reached {text}")
 
 
-def _print_table(result: dict[str, object]) -> None:
-    """The entries of ``steps``, one line each, what fits a terminal."""
-    steps = result["steps"]
-    assert isinstance(steps, list)
-    if steps:
-        scalars = [{key: value for key, value in step.items() if key not in LEFT_OUT} for step in steps]
-        print(pd.DataFrame(scalars).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
-    if result["model_reason"]:
-        print(f"model {result['model']}: {result['model_reason']}")
-    counters = result["counters"]
-    assert isinstance(counters, dict)
-    print(f"{result['outcome']}: " + ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in counters.items()))
+def _print_table(result: Result) -> None:
+    """The loads that were reached, one line each, what fits a terminal."""
+    if result.loads:
+        rows = [
+            step.seen | {key: step.counters[key] for key in COUNTED if key in step.counters} for step in result.loads
+        ]
+        print(pd.DataFrame(rows).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    if result.request.model_reason:
+        print(f"model {result.request.model}: {result.request.model_reason}")
+    counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
+    print(f"{result.as_json()['outcome']}: {counters}")
 
 
 def _print_ladder(result: Result, enough: bool) -> None:

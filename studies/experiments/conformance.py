@@ -9,12 +9,11 @@ The shells are small, skew laminates on a torus or an irregular plate; only the 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from contact.solvers.sparse import factorise
 from formulations.conditions.boundary import Supports
@@ -25,7 +24,6 @@ from formulations.geometry.surfaces import Geometry, Plate, Surface, cylinder, t
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import Discretisation, ShellModel
-from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import FULL, STRAINS
 from studies.analysis.richardson import correction, order_of
@@ -98,20 +96,6 @@ def conformance(measure: StrainMeasure, element: Element = ELEMENTS[0]) -> list[
     if not element.suits(measure):
         raise ValueError(f"{measure.name} leaves gradients out: not for {element.interpolation} elements")
     return [check for law in LAWS for check in law(measure, element)]
-
-
-def conformance_table(
-    measures: Mapping[str, StrainMeasure] = MEASURES, elements: tuple[Element, ...] = ELEMENTS
-) -> pd.DataFrame:
-    """All checks of all pairs that exist, one row each."""
-    rows = [
-        {"measure": name, **asdict(element), **asdict(check), "passed": check.passed}
-        for name, measure in measures.items()
-        for element in elements
-        if element.suits(measure)
-        for check in conformance(measure, element)
-    ]
-    return pd.DataFrame(rows)
 
 
 def layup(*, swapped: bool = False, length: float = 1.0, stress: float = 1.0) -> Laminate:

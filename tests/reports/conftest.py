@@ -304,7 +304,7 @@ def write_cell(cell: Cell, directory: Path) -> Row:
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A whole report campaign."""
     root = tmp_path_factory.mktemp("store")
-    rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"])]
+    rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"]())]
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     write_json(root / "references.json", {"schema": SCHEMA, "references": references})

@@ -19,7 +19,7 @@ from reports.chapters.overview.index import index_page
 from reports.tables import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
-from studies.campaigns.report_cells import AGREEMENT, enforcements
+from studies.campaigns.report_cells import agreement, enforcements
 from studies.store.atomic import write_json, write_table
 
 pytestmark = pytest.mark.usefixtures("undrawn")
@@ -47,9 +47,9 @@ def row(text: str, *words: str) -> list[str]:
 def test_every_algorithm_meets_every_case_exactly_and_as_it_is_by_default() -> None:
     assert enforcements(np.inf) == (("exact", "inf"),)
     assert enforcements(1e4) == (("exact", "inf"), ("epsilon", "10000"))
-    asked = {(c.options["contact"], c.settings["load"], c.settings["section"]) for c in AGREEMENT}
+    asked = {(c.options["contact"], c.settings["load"], c.settings["section"]) for c in agreement()}
     assert len(asked) == 4 * len(ALGORITHMS)
-    assert len({cell.label for cell in AGREEMENT}) == len(AGREEMENT)
+    assert len({cell.label for cell in agreement()}) == len(agreement())
 
 
 # --- agreement --------------------------------------------------------------------------------------------------
@@ -57,7 +57,7 @@ def test_every_algorithm_meets_every_case_exactly_and_as_it_is_by_default() -> N
 
 def test_all_agree_where_all_are_the_same(store: Path) -> None:
     text = agreement_page(load_store(store)).text
-    exact = [cell for cell in AGREEMENT if cell.label.endswith("exact")]
+    exact = [cell for cell in agreement() if cell.label.endswith("exact")]
     others = [cell for cell in exact if not cell.label.startswith("agreement semismooth ")]
     assert f"That holds for {len(others)} of {len(others)} other solves" in text
     assert "No solve with the exact condition disagrees." in text

@@ -150,7 +150,7 @@ def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(f
 @pytest.mark.usefixtures("undrawn")
 def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     """All fail but the one without which there is no page; what was never reached is not in the store."""
-    for i, cell in enumerate(LISTS["report"]):
+    for i, cell in enumerate(LISTS["report"]()):
         if cell.label == labels.PAPER:
             continue
         directory = own_store / "cells" / str(i)
@@ -159,7 +159,7 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
         for name in ("contact.csv", "profile.csv"):
             (directory / name).unlink(missing_ok=True)
     files = rendered(load_store(own_store))
-    assert f"| all | {len(LISTS['report'])} | 1 | 0 | 0 | {len(LISTS['report']) - 1} |" in files["index.md"]
+    assert f"| all | {len(LISTS['report']())} | 1 | 0 | 0 | {len(LISTS['report']()) - 1} |" in files["index.md"]
     assert f"| {labels.SLOWEST} | not converged: cycling |" in files["index.md"]
     assert f"| {labels.SLOWEST} | press at 20: it cycles |" in files["index.md"]
     assert "| cycling: press at 20: it cycles |" in files["tyre.md"]
@@ -167,7 +167,7 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
 
 
 def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Path) -> None:
-    number = next(i for i, cell in enumerate(LISTS["report"]) if cell.label == labels.PAPER)
+    number = next(i for i, cell in enumerate(LISTS["report"]()) if cell.label == labels.PAPER)
     path = own_store / "cells" / f"{number}.json"
     edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
     with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
@@ -271,7 +271,7 @@ def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> 
     count = int(re.search(r"of each of the (\d+) states", text)[1])
     assert f"certifies {count} of them" in text
     assert "Not certified" not in text
-    labels_of = [cell.label for cell in LISTS["report"]]
+    labels_of = [cell.label for cell in LISTS["report"]()]
     path = own_store / "cells" / f"{labels_of.index('hemisphere 16')}.json"
     edit_json(path, lambda result: result["steps"][-1].update(failures=["energy"]))
     text = page.render(load_store(own_store)).text

@@ -65,7 +65,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
 @pytest.fixture
 def store(tmp_path: Path) -> Path:
     rows = []
-    for i, cell in enumerate(LISTS["solid"]):
+    for i, cell in enumerate(LISTS["solid"]()):
         write_cell(cell, tmp_path / "cells" / str(i))
         rows.append(Row(cell, str(i), None).as_json())
     references = [{"scene": name, **asdict(r)} for name in ("tyre", "tyre-solid") for r in SCENES[name].references]

@@ -231,7 +231,9 @@ def test_no_convergence_is_exit_3_with_everything_kept(tmp_path: Path, capsys: p
     assert "did not converge" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize(("scene", "mesh", "pictures"), [("tyre", "12x12", 4), ("roof-d", "4x4", 1)])
+@pytest.mark.parametrize(
+    ("scene", "mesh", "pictures"), [("tyre", "12x12", 4), ("roof-d", "4x4", 1), ("strip-contact", "4x1", 1)]
+)
 def test_plot_draws_what_was_solved(scene: str, mesh: str, pictures: int, tmp_path: Path) -> None:
     settings = ["--set", "delta_mm=5"] if scene == "tyre" else []
     assert main(["solve", scene, "--mesh", mesh, *settings, "--plot", "--out", str(tmp_path)]) == 0

@@ -173,6 +173,47 @@ def test_a_broken_file_is_one_line(text: str | None, says: str, tmp_path: Path) 
     assert errors.count("\n") == 1
 
 
+INCOMPLETE = {
+    "footprint.contact": ("from contact.catalogue import ALGORITHMS as parts", "parameters, supports, solve"),
+    "footprint.scenes": ("from studies.scenes import SCENES as parts", "title, settings, references, build"),
+    "footprint.measures": ("from formulations.strains.catalogue import MEASURES as parts", "strain, gradient"),
+}
+HALF = """
+class Half:
+    name = "half"
+    reference = rigid_body_law = kinematics = contract = default_mesh = epsilon = None
+"""
+
+
+@pytest.mark.parametrize("group", INCOMPLETE)
+def test_an_incomplete_part_is_one_line(group: str, tmp_path: Path) -> None:
+    catalogue, missing = INCOMPLETE[group]
+    path = tmp_path / "half.py"
+    path.write_text(f"{catalogue}\n{HALF}\nparts['half'] = Half\n")
+    code, _, errors = footprint("list", "--use", path)
+    assert code == 2
+    assert errors == f"footprint: plug-in {path}: 'half' of {group}: the part has no {missing}\n"
+
+
+@pytest.mark.parametrize(
+    ("field", "says"),
+    [("", "no default for rounds"), ("    rounds: int = 2", "to be a class, not an instance")],
+)
+def test_an_algorithm_that_is_not_configured_by_its_fields_is_one_line(field: str, says: str, tmp_path: Path) -> None:
+    source = f"""from contact.algorithms.semismooth import Semismooth
+from contact.parameters import Parameter
+class Rounds(Semismooth):
+    name = "rounds"
+    parameters = (Parameter("rounds", "how often"),)
+{field}
+PART = Rounds{"()" if field else ""}
+"""
+    entry = {"footprint.contact": {"rounds": "stranger:PART"}}
+    code, _, errors = footprint("list", path=installed(tmp_path, source, entry))
+    assert code == 2
+    assert errors == f"footprint: plug-in 'rounds' of footprint.contact (stranger:PART): the part has {says}\n"
+
+
 def test_a_file_with_the_name_of_another_module_is_one_line(tmp_path: Path) -> None:
     path = tmp_path / "json.py"
     path.write_text("")

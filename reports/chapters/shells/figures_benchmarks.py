@@ -11,26 +11,30 @@ from reports.drawing import BLACK, canvas, looks, style, to_svg
 
 
 def load_displacement(
-    curves: Mapping[str, pd.DataFrame], names: Mapping[str, str], reference: pd.DataFrame | None = None
+    curves: Mapping[str, pd.DataFrame],
+    names: Mapping[str, str],
+    reference: pd.DataFrame | None = None,
+    load: tuple[str, str] = ("load_fraction", "load fraction"),
 ) -> str:
-    """Load fraction over displacements, one panel for each column of ``names``.
+    """The load over displacements, one panel for each column of ``names``.
 
-    curves: label -> table with ``load_fraction`` and the columns of ``names`` (column -> axis label); reference: the
-    same columns, drawn as a black line with points.
+    curves: label -> table with the columns of ``names`` (column -> axis label) and that of ``load``, another such pair;
+    reference: the same columns, drawn as a black line with points.
     """
+    loaded, load_words = load
     with style():
         figure, panels = canvas(len(names))
         for axes, (column, words) in zip(panels, names.items(), strict=True):
             if reference is not None:
-                x, y = reference[column], reference["load_fraction"]
+                x, y = reference[column], reference[loaded]
                 axes.plot(x, y, color=BLACK, marker=".", linewidth=0.8, label="Sze et al.")
             drawn = looks(curves)
             for name, curve in curves.items():
-                points = [0, *curve[column]], [0, *curve["load_fraction"]]
+                points = [0, *curve[column]], [0, *curve[loaded]]
                 line = "-" if "limit_point" in curve else "none"  # a curve that turns back needs its order
                 axes.plot(*points, linestyle=line, **drawn[name].points, fillstyle="none", label=name)
-            axes.set(xlabel=words, ylabel="load fraction")
-            if all(curve[[column, "load_fraction"]].min().min() >= 0 for curve in curves.values()):
+            axes.set(xlabel=words, ylabel=load_words)
+            if all(curve[[column, loaded]].min().min() >= 0 for curve in curves.values()):
                 axes.set(xlim=(0, None), ylim=(0, None))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=4)

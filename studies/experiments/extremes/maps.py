@@ -35,11 +35,11 @@ ENDS = (PathEnd.LIMIT_POINT, PathEnd.BIFURCATION)  # the tangent's word that the
 
 @dataclass(frozen=True)
 class Axis:
-    """A setting or option and its values along one side of a map; label: with its unit."""
+    """A setting or option and its values along one side of a map, by default the algorithms; label: with its unit."""
 
     key: str
     label: str
-    values: tuple[str, ...]
+    given: tuple[str, ...] = ()
 
     @classmethod
     def powers(cls, key: str, label: str, low: float, high: float, points: int) -> Axis:
@@ -55,6 +55,11 @@ class Axis:
     def named(self) -> bool:
         """True when the values are names and have no order."""
         return self.key == "contact"
+
+    @property
+    def values(self) -> tuple[str, ...]:
+        """All that are asked for."""
+        return self.given or tuple(ALGORITHMS)
 
 
 @dataclass(frozen=True)
@@ -156,7 +161,7 @@ def _failed(outcome: Outcome, told: str, end: PathEnd | None, spent: Mapping[str
 
 _UNEVEN = tuple(f"{1 - 10.0**x:.6g}" for x in np.linspace(0, -4, 17))  # 0 to 0.9999
 SMALL = {"mesh": "4x4"}
-BY = Axis("contact", "algorithm", tuple(ALGORITHMS))
+BY = Axis("contact", "algorithm")
 H, TRAVEL, BALL = "h/R [-]", "travel of the plane [mm]", "radius of the ball [mm]"
 NU = Axis("nu", "Poisson ratio ν [-]", tuple(f"{0.5 - 10.0**x:.6g}" for x in np.linspace(-1, -4, 17)))
 TYRE = {"mesh": "8x12", "model": "half"}
