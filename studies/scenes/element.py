@@ -51,6 +51,12 @@ ELEMENT = (
 )
 
 
+def even_grid(request: Request, a1: tuple[float, float], a2: tuple[float, float]) -> Grid:
+    """The mesh asked for, evenly spaced between the ends of both coordinates."""
+    n1, n2 = request.mesh
+    return Grid.tensor(np.linspace(*a1, n1 + 1), np.linspace(*a2, n2 + 1))
+
+
 def discretise(
     request: Request,
     surface: Surface,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import ContactProblem, ContactSolution, without_contact
+from formulations.geometry.grid import Grid
 from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import Discretisation, ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -17,24 +18,31 @@ from studies.request import Request
 from studies.scene import ArcStage, Observation, Setting, ShellSceneModel, Stage
 
 LOAD_FRACTIONS = Setting(
-    "load_fraction",
-    (0.25, 0.5, 0.75, 1.0),
-    "fractions of the published load to report",
-    kind="floats",
-    low=0.0,
-    high=10.0,
-    open_low=True,
+    "load_fraction", (0.25, 0.5, 0.75, 1.0), "fractions of the published load to report", "floats", 0, 10, open_low=True
 )
-CURVE_FRACTIONS = Setting(
-    "load_fraction",
-    (1.0,),
-    "load fractions to hit; the last ends the curve",
-    kind="floats",
-    low=0.0,
-    high=10.0,
-    open_low=True,
-)
+CURVE_FRACTIONS = replace(LOAD_FRACTIONS, default=(1.0,), help="load fractions to hit; the last ends the curve")
 ARC_STEP = Setting("arc_step", 0.01, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
+
+
+Reading = Callable[[ShellModel, np.ndarray], dict[str, float]]  # (shell, u) -> {name_unit: value}
+
+
+def normal_forces(grid: Grid, forces: Mapping[int, float]) -> np.ndarray:
+    """(N, 6): normal forces [N] on nodes, half of each on either face."""
+    nodal = np.zeros((grid.n_nodes, 6))
+    for node, force in forces.items():
+        nodal[node, 4:] = 0.5 * force
+    return nodal
+
+
+def normal_at(discretisation: Discretisation, places: Mapping[str, tuple[int | np.ndarray, int]]) -> Reading:
+    """Mean normal displacements of both faces by name; places: nodes, and 1 outwards or -1 inwards."""
+
+    def read(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
+        v = discretisation.expand(u)
+        return {name: float(sign * v[nodes, 4:].mean()) for name, (nodes, sign) in places.items()}
+
+    return read
 
 
 def edge_shares(nodes: int) -> np.ndarray:
@@ -83,7 +91,7 @@ class StaticModel(ShellSceneModel):
 
     shell: ShellModel
     fractions: Sequence[float]
-    measure_at: Callable[[ShellModel, np.ndarray], dict[str, float]]
+    measure_at: Reading
 
     def stages(self) -> Iterator[Stage]:
         """The load path from rest."""
@@ -110,9 +118,7 @@ class CurveModel(StaticModel):
     continuation: ArcLength
 
     @classmethod
-    def build(
-        cls, shell: ShellModel, request: Request, measure_at: Callable[[ShellModel, np.ndarray], dict[str, float]]
-    ) -> CurveModel:
+    def build(cls, shell: ShellModel, request: Request, measure_at: Reading) -> CurveModel:
         """The first arc step is ``arc_step`` over the number of steps."""
         first = request.number("arc_step") / request.steps
         solver, tolerance = request.choice("solver"), request.number("tolerance")

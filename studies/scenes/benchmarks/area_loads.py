@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,10 +15,9 @@ from formulations.strains.quantities import N_E
 from studies.request import Request
 from studies.scene import SOLVER, Setting
 from studies.scenes.element import ELEMENT
+from studies.scenes.statics import LOAD_FRACTIONS
 
-LOAD_FRACTION = Setting(
-    "load_fraction", (1.0,), "fractions of the published load to report", "floats", 0.0, 10.0, open_low=True
-)
+LOAD_FRACTION = replace(LOAD_FRACTIONS, default=(1.0,))
 SHELL_SETTINGS = (
     Setting("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", low=0, high=1e4, open_low=True),
     *ELEMENT,

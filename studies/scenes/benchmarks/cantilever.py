@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
-from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
+from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, loaded_shell
 
 E, L, B, H = 1.2e6, 10.0, 1.0, 0.1  # MPa, mm; nu = 0
 P_MAX = 4.0  # N, 4 E I / L^2 in all, spread over the edge, dead
@@ -38,7 +35,6 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
-@dataclass(frozen=True)
 class Cantilever:
     """A strip clamped at a1 = 0, sheared at a1 = L."""
 
@@ -50,17 +46,14 @@ class Cantilever:
 
     def build(self, request: Request) -> SceneModel:
         """Half of the shear on each face, shared by the nodes as a uniform edge load."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, L, n1 + 1), np.linspace(0, B, n2 + 1))
+        grid = even_grid(request, (0, L), (0, B))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0)] = True
         laminate = Laminate.single(Ply.isotropic(E, 0.0, H))
         discretisation = discretise(request, Plate(), grid, laminate, fixed)
         tip = grid.on_line(0, L)
-        shares = np.full(len(tip), 1.0 / n2)
-        shares[[0, -1]] /= 2
         forces = np.zeros((grid.n_nodes, 6))
-        forces[tip, 4:] = 0.5 * P_MAX * shares[:, None]
+        forces[tip, 4:] = 0.5 * P_MAX * edge_shares(len(tip))[:, None]
         shell = loaded_shell(discretisation, request, forces=forces)
 
         def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:

@@ -8,8 +8,6 @@ transverse shears from the equilibrium of each ply, since a constant shear strai
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from formulations.geometry.grid import Grid
@@ -20,7 +18,7 @@ from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.data import read_reference
-from studies.scenes.element import discretise
+from studies.scenes.element import discretise, even_grid
 from studies.scenes.statics import StaticModel, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
@@ -42,7 +40,6 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
-@dataclass(frozen=True)
 class Pagano:
     """A quarter: a1 = x in [0, a/2], a2 = y in [0, b/2]; the pressure pushes on the outer face along +z."""
 
@@ -59,8 +56,7 @@ class Pagano:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face."""
         S = request.number("S")
         a, b = S * H, 3 * S * H
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, a / 2, n1 + 1), np.linspace(0, b / 2, n2 + 1))
+        grid = even_grid(request, (0, a / 2), (0, b / 2))
         plies = tuple(Ply(E_L, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
         fixed = _supports(grid, a / 2, b / 2)
         discretisation = discretise(request, Plate(), grid, centred_laminate(request, *plies), fixed)

@@ -8,19 +8,16 @@ P/(2 pi r)), which is 0.25 % of the reference. With ``shear_correction`` 1000 th
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
-from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
-from studies.scenes.element import discretise
-from studies.scenes.statics import StaticModel, loaded_shell
+from studies.scenes.element import discretise, even_grid
+from studies.scenes.statics import StaticModel, loaded_shell, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 3e6, 0.3, 300.0, 600.0, 3.0  # MPa, -, mm, mm, mm
 P = 1.0  # N, each of the two opposite forces; an eighth of the cylinder carries a quarter of one
@@ -29,7 +26,6 @@ AT: Mapping[str, float | str] = {"load_fraction": 1.0, "measure": "linear"}
 SOURCE = "Lindberg, Olson, Cowper (1969), in FinEtoolsFlexStructures; 164.24 P/(E t) in opensees-gallery"
 
 
-@dataclass(frozen=True)
 class PinchedCylinder:
     """An eighth: a1 from the loaded section to the diaphragm, a2 from the force over 90 degrees."""
 
@@ -41,9 +37,8 @@ class PinchedCylinder:
 
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""
-        n1, n2 = request.mesh
         right = np.pi / 2
-        grid = Grid.tensor(np.linspace(0, LENGTH / 2, n1 + 1), np.linspace(0, right, n2 + 1))
+        grid = even_grid(request, (0, LENGTH / 2), (0, right))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0), :2] = True
         fixed[grid.on_line(1, 0.0), 2:4] = True
@@ -53,11 +48,6 @@ class PinchedCylinder:
             request, cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, NU, H)), fixed
         )
         loaded = grid.node_at(0.0, 0.0)
-        forces = np.zeros((grid.n_nodes, 6))
-        forces[loaded, 4:] = -0.5 * P / 4
-        shell = loaded_shell(discretisation, request, forces=forces)
-
-        def under_load(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            return {"deflection_mm": float(-discretisation.expand(u)[loaded, 4:].mean())}
-
+        shell = loaded_shell(discretisation, request, forces=normal_forces(grid, {loaded: -P / 4}))
+        under_load = normal_at(discretisation, {"deflection_mm": (loaded, -1)})
         return StaticModel(shell, request.numbers("load_fraction"), under_load)

@@ -16,18 +16,17 @@ section 108.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Discretisation, ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting, UsageError
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
 
 E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm
@@ -105,7 +104,6 @@ def _inflated(discretisation: Discretisation, request: Request, largest: float) 
     )
 
 
-@dataclass(frozen=True)
 class PressurisedCylinder:
     """A sector of the circle, a1 along the axis: the length is fixed, or one end is free to move."""
 
@@ -129,8 +127,7 @@ class PressurisedCylinder:
 
     def build(self, request: Request) -> SceneModel:
         """Length of half a radius."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, RADIUS / 2, n1 + 1), np.linspace(0, SECTOR, n2 + 1))
+        grid = even_grid(request, (0, RADIUS / 2), (0, SECTOR))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         is_open = request.choice("ends") == "open"
         for end in (0.0,) if is_open else (0.0, RADIUS / 2):
@@ -142,7 +139,6 @@ class PressurisedCylinder:
         return _inflated(discretise(request, cylinder(RADIUS), grid, laminate, fixed), request, largest)
 
 
-@dataclass(frozen=True)
 class PressurisedSphere:
     """A piece from the equator up, 30 by 30 degrees; the motion is radial, so every edge slides in its cone."""
 
@@ -158,8 +154,7 @@ class PressurisedSphere:
 
     def build(self, request: Request) -> SceneModel:
         """No rigid motion is left."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, SECTOR, n1 + 1), np.linspace(0, SECTOR, n2 + 1))
+        grid = even_grid(request, (0, SECTOR), (0, SECTOR))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         for side in (0.0, SECTOR):
             fixed[grid.on_line(0, side), 0:2] = True
@@ -178,7 +173,6 @@ def torus_resultants(phi: float) -> tuple[float, float]:
     return TORUS_PRESSURE * TUBE * (AXIS + out) / (2 * out), TORUS_PRESSURE * TUBE / 2
 
 
-@dataclass(frozen=True)
 class PressurisedTorus:
     """Half a meridian, outer to inner equator, over a sector of 10 degrees; four symmetry planes."""
 
@@ -186,7 +180,7 @@ class PressurisedTorus:
     title: str = "Torus under pressure (linear membrane resultants)"
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (
-        Setting("load_fraction", (1.0,), "fractions of the pressure to report", "floats", 0.0, 10.0, open_low=True),
+        replace(LOAD_FRACTIONS, default=(1.0,), help="fractions of the pressure to report"),
         THICKNESS,
         AREA,
         *ELEMENT,
@@ -209,7 +203,7 @@ class PressurisedTorus:
         n1, n2 = request.mesh
         if n1 % 2 or n1 < 4:
             raise UsageError(f"mesh {n1}x{n2}: the first number must be even and at least 4")
-        grid = Grid.tensor(np.linspace(0, np.pi, n1 + 1), np.linspace(0, np.deg2rad(10), n2 + 1))
+        grid = even_grid(request, (0, np.pi), (0, np.deg2rad(10)))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         for end in (0.0, np.pi):
             fixed[grid.on_line(0, end), 0:2] = True

@@ -9,15 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell
+from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell, normal_at, normal_forces
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
 P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
@@ -85,8 +83,7 @@ class Roof:
 
     def build(self, request: Request) -> SceneModel:
         """a1 along the generator from the middle, a2 from the crown to the hinge."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, HALF_LENGTH, n1 + 1), np.linspace(0, HALF_ANGLE, n2 + 1))
+        grid = even_grid(request, (0, HALF_LENGTH), (0, HALF_ANGLE))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0), 0:2] = True
         fixed[grid.on_line(1, 0.0), 2:4] = True
@@ -95,13 +92,8 @@ class Roof:
         hinged[grid.on_line(0, 0.0), 0] = False  # held by symmetry already
         discretisation = discretise(request, cylinder(RADIUS), grid, self.laminate(), fixed, hinged)
         centre = grid.node_at(0.0, 0.0)
-        forces = np.zeros((grid.n_nodes, 6))
-        forces[centre, 4:] = -0.5 * P_MAX / 4
-
-        def at_centre(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            return {"w_C_mm": float(-discretisation.expand(u)[centre, 4:].mean())}
-
-        return CurveModel.build(loaded_shell(discretisation, request, forces=forces), request, at_centre)
+        shell = loaded_shell(discretisation, request, forces=normal_forces(grid, {centre: -P_MAX / 4}))
+        return CurveModel.build(shell, request, normal_at(discretisation, {"w_C_mm": (centre, -1)}))
 
 
 ROOFS = tuple(

@@ -8,18 +8,16 @@ isogeometric code, in which the whole equations are solved to convergence.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
-from studies.scenes.element import discretise
+from studies.scenes.element import discretise, even_grid
 from studies.scenes.statics import StaticModel, loaded_shell
 
 E, RADIUS, LENGTH, H = 4.32e8, 25.0, 50.0, 0.25  # MPa, mm, mm, mm; nu = 0
@@ -34,7 +32,6 @@ REFERENCES = (
 )
 
 
-@dataclass(frozen=True)
 class ScordelisLo:
     """A quarter: a1 from a diaphragm to the middle, a2 from the crown (the Cartesian x axis points up) to the edge."""
 
@@ -46,8 +43,7 @@ class ScordelisLo:
 
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, LENGTH / 2, n1 + 1), np.linspace(0, HALF_ANGLE, n2 + 1))
+        grid = even_grid(request, (0, LENGTH / 2), (0, HALF_ANGLE))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0), 2:] = True  # diaphragm
         fixed[grid.on_line(0, LENGTH / 2), :2] = True  # symmetry

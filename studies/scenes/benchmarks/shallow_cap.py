@@ -12,22 +12,18 @@ symmetry, which a quarter with few elements around cannot show.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from formulations.conditions.boundary import Supports
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
-from studies.scenes.element import ELEMENT, discretise
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell
+from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell, normal_at
 
 E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
 RISE = BASE**2 / (2 * RADIUS)  # mm, of the shallow cap
@@ -66,7 +62,6 @@ def _references() -> tuple[Reference, ...]:
     return tuple(references)
 
 
-@dataclass(frozen=True)
 class ShallowSphericalCap:
     """A quarter with two symmetry planes; a1 is the latitude, from the clamped base to the hole."""
 
@@ -78,10 +73,9 @@ class ShallowSphericalCap:
 
     def build(self, request: Request) -> SceneModel:
         """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""
-        n1, n2 = request.mesh
         h, hole = thickness(request.number("shallowness")), BASE * request.number("hole")
         base, rim = (float(np.arccos(r / RADIUS)) for r in (BASE, hole))
-        grid = Grid.tensor(np.linspace(base, rim, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1))
+        grid = even_grid(request, (base, rim), (0, np.pi / 2))
         supports = Supports.none(grid).clamped(grid.on_line(0, base)).symmetric(grid.on_line(0, rim), 0)
         for plane in (0.0, np.pi / 2):
             supports = supports.symmetric(grid.on_line(1, plane), 1)
@@ -92,9 +86,5 @@ class ShallowSphericalCap:
         forces = area_load(discretisation, lambda a1, a2: -p * surface.frame(a1, a2)[..., 2, :])
         plug = np.array([0.0, 0.0, -p * hole / 2])  # p pi c^2 over the circumference 2 pi c
         forces += edge_force(discretisation, 0, rim, lambda a1, a2: plug)
-        apex = grid.on_line(0, rim)
-
-        def at_apex(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            return {"w_apex_mm": float(-discretisation.expand(u)[apex, 4:].mean())}
-
+        at_apex = normal_at(discretisation, {"w_apex_mm": (grid.on_line(0, rim), -1)})
         return CurveModel.build(loaded_shell(discretisation, request, forces=forces), request, at_apex)

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
@@ -14,7 +11,7 @@ from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, loaded_shell
 
 E, L, B, H = 1.2e6, 12.0, 1.0, 0.1  # MPa, mm; nu = 0
@@ -47,7 +44,6 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
-@dataclass(frozen=True)
 class RolledCantilever:
     """A strip clamped at a1 = 0; the couple at a1 = L keeps its moment and turns with the director."""
 
@@ -59,8 +55,7 @@ class RolledCantilever:
 
     def build(self, request: Request) -> SceneModel:
         """The couple about -e2 lifts the tip."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, L, n1 + 1), np.linspace(0, B, n2 + 1))
+        grid = even_grid(request, (0, L), (0, B))
         fixed = np.zeros((grid.n_nodes, 6), bool)
         fixed[grid.on_line(0, 0.0)] = True
         discretisation = discretise(request, Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)

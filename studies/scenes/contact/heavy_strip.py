@@ -5,13 +5,12 @@ The strip hangs under a ceiling, so to say: its weight presses the outer face on
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
 from studies.request import Request
@@ -20,7 +19,7 @@ from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, strip_wall
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import loaded_shell
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
@@ -41,7 +40,6 @@ def _references() -> tuple[Reference, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
 class HeavyStrip:
     """a1 from the lifted end, which may turn, to the other one, which lies."""
 
@@ -53,8 +51,7 @@ class HeavyStrip:
 
     def build(self, request: Request) -> SceneModel:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, LENGTH, n1 + 1), np.linspace(0, B, n2 + 1))
+        grid = even_grid(request, (0, LENGTH), (0, B))
         end = grid.on_line(0, 0.0)
         supports = Supports.none(grid).hold(end, (2,)).symmetric(grid.on_line(0, LENGTH), 0)
         for side in (0.0, B):

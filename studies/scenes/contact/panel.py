@@ -6,7 +6,7 @@ It has no reference: what is asked of it is where it can be solved at all, and w
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -57,7 +57,6 @@ def lines(n: int, half: float, irregular: float) -> np.ndarray:
     return t
 
 
-@dataclass(frozen=True)
 class Panel:
     """a1 along the generators of a cylinder, a2 around; the foundation comes along -e_x, of a plate along -e_z."""
 

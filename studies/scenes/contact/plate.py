@@ -7,13 +7,10 @@ squeezed by the line force over some 0.6 h around the rim; its contact radius is
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
@@ -22,7 +19,7 @@ from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
@@ -47,7 +44,6 @@ def _references() -> tuple[Reference, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
 class PlateContact:
     """A quarter; a1 from the hole to the clamp. Nothing varies around."""
 
@@ -63,9 +59,8 @@ class PlateContact:
         The plane returns the pressure under the disc and a line force on its rim. The plate around feels the sums of
         f and of f r^2 only, so the radius is taken from the same sums of what the nodes carry beyond the pressure.
         """
-        n1, n2 = request.mesh
         rim = A * request.number("hole")
-        grid = Grid.tensor(np.linspace(rim, A, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1))
+        grid = even_grid(request, (rim, A), (0, np.pi / 2))
         supports = Supports.none(grid).clamped(grid.on_line(0, A)).symmetric(grid.on_line(0, rim), 0)
         for plane in (0.0, np.pi / 2):
             supports = supports.symmetric(grid.on_line(1, plane), 1)

@@ -8,20 +8,17 @@ of it at delta = R/2, which is 2.4e-4 with the thickness h = R/100 (measured).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0
@@ -45,7 +42,6 @@ def _references() -> tuple[Reference, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
 class Ring:
     """a1 along the axis, a2 from the plate over a quarter of the ring."""
 
@@ -57,9 +53,8 @@ class Ring:
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides; P is the whole force of a plate."""
-        n1, n2 = request.mesh
         right = np.pi / 2
-        grid = Grid.tensor(np.linspace(0, WIDTH, n1 + 1), np.linspace(0, right, n2 + 1))
+        grid = even_grid(request, (0, WIDTH), (0, right))
         supports = Supports.none(grid)
         for plane in (0.0, WIDTH):
             supports = supports.symmetric(grid.on_line(0, plane), 0)

@@ -8,13 +8,10 @@ spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from studies.request import Request
@@ -22,7 +19,7 @@ from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
 from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise
+from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
@@ -76,7 +73,6 @@ def _references() -> tuple[Reference, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
 class ClampedStrip:
     """a1 from the clamp to the middle; the plane is above."""
 
@@ -88,8 +84,7 @@ class ClampedStrip:
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
-        n1, n2 = request.mesh
-        grid = Grid.tensor(np.linspace(0, A, n1 + 1), np.linspace(0, B, n2 + 1))
+        grid = even_grid(request, (0, A), (0, B))
         supports = Supports.none(grid).clamped(grid.on_line(0, 0.0)).symmetric(grid.on_line(0, A), 0)
         for side in (0.0, B):
             supports = supports.symmetric(grid.on_line(1, side), 1)
