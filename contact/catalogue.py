@@ -11,13 +11,5 @@ from contact.algorithms.trial_and_error import TrialAndError
 from contact.problem import ContactAlgorithm
 
 ALGORITHMS: dict[str, type[ContactAlgorithm]] = {
-    algorithm.name: algorithm
-    for algorithm in (
-        TrialAndError,
-        Semismooth,
-        Regularised,
-        AugmentedLagrangian,
-        Qp,
-        Lcp,
-    )
+    algorithm.name: algorithm for algorithm in (TrialAndError, Semismooth, Regularised, AugmentedLagrangian, Qp, Lcp)
 }

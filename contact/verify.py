@@ -13,14 +13,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.problem import (
-    ROUNDING_ALONE,
-    WORST_ROUNDING,
-    ContactProblem,
-    Linearised,
-    excused,
-    rounding_floor,
-)
+from contact.problem import ROUNDING_ALONE, WORST_ROUNDING, ContactProblem, Linearised, excused, rounding_floor
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")

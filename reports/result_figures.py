@@ -5,6 +5,7 @@ Which pictures a scene has is decided here; how they look, in figures_tyre and f
 
 from __future__ import annotations
 
+from itertools import takewhile
 from pathlib import Path
 
 import numpy as np
@@ -67,12 +68,11 @@ def mm_per_degree(profile: pd.DataFrame) -> tuple[float, float]:
 
 
 def _load_displacement(cell: Cell) -> str:
-    steps = pd.DataFrame(cell.steps)
-    load = str(steps.columns[0])
-    columns = [str(name) for name in steps if name in (*cell.result["quantities"], "contact_nodes")]
-    names = {name: _words(name) for name in columns}
+    first = cell.steps[0]  # the load, what is read off, then the certificate, which is no number
+    load, *columns = takewhile(lambda name: not isinstance(first[name], dict | list), first)
     named = (load, "load fraction" if load == "load_fraction" else _words(load))
-    return figures_benchmarks.load_displacement({cell.scene: steps}, names, load=named)
+    names = {name: _words(name) for name in columns}
+    return figures_benchmarks.load_displacement({cell.scene: pd.DataFrame(cell.steps)}, names, load=named)
 
 
 def _words(quantity: str) -> str:

@@ -208,10 +208,7 @@ def _record_curve(visited: Visited, trace: Trace, result: Result) -> None:
 
 
 def certificate(
-    problem: ContactProblem,
-    state: ContactSolution,
-    epsilon: float = math.inf,
-    tolerance: float = RESIDUAL_TOLERANCE,
+    problem: ContactProblem, state: ContactSolution, epsilon: float = math.inf, tolerance: float = RESIDUAL_TOLERANCE
 ) -> dict[str, Any]:
     """What the judge says of a state, by the law of its epsilon: failures by name and their diagnosis, kkt, balances.
 

@@ -18,7 +18,7 @@ import pandas as pd
 
 from studies.analysis.fronts import COSTS, WRONG
 from studies.analysis.rows import keys
-from studies.analysis.verify import CHOICES, REFERENCE, headline
+from studies.analysis.verify import REFERENCE, choices, headline
 from studies.complete import complete
 from studies.request import Value, text_of
 from studies.scene import UsageError
@@ -51,8 +51,8 @@ class Question:
     @property
     def settings(self) -> dict[str, Value]:
         """What its cells share of their settings: all that may not be chosen to answer it."""
-        settings = self.cells["request"].iloc[0].settings
-        return {key: value for key, value in settings.items() if key not in CHOICES}
+        settings, free = self.cells["request"].iloc[0].settings, choices()
+        return {key: value for key, value in settings.items() if key not in free}
 
     @property
     def words(self) -> str:
@@ -95,7 +95,7 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     cells["bound"] = cells["error"] + cells["uncertainty"]
     cells = cells[cells[f"cost.{cost}"].notna()].sort_values(f"cost.{cost}", kind="stable")
     found = []
-    for _, rows in cells.groupby(keys(cells, *CHOICES), sort=False):
+    for _, rows in cells.groupby(keys(cells, *choices()), sort=False):
         referred = rows["against"].str.startswith(REFERENCE)
         answered = rows[referred] if referred.any() else rows
         for against, same in answered.groupby("against", sort=False):

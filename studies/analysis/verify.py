@@ -28,20 +28,8 @@ from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
 
 CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
-HOW = (
-    "mesh",
-    "contact",
-    "newton",
-    "steps",
-    "model",
-    "sector_deg",
-    "tolerance",
-    "solver",
-    "epsilon",
-    *own_keys(),
-)  # not what is solved
+HOW = ("mesh", "contact", "newton", "steps", "model", "sector_deg", "tolerance", "solver", "epsilon")
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
-CHOICES = ("measure", *ELEMENT, *HOW)  # what may be chosen to answer; all else is the question
 PARTS = ("mesh", "solver", "formulation", "reference")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),
@@ -49,6 +37,16 @@ COLUMNS = (
 )
 REFERENCE, LIMIT = "reference", "limit"
 EXACT = "exact"  # the measure that the others approximate
+
+
+def how() -> tuple[str, ...]:
+    """What is not solved, but how: with the parameters of every algorithm of the catalogue."""
+    return (*HOW, *own_keys())
+
+
+def choices() -> tuple[str, ...]:
+    """What may be chosen to answer; all else is the question."""
+    return ("measure", *ELEMENT, *how())
 
 
 def headline(table: pd.DataFrame, scene: str) -> str | None:
@@ -69,7 +67,7 @@ def judged(table: pd.DataFrame, scene: str) -> list[str]:
 
 def questions(table: pd.DataFrame) -> pd.Series:
     """What each cell was asked: its request without all that may be chosen to answer it."""
-    return keys(table, *CHOICES)
+    return keys(table, *choices())
 
 
 def main_questions(table: pd.DataFrame) -> pd.Series:
@@ -95,9 +93,9 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     own, best = limits(table)
     solver, tightest = _solver_parts(claimed), _tightest(table)
     names = {scene: judged(table, scene) for scene in claimed["scene"].unique()}
-    rows = []
+    rows, free = [], (*how(), "measure")
     for cell in claimed.to_dict("records"):
-        ladder, asked = cell["request"].key(("mesh",)), cell["request"].key((*HOW, "measure"))
+        ladder, asked = cell["request"].key(("mesh",)), cell["request"].key(free)
         tight_ladder = tightest[cell["request"].key(("mesh", "tolerance"))]
         for name in names[cell["scene"]]:
             value = float(cell.get(f"q.{name}", math.nan))
@@ -150,9 +148,7 @@ def _row(
     ]
 
 
-def limits(
-    table: pd.DataFrame,
-) -> tuple[dict[tuple[str, str], Limit], dict[tuple[str, str, str], tuple[str, Limit]]]:
+def limits(table: pd.DataFrame) -> tuple[dict[tuple[str, str], Limit], dict[tuple[str, str, str], tuple[str, Limit]]]:
     """Limits of each ladder by its key without the mesh, and of the finest ladder of each request and measure.
 
     Of ladders with the same finest mesh the one with the tightest tolerance counts, and of those the stiffest contact.
@@ -161,6 +157,7 @@ def limits(
     best: dict[tuple[str, str, str], tuple[str, Limit]] = {}
     ranks: dict[tuple[str, str, str], tuple[float, ...]] = {}
     names: dict[str, list[str]] = {}
+    free = (*how(), "measure")
     for rungs in ladders(table):
         finest = rungs.iloc[-1]
         rank = (float(finest["size"]), _number(finest, "tolerance", 0.0), -_number(finest, "epsilon", math.inf))
@@ -173,7 +170,7 @@ def limits(
                 continue
             limit = limit_of(rungs["size"].tolist(), values.tolist())
             own[finest["request"].key(("mesh",)), name] = limit
-            key = finest["request"].key((*HOW, "measure")), str(finest["measure"]), name
+            key = finest["request"].key(free), str(finest["measure"]), name
             if key not in ranks or rank < ranks[key]:
                 ranks[key], best[key] = rank, (str(finest["label"]), limit)
     return own, best

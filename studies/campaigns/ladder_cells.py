@@ -111,13 +111,7 @@ LADDERS = (
     ),
     Ladder("tyre", "tyre", _TYRE, _TYRE_MESHES, ("force_N", "centre_pressure_MPa"), {"delta_mm": "20"}),
     Ladder(
-        "tyre-isotropic",
-        "tyre",
-        _TYRE,
-        _TYRE_MESHES,
-        ("force_N", "centre_pressure_MPa"),
-        ISOTROPIC,
-        at="delta_mm=10",
+        "tyre-isotropic", "tyre", _TYRE, _TYRE_MESHES, ("force_N", "centre_pressure_MPa"), ISOTROPIC, at="delta_mm=10"
     ),
 )
 

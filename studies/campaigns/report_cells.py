@@ -30,10 +30,7 @@ def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) ->
 
 
 _TO_20 = {"delta_mm": "20"}
-_ANSWERS = {
-    "exact": {"epsilon": "inf"},
-    "epsilon": {"epsilon": "1e4"},
-}
+_ANSWERS = {"exact": {"epsilon": "inf"}, "epsilon": {"epsilon": "1e4"}}
 
 TYRE = (
     _tyre("paper", {"delta_mm": ",".join(str(d) for d in (5, 10, 15, *range(20, 28)))}),
@@ -156,13 +153,7 @@ def agreement() -> tuple[Cell, ...]:
 _EXACT = {"epsilon": "inf"}
 ROBUSTNESS = (
     *(
-        _tyre(
-            f"one step {way} {mesh}",
-            {**_TO_20, **_EXACT, **settle},
-            mesh=mesh,
-            contact="semismooth",
-            model="half",
-        )
+        _tyre(f"one step {way} {mesh}", {**_TO_20, **_EXACT, **settle}, mesh=mesh, contact="semismooth", model="half")
         for way, settle in (("semismooth", {}), ("semismooth, settle 1", {"settle": "1"}))
         for mesh in ("28x26", "42x40", "84x80")
     ),
@@ -183,10 +174,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "convergence": lambda: CONVERGENCE,
     "agreement": lambda: (*agreement(), *ROBUSTNESS),
     "models": lambda: MODELS,
-    "report": lambda: (
-        *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
-        *(*agreement(), *ROBUSTNESS, *MODELS),
-    ),
+    "report": lambda: (*(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE), *(*agreement(), *ROBUSTNESS, *MODELS)),
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),

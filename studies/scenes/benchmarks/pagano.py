@@ -46,10 +46,7 @@ class Pagano:
     name: str = "pagano"
     title: str = "Simply supported cross-ply plate under a sinusoidal pressure (Pagano 1970)"
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (
-        Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000),
-        *SHELL_SETTINGS,
-    )
+    settings: tuple[Setting, ...] = (Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000), *SHELL_SETTINGS)
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:

@@ -98,10 +98,7 @@ class Panel:
             force, peak = float(touch.force.sum()), float(np.max(touch.pressure))
             return {"force_N": force / (stress * unit**2), "peak_MPa": peak / stress}
 
-        return ContactModel(
-            *(shell, "load_fraction", (1.0,), loaded, foundation),
-            *(nodes, candidates, measured),
-        )
+        return ContactModel(*(shell, "load_fraction", (1.0,), loaded, foundation), *(nodes, candidates, measured))
 
 
 def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]:

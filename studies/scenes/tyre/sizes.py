@@ -152,9 +152,7 @@ def rim_errors(model: Pressed, state: State) -> np.ndarray:
 def pressed(request: Request, model: Pressed) -> list[State]:
     """The states at the travels of the request; raises UsageError when one is not reached."""
     algorithm = Semismooth(
-        epsilon=request.number("epsilon"),
-        tolerance=request.number("tolerance"),
-        solver=request.choice("solver"),
+        epsilon=request.number("epsilon"), tolerance=request.number("tolerance"), solver=request.choice("solver")
     )
     visited = list(walk(model.stages(), algorithm, request.steps))
     last = visited[-1]

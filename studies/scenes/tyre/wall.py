@@ -22,11 +22,7 @@ ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa":
 
 
 def inflated_shell(
-    request: Request,
-    laminate: Laminate,
-    grid: Grid,
-    planes: Sequence[tuple[np.ndarray, int]],
-    images: Images | None,
+    request: Request, laminate: Laminate, grid: Grid, planes: Sequence[tuple[np.ndarray, int]], images: Images | None
 ) -> ShellModel:
     """The shell on the grid, clamped at its edges, under the pressure inside."""
     settings = request.settings
