@@ -17,6 +17,7 @@ from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
 from studies.algorithm_settings import TOLERANCE, parameters_of
+from studies.columns import columns
 from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
 
@@ -57,13 +58,6 @@ def meaning_of(name: str) -> str:
         measure = MEASURES[name]
         return getattr(measure, "meaning", "") or _paragraphs(measure)[0]
     return _paragraphs(ALGORITHMS[name]())[0]
-
-
-def columns(rows: Sequence[Sequence[str]], indent: str = "") -> Iterator[str]:
-    """Rows of words as aligned lines; the last column takes what it needs."""
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        yield (indent + "  ".join(f"{word:{width}s}" for word, width in zip(row, widths, strict=True))).rstrip()
 
 
 def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Setting]) -> Description:

@@ -13,6 +13,7 @@ from studies.analysis.collect import collect
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, identity, plan
+from studies.columns import columns
 from studies.pool.process import Children, Limits, Task
 from studies.store.atomic import SCHEMA, as_text, write_json
 from studies.store.layout import Archive
@@ -47,12 +48,12 @@ def harness(repeats: int = 9, large: int = LARGE) -> list[Cost]:
 
 def lines(costs: list[Cost]) -> Iterator[str]:
     """A table for the terminal."""
-    yield f"{'what':44s}{'s':>10s}{'solve s':>10s}{'beside ms':>11s}  bound"
+    rows = [("what", "s", "solve s", "beside ms", "bound")]
     for cost in costs:
-        solve = "" if cost.solve is None else f"{cost.solve:.4f}"
-        beside = "" if cost.solve is None else f"{1e3 * (cost.seconds - cost.solve):.1f}"
-        bound = f"  {cost.bound}: {'kept' if cost.kept else 'BROKEN'}" if cost.bound else ""
-        yield f"{cost.what:44s}{cost.seconds:10.4f}{solve:>10s}{beside:>11s}{bound}"
+        beside = None if cost.solve is None else (f"{cost.solve:.4f}", f"{1e3 * (cost.seconds - cost.solve):.1f}")
+        bound = f"{cost.bound}: {'kept' if cost.kept else 'BROKEN'}" if cost.bound else ""
+        rows.append((cost.what, f"{cost.seconds:.4f}", *(beside or ("", "")), bound))
+    yield from columns(rows, right=range(1, 4))
 
 
 def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:

@@ -16,6 +16,7 @@ import pandas as pd
 
 from contact.problem import Outcome
 from studies.bench.newton import timed
+from studies.columns import columns
 from studies.complete import complete
 from studies.scene import UsageError
 from studies.scenes.data import read_reference
@@ -108,7 +109,8 @@ def shell_quarter(mesh: str, delta_mm: float) -> tuple[float, int]:
 
 def lines(table: pd.DataFrame) -> Iterator[str]:
     """The table for a terminal."""
-    yield f"{'program':12s}{'elements':>9s}{'unknowns':>10s}{'force/N':>9s}{'error/%':>9s}{'seconds':>9s}{'ratio':>8s}"
-    for row in table.to_dict("records"):
-        told = f"{row['force_N']:9.2f}{100 * row['error']:9.2f}{row['seconds']:9.2f}{row['ratio']:8.1f}"
-        yield f"{row['program']:12s}{row['elements']:>9s}{row['unknowns']:10d}{told}"
+    rows = [("program", "elements", "unknowns", "force/N", "error/%", "seconds", "ratio")]
+    for row in table.assign(error=100 * table["error"]).to_dict("records"):
+        numbers = (f"{row[name]:.2f}" for name in ("force_N", "error", "seconds"))
+        rows.append((row["program"], row["elements"], str(row["unknowns"]), *numbers, f"{row['ratio']:.1f}"))
+    yield from columns(rows, right=range(1, 7))

@@ -28,6 +28,7 @@ from contact.solvers.sparse import Factor, factorise
 from formulations.shell import ShellModel
 from studies.bench.newton import iterate, pressed
 from studies.bench.newton import timed as timed_by
+from studies.columns import columns
 from studies.complete import complete
 from studies.request import Request
 from studies.scene import UsageError
@@ -117,17 +118,13 @@ def exponents(table: pd.DataFrame, smallest: int = FITTED_FROM) -> dict[str, flo
 
 def lines(table: pd.DataFrame, *, floors: bool = False) -> Iterator[str]:
     """The table for a terminal, in ms, with its exponents; ``floors``: each time over that of its floor."""
-    wide = 20 if floors else 14
-    yield (
-        f"{'mesh':>9s}{'dofs':>9s}" + "".join(f"{part:>{wide}s}" for part in TIMES) + f"{'us/element':>12s}{'GiB':>7s}"
-    )
+    rows = [["mesh", "dofs", *TIMES, "us/element", "GiB"]]
     for row in table.to_dict("records"):
         cells = [f"{1e3 * row[f'{part}_s']:.2f}" + _ratio(row, part, floors) for part in TIMES]
         per_element = 1e6 * row["elements_s"] / row["elements"]
-        told = "".join(f"{cell:>{wide}s}" for cell in cells)
-        yield f"{row['mesh']:>9s}{row['dofs']:9d}{told}{per_element:12.2f}{row['peak_GiB']:7.2f}"
-    fitted = "".join(f"{p:{wide}.2f}" for p in exponents(table).values())
-    yield f"{f'exponent from {FITTED_FROM}':>18s}{fitted}"
+        rows.append([row["mesh"], str(row["dofs"]), *cells, f"{per_element:.2f}", f"{row['peak_GiB']:.2f}"])
+    rows.append(["exponent", f"from {FITTED_FROM}", *(f"{p:.2f}" for p in exponents(table).values()), "", ""])
+    yield from columns(rows, right=range(len(rows[0])))
     if floors:
         yield "in brackets: over the machine's floor in the same run, for " + ", ".join(
             f"{part} {floor.replace('_', ' ')}" for part, floor in FLOORS.items()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from studies.columns import columns
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import count, progress_bar
 
@@ -49,10 +50,10 @@ def _newton(options: argparse.Namespace) -> int:
     mesh = options.mesh or MESH
     cost = bench(mesh, repeats=count("repeats", options.repeats))
     print(f"one Newton iteration, tyre {mesh}, {cost.dofs} dofs, medians of {options.repeats}")
-    print(f"{'part':16s}{'ms':>10s}{'/ factorisation':>18s}")
-    for part in ("elements", "scatter", "prediction", "contact", "factorisation", "solution", "total"):
-        seconds = getattr(cost, part)
-        print(f"{part:16s}{1e3 * seconds:10.2f}{seconds / cost.factorisation:18.3f}")
+    parts = ("elements", "scatter", "prediction", "contact", "factorisation", "solution", "total")
+    seconds = {part: getattr(cost, part) for part in parts}
+    rows = [(part, f"{1e3 * s:.2f}", f"{s / cost.factorisation:.3f}") for part, s in seconds.items()]
+    print("\n".join(columns([("part", "ms", "/ factorisation"), *rows], right=range(1, 3))))
     return OK
 
 

@@ -8,8 +8,9 @@ from collections.abc import Iterable
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.file import find, names
+from studies.columns import columns
 from studies.commands import OK
-from studies.descriptions import columns, meaning_of
+from studies.descriptions import meaning_of
 from studies.scenes import SCENES
 
 

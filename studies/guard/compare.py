@@ -17,6 +17,7 @@ import pandas as pd
 
 from studies.analysis.richardson import order_of
 from studies.analysis.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
+from studies.columns import columns
 from studies.guard.baseline import (
     COLUMNS,
     COMMAND,
@@ -209,10 +210,7 @@ def lines(findings: list[Finding], most: int = 40) -> Iterator[str]:
         (f.label, f.column or "the cell", f.what, shortened(f.before), shortened(f.now), f.allowed)
         for f in findings[:most]
     ]
-    header = ("cell", "column", "what", "baseline", "now", "allowed")
-    widths = [max(len(row[i]) for row in [header, *rows]) for i in range(len(header))]
-    for row in [header, *rows]:
-        yield "  ".join(word.ljust(width) for word, width in zip(row, widths, strict=True)).rstrip()
+    yield from columns([("cell", "column", "what", "baseline", "now", "allowed"), *rows])
     if len(findings) > most:
         yield f"and {len(findings) - most} more"
 
