@@ -31,13 +31,11 @@ LIFTS = Setting("load_fraction", (1.0,), "lifts to report", "floats", 0.0, 4.0, 
 SOURCE = "closed form of beam theory, checked by beam elements"
 
 
-def _references() -> tuple[Reference, ...]:
-    found = []
-    for lam in (0.2, 0.5):
-        at: dict[str, float | str] = {"lam_over_unit": lam, "load_fraction": 1.0, "measure": "linear"}
-        for name, value in zip(("free_length", "lift_force"), lifted_strip(lam), strict=True):
-            found.append(Reference(name, value, at, "exact", SOURCE, 1e-6))
-    return tuple(found)
+REFERENCES = tuple(
+    Reference(name, value, {"lam_over_unit": lam, "load_fraction": 1.0, "measure": "linear"}, "exact", SOURCE, 1e-6)
+    for lam in (0.2, 0.5)
+    for name, value in zip(("free_length", "lift_force"), lifted_strip(lam), strict=True)
+)
 
 
 class HeavyStrip:
@@ -47,7 +45,7 @@ class HeavyStrip:
     title: str = "Heavy strip on a plane, lifted at one end"
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (LIFTS, LAMBDA, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
+    references: tuple[Reference, ...] = REFERENCES
 
     def build(self, request: Request) -> SceneModel:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
@@ -74,9 +72,11 @@ class HeavyStrip:
             lift = (total - float(touch.force.sum())) / (WEIGHT * UNIT * B)  # what the plane does not carry
             return {"free_length": begins, "lift_force": lift}
 
-        plane = RigidPlane(UP, H / 2)
+        plane, lifts, candidates = (
+            RigidPlane(UP, H / 2),
+            request.numbers("load_fraction"),
+            outer_face(discretisation, nodes),
+        )
         return ContactModel(
-            *(shell, "load_fraction", request.numbers("load_fraction"), lifted, lambda t: plane),
-            *(nodes, outer_face(discretisation, nodes), measured),
-            lying=True,
+            shell, "load_fraction", lifts, lifted, lambda t: plane, nodes, candidates, measured, lying=True
         )

@@ -17,7 +17,6 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch, outer_face
@@ -91,14 +90,11 @@ class Panel:
             at = front - t * delta
             return RigidPlane(normal, at) if ball is None else Sphere((at + ball) * normal, ball)
 
-        def loaded(t: float) -> ShellModel:
-            return shell.scaled(t)
-
         def measured(t: float, touch: Touch) -> dict[str, float]:
             force, peak = float(touch.force.sum()), float(np.max(touch.pressure))
             return {"force_N": force / (stress * unit**2), "peak_MPa": peak / stress}
 
-        return ContactModel(*(shell, "load_fraction", (1.0,), loaded, foundation), *(nodes, candidates, measured))
+        return ContactModel(shell, "load_fraction", (1.0,), shell.scaled, foundation, nodes, candidates, measured)
 
 
 def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]:

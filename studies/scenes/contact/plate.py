@@ -34,14 +34,11 @@ PRESSURES = Setting("load_fraction", FRACTIONS, "pressures to report, over 64 D 
 SOURCE = "Kirchhoff's plate, checked by axisymmetric elements"
 
 
-def _references() -> tuple[Reference, ...]:
-    found = []
-    for fraction in FRACTIONS:
-        at: dict[str, float | str] = {"load_fraction": fraction, "measure": "linear"}
-        radius, force = plate_contact(64 * fraction)
-        found += [Reference("contact_force", force, at, "exact", SOURCE, 1e-6)]
-        found += [Reference("contact_radius", radius, at, "exact", SOURCE, 1e-6)]
-    return tuple(found)
+REFERENCES = tuple(
+    Reference(name, value, {"load_fraction": fraction, "measure": "linear"}, "exact", SOURCE, 1e-6)
+    for fraction in FRACTIONS
+    for name, value in zip(("contact_force", "contact_radius"), reversed(plate_contact(64 * fraction)), strict=True)
+)
 
 
 class PlateContact:
@@ -51,7 +48,7 @@ class PlateContact:
     title: str = "Clamped circular plate pressed on a plane"
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (PRESSURES, HOLE, EPSILON, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = _references()
+    references: tuple[Reference, ...] = REFERENCES
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results over a and D g/a^2.
@@ -79,7 +76,7 @@ class PlateContact:
             return {"contact_force": force, "contact_radius": float(np.sqrt(excess @ r**2 / excess.sum()) / A)}
 
         foundation = RigidPlane(DOWN, H / 2 + GAP)
+        pressures = request.numbers("load_fraction")
         return ContactModel(
-            *(shell, "load_fraction", request.numbers("load_fraction"), shell.scaled, lambda t: foundation),
-            *(nodes, candidates, measured),
+            shell, "load_fraction", pressures, shell.scaled, lambda t: foundation, nodes, candidates, measured
         )

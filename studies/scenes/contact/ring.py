@@ -79,4 +79,4 @@ class Ring:
         def plate(delta: float) -> RigidPlane:
             return RigidPlane(AWAY, RADIUS + h / 2 - delta)
 
-        return ContactModel(*(shell, "delta_mm", deltas, lambda delta: shell, plate), *(nodes, candidates, measured))
+        return ContactModel(shell, "delta_mm", deltas, lambda delta: shell, plate, nodes, candidates, measured)

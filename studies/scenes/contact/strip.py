@@ -102,7 +102,7 @@ class ClampedStrip:
             half_force = float(touch.force.sum()) * A**3 / (B * D * GAP)
             return {"half_force": half_force, "free_length": begins, "edge_pressure": pressure}
 
+        pressures, candidates = request.numbers("load_fraction"), outer_face(discretisation, nodes)
         return ContactModel(
-            *(shell, "load_fraction", request.numbers("load_fraction"), shell.scaled, lambda q: plane),
-            *(nodes, outer_face(discretisation, nodes), measured),
+            shell, "load_fraction", pressures, shell.scaled, lambda q: plane, nodes, candidates, measured
         )

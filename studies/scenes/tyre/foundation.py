@@ -70,7 +70,7 @@ def foundation(settings: Mapping[str, Value]) -> Foundation:
         return RigidPlane(NORMAL, 0.0)
     if name == "cleat":
         try:
-            pieces = cleat(*(size[f"cleat_{key}"] for key in ("height_mm", "top_mm", "flank_deg", "rounding_mm")))
+            pieces = cleat(*(size[key] for key in PARAMETERS["cleat"]))
         except ValueError as error:
             raise UsageError(f"no such cleat: {error}") from None
         return Profile(NORMAL, size["cleat_height_mm"], TRAVEL, 0.0, pieces)
