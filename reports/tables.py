@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import math
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,13 +66,18 @@ class StoreError(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """One solved request: ``result`` is result.json, the tables are read when asked for."""
+    """One solved request: ``result`` is result.json, the tables are read when asked for.
+
+    expected: why it is expected not to go as asked, if so. group: the list of the campaign that it is of.
+    """
 
     label: str
     scene: str
     command: str
     directory: Path
     result: Mapping[str, Any]
+    expected: str = ""
+    group: str = ""
 
     @property
     def converged(self) -> bool:
@@ -175,7 +179,8 @@ class Store:
         ]
         unique: dict[str, Planned] = {}
         for each in matching:
-            unique.setdefault(json.dumps(each.asked, sort_keys=True), each)
+            deciding = {name: value for name, value in each.asked.items() if name != "model_reason"}
+            unique.setdefault(json.dumps(deciding, sort_keys=True), each)
         return [self.cell(each.label) for each in unique.values()]
 
     def find(self, **wanted: Any) -> Cell:
@@ -191,13 +196,6 @@ class Store:
                 f"{self.path}: campaign {self.campaign!r} has {count}{names} with {asked}; the pages need one"
             )
         return found[0]
-
-    def matching(self, pattern: str) -> list[Cell]:
-        """The cells whose whole label matches a regular expression; raises StoreError when there is none."""
-        found = [cell for label, cell in self.cells.items() if re.fullmatch(pattern, label)]
-        if not found:
-            raise StoreError(f"{self.path}: campaign {self.campaign!r} has no cell {pattern!r}, which the pages need")
-        return found
 
     def references_of(self, scene: str, quantity: str, kind: str) -> list[Mapping[str, Any]]:
         """The references of a quantity; raises StoreError when there is none."""
@@ -261,7 +259,10 @@ def load_store(path: Path, campaign: str | None = None) -> Store:
         _require(row, REFERENCE_KEYS, path / "references.json")
     planned = tuple(_planned(path, index_path, row) for row in index["cells"])
     cells = {
-        row["label"]: Cell(each.label, each.scene, each.command, path / "cells" / str(each.id), each.result)
+        row["label"]: Cell(
+            *(each.label, each.scene, each.command, path / "cells" / str(each.id), each.result),
+            *(row.get("expected", ""), row.get("group", "")),
+        )
         for row, each in zip(index["cells"], planned, strict=True)
         if row["files"] and each.result is not None
     }

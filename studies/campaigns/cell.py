@@ -8,9 +8,10 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Cell:
-    """A labelled request: ``label`` is what the report asks for, ``options`` are those of ``footprint solve``.
+    """A labelled request: ``label`` is for people, ``options`` are those of ``footprint solve``.
 
-    artefacts: its fields and tables are kept beside its record.
+    artefacts: its fields and tables are kept beside its record.  group: the list that it is of.
+    expected: why it is expected not to go as asked, if so.
     """
 
     label: str
@@ -18,6 +19,8 @@ class Cell:
     options: dict[str, Any] = field(default_factory=dict)
     settings: dict[str, str] = field(default_factory=dict)
     artefacts: bool = True
+    expected: str = ""
+    group: str = ""
 
     @property
     def command(self) -> str:

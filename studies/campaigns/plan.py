@@ -39,7 +39,8 @@ class Row:
         cell = self.cell
         told = {"label": cell.label, "id": self.id, "scene": cell.scene, "command": cell.command}
         asked = {"options": cell.options, "settings": cell.settings, "files": cell.artefacts}
-        return {**told, **asked, "request": self.request, "reason": self.reason}
+        known = {name: value for name in ("expected", "group") if (value := getattr(cell, name))}
+        return {**told, **asked, **known, "request": self.request, "reason": self.reason}
 
 
 def plan(campaign: Campaign) -> list[Row]:

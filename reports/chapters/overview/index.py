@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 
-from reports import labels
 from reports.chapters.overview.headlines import headlines
 from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.chapters.shells.benchmarks import BENCHMARKS
 from reports.chapters.shells.convergence import comparisons, sequences
 from reports.chapters.shells.locking import worst_energy
-from reports.chapters.tyre.algorithms import relative_difference, set_difference
+from reports.chapters.shells.newton_steps import load_steps
+from reports.chapters.tyre.algorithms import relative_difference, set_difference, yardstick
+from reports.chapters.tyre.cells import ALGORITHMS, BASE, DELTA, FINE, FOLLOWER, SLOWEST
 from reports.chapters.tyre.meshes import change, isotropic_differences
 from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
@@ -34,7 +35,7 @@ def _completeness(store: Store) -> str:
     parts = ["## Completeness", completeness(store)]
     parts.append(table("Cells behind the pages", header, rows))
     asked = [cell for cell in cells if not cell.unsupported]  # what an algorithm refuses stands on its own page
-    unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.label in labels.EXPECTED_TO_FAIL]
+    unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.expected]
     if unusual:
         title = "Cells that did not go as asked, or were not expected to"
         parts.append(table(title, ["cell", "what happened", "expected"], (_unusual(cell) for cell in unusual), words=3))
@@ -60,7 +61,7 @@ def _unusual(cell: Cell) -> list[str]:
         happened = f"not converged: {cell.result['outcome']}"
     else:
         happened = "converged after its step was cut" if cell.cuts() else "converged as asked"
-    return [cell.label, happened, labels.EXPECTED_TO_FAIL.get(cell.label, "converges as asked")]
+    return [cell.label, happened, cell.expected or "converges as asked"]
 
 
 def _findings(store: Store) -> str:
@@ -70,17 +71,17 @@ def _findings(store: Store) -> str:
 
 def _linear(store: Store) -> str:
     pairs = forces(store)
-    (first, (low, high)), (linear, exact) = next(iter(pairs.items())), pairs[labels.DELTA]
+    (first, (low, high)), (linear, exact) = next(iter(pairs.items())), pairs[DELTA]
     return (
-        f"**Linear against geometrically exact strains.** At a travel of {labels.DELTA:g} mm linear "
+        f"**Linear against geometrically exact strains.** At a travel of {DELTA:g} mm linear "
         f"strains give {fixed(linear, 1)} N, exact ones {fixed(exact, 1)} N: the force is {fixed(linear / exact, 2)} "
         f"times as large. At {first:g} mm it is {fixed(low / high, 2)} times as large."
     )
 
 
 def _newton(store: Store) -> str:
-    names = (labels.ONE_STEP_MIXED, labels.TWENTY_STEPS_PLAIN, labels.BASE, labels.SLOWEST)
-    mixed, plain, fast, slow = (store.cell(name) for name in names)
+    mixed, _, plain = load_steps(store)
+    fast, slow = store.find(**BASE), store.find(**SLOWEST)
     counts = [cell.result["counters"]["newton_iterations"] for cell in (mixed, plain, fast, slow)]
     return (
         f"**Mixed against plain Newton.** The hemisphere takes {counts[0]} iterations in one "
@@ -98,8 +99,7 @@ than the element of the paper for {counts[0]} of {len(found)} quantities, equal 
 
 
 def _agreement(store: Store) -> str:
-    exact = [c for c in store.matching(labels.ALGORITHMS) if c.result["settings"]["epsilon"] == "inf"]
-    pairs = [(c, store.cell(labels.REFERENCE.format(measure=c.result["measure"]))) for c in exact]
+    pairs = [(c, yardstick(store, c)) for c in store.select(**ALGORITHMS, epsilon=math.inf)]
     pairs = [(cell, reference) for cell, reference in pairs if cell is not reference]
     same = sum(set_difference(cell, reference) == 0 for cell, reference in pairs)
     offs = [abs(off) for off in (relative_difference(*pair) for pair in pairs) if not math.isnan(off)]
@@ -123,9 +123,9 @@ def _convergence(store: Store) -> str:
 
 
 def _limitations(store: Store) -> str:
-    c = reading(store.analysis("tyre_comparison"), labels.DELTA)
-    mesh = change(store.cell(labels.FINE), store.cell(labels.BASE))
-    follower = change(store.cell(labels.FOLLOWER), store.cell(labels.BASE))
+    c = reading(store.analysis("tyre_comparison"), DELTA)
+    mesh = change(store.find(**FINE), store.find(**BASE))
+    follower = change(store.find(**FOLLOWER), store.find(**BASE))
     coarse, fine = (
         max((abs(d) for d in column if not math.isnan(d)), default=None)
         for column in list(zip(*isotropic_differences(store), strict=True))[1:]
@@ -136,7 +136,7 @@ def _limitations(store: Store) -> str:
     off = float(errors.loc[(errors["quantity"] == quantity) & (errors["load"] == 1.0), "model_part"].iloc[0])
     return prose(f"""## Known limitations
 
-- The origin of the plane's travel in the paper is not known. Counted from first touch, at {labels.DELTA:g} mm the
+- The origin of the plane's travel in the paper is not known. Counted from first touch, at {DELTA:g} mm the
   centre pressure is {fixed(c["centre_MPa"], 3)} MPa (printed: {fixed(c["printed_centre_MPa"], 3)}), but {c["outside"]}
   of the {c["printed_nodes"]} printed nodes are not in contact.
 - The paper's mesh is coarse: halving its elements changes the force by {percent(mesh)}. Its dead load is a model; a

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-from reports import labels
 from reports.chapter import Chapter
 from reports.chapters.shells import figures_measures
 from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, percent, picture, prose, table
@@ -23,6 +22,9 @@ WORDS = {  # of a scene: what is judged, and over what
     "roof-a": ("deflection of the crown", "load fraction"),
     "shallow-cap": ("deflection of the apex", "load fraction"),
 }
+
+WHOLE = {"scene": "hemisphere", "measure": "exact", "newton": "mixed", "steps": 1, "load_fraction": 1}
+OPTIONS, MESHES = ("interpolation", "thickness_strain", "membrane"), ("8x8", "16x16", "32x32")
 
 
 def measures_page(store: Store) -> Part:
@@ -77,13 +79,11 @@ def element_part(store: Store) -> Part:
     """The hemisphere on three meshes by the options of the element."""
     reference = store.reference("hemisphere", "inward_mm", "read", load_fraction=1.0)
     rows, lines = [], []
-    names = ("interpolation", "thickness", "membrane")
-    any_of_them = dict.fromkeys(names, r"\S+")
-    for first in store.matching(labels.ELEMENT.format(n=labels.ELEMENT_MESHES[0], **any_of_them)):
-        row = first.label.split()[2:]
-        options = dict(zip(names, row, strict=True))
-        for n in labels.ELEMENT_MESHES:
-            cell = store.cell(labels.ELEMENT.format(n=n, **options))
+    for first in store.select(**WHOLE, mesh=MESHES[0]):
+        options = {name: first.result["settings"][name] for name in OPTIONS}
+        row = list(options.values())
+        for mesh in MESHES:
+            cell = store.find(**WHOLE, **options, mesh=mesh)
             value = cell.value("inward_mm", load_fraction=1.0)
             row.append(f"{fixed(value, 3)} ({percent(value / float(reference['value']) - 1)})")
             lines.append(cell.command)
@@ -95,7 +95,7 @@ linear membrane modes a curved element keeps. The first row is the element of th
 `element=refined`, is curvilinear, nodal and relaxed: [over all scenes](convergence.md#which-element) that is the better
 one. Hemisphere with a hole under the whole load, inward displacement in mm; in brackets the difference from the
 published {fixed(float(reference["value"]), 3)}, which is itself a finite-element result.""")
-    header = ["interpolation", "thickness strain", "membrane", *(f"{n}x{n}" for n in labels.ELEMENT_MESHES)]
+    header = ["interpolation", "thickness strain", "membrane", *MESHES]
     return Part(
         "\n\n".join([text, table("Inward displacement of the hemisphere", header, rows, words=3), commands(lines)])
     )

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
-from reports import labels
+from reports.chapters.tyre.cells import ISOTROPIC_FINE
 from reports.markdown import Part, commands, digits, fixed, percent, prose, table
 from reports.tables import Store
+
+PENALTY = 20.0  # MPa/mm, NGSolve's
 
 
 def solid_part(store: Store) -> Part:
@@ -33,9 +36,8 @@ def solid_part(store: Store) -> Part:
 
 def _settings(store: Store) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
     """Of the solid and of the shell."""
-    found = (labels.SOLID.format(mesh=labels.SOLID_MESHES[-1]), labels.ISOTROPIC_FINE)
-    solid, shell = (store.cell(label).result["settings"] for label in found)
-    return solid, shell
+    solid, shell = store.find(scene="tyre-solid", mesh="56x72", epsilon=math.inf), store.find(**ISOTROPIC_FINE)
+    return solid.result["settings"], shell.result["settings"]
 
 
 def _introduction(store: Store, forces: pd.DataFrame) -> str:
@@ -81,7 +83,7 @@ def _parts(title: str, first: str, data: pd.DataFrame) -> str:
 
 
 def _penalty(store: Store, changes: pd.DataFrame) -> str:
-    soft = store.cell(labels.SOLID_PENALTY).result
+    soft = store.find(scene="tyre-solid", epsilon=PENALTY).result
     each = ", ".join(f"{percent(row['value'])} at {row['at']} mm" for row in changes.to_dict("records"))
     return prose(f"""NGSolve holds the plane by a penalty of {soft["settings"]["epsilon"]:g} MPa/mm. The same
 penalty changes the force of our solid ({soft["mesh"]}) by {each}; that much of the difference between the two

@@ -6,9 +6,9 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
-from reports import labels
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_cost
+from reports.chapters.tyre.cells import DELTA
 from reports.markdown import (
     NOTHING,
     Part,
@@ -47,7 +47,7 @@ def _models(store: Store) -> Part:
         rows.append([*named, *counts, *(_difference(row[name], same_at) for name in ("force_off", "pressure_off"))])
         spent = [fixed(result["timing_s"].get(name, 0.0), 2) for name in TIMES]
         times.append([*named, *spent, percent(row["time_share"], 0, sign=False)])
-    delta = fixed(labels.DELTA, 0)
+    delta = fixed(DELTA, 0)
     text = prose(f"""## Do less: a part of the tyre
 
 Inflation is the same all around and is solved on one column of elements; pressed to {delta} mm on a mesh of
@@ -64,7 +64,7 @@ mirror is refused for angle plies.""")
 
 def _precision(store: Store) -> Part:
     """Force against unknowns on uniform, hand-made and adapted grids."""
-    needed, delta = store.analysis("grids_reaching"), fixed(labels.DELTA, 0)
+    needed, delta = store.analysis("grids_reaching"), fixed(DELTA, 0)
     within = percent(store.rules()["within"], 0, sign=False)
     rows, times = [], []
     for row in needed.to_dict("records"):

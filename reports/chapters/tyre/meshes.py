@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from reports import labels
 from reports.chapters.tyre import figures as figures_tyre
+from reports.chapters.tyre.cells import BASE, DELTA, FINE, FOLLOWER, FOLLOWER_FINE, ISOTROPIC, ISOTROPIC_FINE
 from reports.markdown import Part, commands, fixed, joined, percent, picture, prose, table
 from reports.tables import Cell, Store
 
@@ -23,15 +23,12 @@ def meshes_part(store: Store) -> Part:
 
 def change(fine: Cell, coarse: Cell, quantity: str = "force_N") -> float:
     """Relative difference of a quantity at 20 mm: fine over coarse, less one."""
-    values = [cell.value(quantity, delta_mm=labels.DELTA) for cell in (fine, coarse)]
+    values = [cell.value(quantity, delta_mm=DELTA) for cell in (fine, coarse)]
     return values[0] / values[1] - 1.0
 
 
 def _meshes(store: Store) -> Part:
-    pairs = [
-        (store.cell(coarse), store.cell(fine))
-        for coarse, fine in ((labels.BASE, labels.FINE), (labels.FOLLOWER, labels.FOLLOWER_FINE))
-    ]
+    pairs = [(store.find(**coarse), store.find(**fine)) for coarse, fine in ((BASE, FINE), (FOLLOWER, FOLLOWER_FINE))]
     rows = []
     for coarse, fine in pairs:
         for cell in (coarse, fine):
@@ -43,7 +40,7 @@ def _meshes(store: Store) -> Part:
     dead, follower = (pair[0] for pair in pairs)
     text = prose(f"""## Mesh and load
 
-The paper's mesh is {dead.result["mesh"]}; halving every element changes the force at Δ = {labels.DELTA:g} mm by
+The paper's mesh is {dead.result["mesh"]}; halving every element changes the force at Δ = {DELTA:g} mm by
 {percent(change(pairs[0][1], dead))} with the paper's dead load on the mid-surface, and by
 {percent(change(pairs[1][1], follower))} with a pressure that follows the true inner face, as in a real tyre. On the
 same mesh the following load changes the force by {percent(change(follower, dead))}.""")
@@ -58,13 +55,13 @@ def _kind(cell: Cell) -> list[str]:
 
 def _values(cell: Cell) -> list[str]:
     decimals = {"force_N": 2, "centre_pressure_MPa": 4, "contact_nodes": 0, "half_length_mm": 2, "half_width_mm": 2}
-    return [fixed(cell.value(quantity, delta_mm=labels.DELTA), places) for quantity, places in decimals.items()]
+    return [fixed(cell.value(quantity, delta_mm=DELTA), places) for quantity, places in decimals.items()]
 
 
 def isotropic_differences(store: Store) -> list[tuple[float, float, float]]:
     """Travel and relative difference of the force from NGSolve, on the coarse and on the fine mesh."""
     solid = store.reference_table(SOLID, SOLID_COLUMNS)
-    cells = store.cell(labels.ISOTROPIC), store.cell(labels.ISOTROPIC_FINE)
+    cells = store.find(**ISOTROPIC), store.find(**ISOTROPIC_FINE)
     found = []
     for delta, force in zip(solid["delta_mm"], solid["force_N_ngsolve"], strict=True):
         coarse, fine = (cell.value("force_N", delta_mm=delta) / force - 1.0 for cell in cells)
@@ -74,7 +71,7 @@ def isotropic_differences(store: Store) -> list[tuple[float, float, float]]:
 
 def _solid_loads(store: Store) -> Part:
     solid = store.reference_table(SOLID, SOLID_COLUMNS)
-    cells = store.cell(labels.ISOTROPIC), store.cell(labels.ISOTROPIC_FINE)
+    cells = store.find(**ISOTROPIC), store.find(**ISOTROPIC_FINE)
     rows, extents = [], []
     for (_, row), (delta, coarse, fine) in zip(solid.iterrows(), isotropic_differences(store), strict=True):
         forces = [cell.value("force_N", delta_mm=delta) for cell in cells]
@@ -89,7 +86,7 @@ def _solid_loads(store: Store) -> Part:
     header = ["Δ [mm]", *(f"P {mesh} [N]" for mesh in meshes), "P NGSolve [N]", "P CalculiX [N]"]
     header += [*(f"{mesh} - NGSolve" for mesh in meshes), "CalculiX - NGSolve"]
     names = [f"half {name} {who} [mm]" for name in ("length", "width") for who in (*meshes, "solid")]
-    source = store.reference("tyre", "force_N", "computed", delta_mm=labels.DELTA)
+    source = store.reference("tyre", "force_N", "computed", delta_mm=DELTA)
     s = cells[0].result["settings"]
     text = prose(f"""## An isotropic tyre against three-dimensional solids
 
@@ -117,7 +114,7 @@ def mid_displacement(profile: pd.DataFrame) -> pd.DataFrame:
 
 def _solid_inflation(store: Store) -> Part:
     solid = store.reference_table(INFLATION, ["psi_deg", *(f"{name}_mm" for name in DIRECTIONS)])
-    cells = [store.cell(labels.ISOTROPIC), store.cell(labels.ISOTROPIC_FINE)]
+    cells = [store.find(**ISOTROPIC), store.find(**ISOTROPIC_FINE)]
     inflated = [cell for cell in cells if EQUATOR.format(face="inner") in cell.result["quantities"]]
     moved = {cell.result["mesh"]: mid_displacement(cell.table("profile")) for cell in inflated}
     rows = []

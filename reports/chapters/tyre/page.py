@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from reports import labels
 from reports.chapter import Chapter
 from reports.chapters.tyre.algorithms import algorithms_part, costs_part
+from reports.chapters.tyre.cells import CURVES, PAPER
 from reports.chapters.tyre.meshes import meshes_part
 from reports.chapters.tyre.paper import paper_part
 from reports.chapters.tyre.printed_pressures import printed_part
@@ -28,8 +28,8 @@ touches first. Pressures are contact pressures, positive in compression. The ele
 
 def tyre_page(store: Store) -> Part:
     """The whole page."""
-    for delta in labels.CURVES:  # without these indentations there is no page
-        store.cell(labels.PAPER).step(delta_mm=delta)
+    for delta in CURVES:  # without these indentations there is no page
+        store.find(**PAPER).step(delta_mm=delta)
     sections = (paper_part, printed_part, algorithms_part, meshes_part, costs_part)
     return joined([Part(INTRODUCTION), *(section(store) for section in sections)])
 

@@ -6,32 +6,35 @@ from typing import Any
 
 import numpy as np
 
-from reports import labels
 from reports.chapters.tyre import figures as figures_tyre
+from reports.chapters.tyre.cells import CURVES, DELTA, FOLLOWER, ISOTROPIC, LINEAR, PAPER
 from reports.maps import along_meridian, at_delta, pressure_map
 from reports.markdown import Part, commands, fixed, joined, picture, prose, scientific, table
 from reports.result_figures import mm_per_degree
-from reports.tables import Store
+from reports.tables import Cell, Store
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
 
 
 def paper_part(store: Store) -> Part:
     """What the paper's tyre does."""
-    names = (labels.PAPER, labels.LINEAR, labels.FOLLOWER, labels.ISOTROPIC)
     sections = (_load, _linear_and_exact, _inflation, _profiles, _pressures)
-    return joined([*(section(store) for section in sections), Part(commands(store.cell(n).command for n in names))])
+    return joined([*(section(store) for section in sections), Part(commands(cell.command for cell in _tyres(store)))])
+
+
+def _tyres(store: Store) -> list[Cell]:
+    return [store.find(**asked) for asked in (PAPER, LINEAR, FOLLOWER, ISOTROPIC)]
 
 
 def forces(store: Store) -> dict[float, tuple[float, float]]:
     """Forces of the linear and of the exact measure [N] by the travels of the latter up to 20 mm."""
-    cells = store.cell(labels.LINEAR), store.cell(labels.PAPER)
-    reached = [step["delta_mm"] for step in cells[1].steps if step["delta_mm"] <= labels.DELTA]
+    cells = store.find(**LINEAR), store.find(**PAPER)
+    reached = [step["delta_mm"] for step in cells[1].steps if step["delta_mm"] <= DELTA]
     return {d: (cells[0].value("force_N", delta_mm=d), cells[1].value("force_N", delta_mm=d)) for d in reached}
 
 
 def _load(store: Store) -> Part:
-    cell = store.cell(labels.PAPER)
+    cell = store.find(**PAPER)
     s = cell.result["settings"]
     text = prose(f"""## The paper's tyre under a plane
 
@@ -60,13 +63,13 @@ def _load_row(step: dict[str, Any]) -> list[str]:
 
 
 def _linear_and_exact(store: Store) -> Part:
-    paper, linear = store.cell(labels.PAPER), store.cell(labels.LINEAR)
+    paper, linear = store.find(**PAPER), store.find(**LINEAR)
     pairs = forces(store)
     rows = [[f"{d:g}", fixed(low, 2), fixed(high, 2), fixed(low / high, 3)] for d, (low, high) in pairs.items()]
-    linear_20, exact_20 = pairs[labels.DELTA]
+    linear_20, exact_20 = pairs[DELTA]
     text = prose(f"""### Linear against geometrically exact strains
 
-At Δ = {labels.DELTA:g} mm the linear measure needs {fixed(linear_20 / exact_20, 3)} times the force of the exact one.
+At Δ = {DELTA:g} mm the linear measure needs {fixed(linear_20 / exact_20, 3)} times the force of the exact one.
 The paper says "about two". Each measure counts Δ from the first touch of its own inflated tyre.""")
     header = ["Δ [mm]", "P linear [N]", "P exact [N]", "linear / exact"]
     curves = {
@@ -81,9 +84,8 @@ The paper says "about two". Each measure counts Δ from the first touch of its o
 
 
 def _inflation(store: Store) -> Part:
-    cells = [store.cell(name) for name in (labels.PAPER, labels.LINEAR, labels.FOLLOWER, labels.ISOTROPIC)]
     rows = []
-    for cell in cells:
+    for cell in _tyres(store):
         settings, growth = cell.result["settings"], cell.result["quantities"]
         wall = "isotropic" if "E_MPa" in settings else f"plies at ±{settings['gamma_deg']:g} deg"
         what = f"{wall}, {cell.result['measure']} strains, {settings['load']} load, {settings['pressure_area']} area"
@@ -99,20 +101,20 @@ def _inflation(store: Store) -> Part:
 
 
 def _profiles(store: Store) -> Part:
-    cell = store.cell(labels.PAPER)
+    cell = store.find(**PAPER)
     name = "tyre-profiles.svg"
     text = (
         f"### Deformed meridian\n\nInner and outer face at φ = 0, where the plane touches first.\n\n"
         f"{picture(name, 'Meridian profiles: unloaded, inflated and pressed')}"
     )
-    return Part(text, {name: figures_tyre.profiles(cell.table("profile"), labels.CURVES)})
+    return Part(text, {name: figures_tyre.profiles(cell.table("profile"), CURVES)})
 
 
 def _pressures(store: Store) -> Part:
-    cell = store.cell(labels.PAPER)
+    cell = store.find(**PAPER)
     contact = cell.table("contact")
-    curves = {f"Δ = {delta:g} mm": along_meridian(at_delta(contact, delta)) for delta in labels.CURVES}
-    pressures = pressure_map(at_delta(contact, labels.DELTA))
+    curves = {f"Δ = {delta:g} mm": along_meridian(at_delta(contact, delta)) for delta in CURVES}
+    pressures = pressure_map(at_delta(contact, DELTA))
     highest = float(pressures.max().max())
     row, column = np.argwhere(pressures.to_numpy() == highest)[0]
     at_psi, at_phi = abs(float(pressures.index[row])), abs(float(pressures.columns[column]))
@@ -122,7 +124,7 @@ def _pressures(store: Store) -> Part:
         [
             "### Contact pressure",
             picture(names[0], "Contact pressure along the meridian under three travels"),
-            f"At Δ = {labels.DELTA:g} mm the outermost nodes in contact lie at φ = ±{phi:g} deg and ψ = ±{psi:g} deg; "
+            f"At Δ = {DELTA:g} mm the outermost nodes in contact lie at φ = ±{phi:g} deg and ψ = ±{psi:g} deg; "
             f"the highest pressure is {fixed(highest, 3)} MPa, at |φ| = {at_phi:g} deg and |ψ| = {at_psi:g} deg.",
             picture(names[1], "Contact pressure over the patch, with its outline"),
         ]

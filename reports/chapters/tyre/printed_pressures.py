@@ -8,8 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from reports import labels
 from reports.chapters.tyre import figures as figures_tyre
+from reports.chapters.tyre.cells import DELTA, PAPER
 from reports.maps import at_delta
 from reports.markdown import Part, commands, fixed, folded, joined, percent, picture, prose, scientific, table
 from reports.tables import Cell, Store
@@ -22,7 +22,7 @@ COUNTS = ("core_nodes", "nodes", "printed_nodes", "both", "in_one_only")
 
 def printed_part(store: Store) -> Part:
     """The printed table and ours."""
-    cell, found = store.cell(labels.PAPER), store.analysis("tyre_comparison")
+    cell, found = store.find(**PAPER), store.analysis("tyre_comparison")
     best = float(found.loc[found["best"], "delta_mm"].iloc[0])
     parts = [_readings(store, cell, found, best), _travels(found), _tables(store, best), _symmetry(store, cell, best)]
     return joined([*parts, Part(commands([cell.command]))])
@@ -36,9 +36,9 @@ def reading(found: pd.DataFrame, delta: float, per_label: float = HALF) -> Mappi
 
 def _readings(store: Store, cell: Cell, found: pd.DataFrame, best: float) -> Part:
     readings = {
-        f"(a) Δ = {labels.DELTA:g} mm, φ = row label / 2": reading(found, labels.DELTA),
+        f"(a) Δ = {DELTA:g} mm, φ = row label / 2": reading(found, DELTA),
         f"(b) Δ = {best:g} mm, φ = row label / 2": reading(found, best),
-        f"(c) Δ = {labels.DELTA:g} mm, φ = row label": reading(found, labels.DELTA, LITERAL),
+        f"(c) Δ = {DELTA:g} mm, φ = row label": reading(found, DELTA, LITERAL),
     }
     rows = [
         [words, *_comparison(row), *(fixed(row[name], 1) for name in ("force_N", "printed_sum_N"))]
@@ -49,7 +49,7 @@ def _readings(store: Store, cell: Cell, found: pd.DataFrame, best: float) -> Par
     first, *_, literal = readings.values()
     text = prose(f"""## The printed table
 
-The paper prints one table of contact pressures, for Δ = {labels.DELTA:g} mm. Its columns are ψ in degrees; what its
+The paper prints one table of contact pressures, for Δ = {DELTA:g} mm. Its columns are ψ in degrees; what its
 rows and its Δ mean has to be read into it, so every number below is given under a stated reading. Reading (b) takes the
 travel of the cell `{cell.label}` that has the smallest core rms; where the paper counts Δ from is not known.
 
@@ -69,14 +69,14 @@ def _comparison(row: Mapping[str, Any]) -> list[str]:
 
 def _literal(store: Store, cell: Cell, row: Mapping[str, Any]) -> str:
     """Why row labels are not phi in degrees."""
-    profile, contact = cell.table("profile"), at_delta(cell.table("contact"), labels.DELTA)
+    profile, contact = cell.table("profile"), at_delta(cell.table("contact"), DELTA)
     crown = float(profile.loc[profile["state"] == "inflated", "outer_radial_mm"].max())
-    reach = math.degrees(math.acos(1.0 - labels.DELTA / crown))
+    reach = math.degrees(math.acos(1.0 - DELTA / crown))
     nodes = store.analysis("tyre_printed_nodes").dropna(subset="printed_MPa")
     patch = float(contact.loc[contact["active"] == 1, "phi_deg"].abs().max())
     return (
         f"Reading (c) cannot be meant: {row['outside']} of the {row['printed_nodes']} printed entries lie off our "
-        f"patch, which ends at φ = ±{patch:g} deg. A plane {labels.DELTA:g} mm inside the inflated crown circle of "
+        f"patch, which ends at φ = ±{patch:g} deg. A plane {DELTA:g} mm inside the inflated crown circle of "
         f"radius {fixed(crown, 1)} mm does not even reach beyond φ = ±{fixed(reach, 1)} deg, but pressures are printed "
         f"up to the row label {nodes['row_label'].abs().max():g}."
     )
@@ -95,14 +95,14 @@ def _tables(store: Store, best: float) -> Part:
         delta: tuple(
             own.pivot(index="row_label", columns="psi_deg", values=f"{who}_MPa") for who in ("pressure", "printed")
         )
-        for delta in dict.fromkeys((labels.DELTA, best))
+        for delta in dict.fromkeys((DELTA, best))
         for own in [nodes[nodes["delta_mm"] == delta]]
     }
     name = "tyre-printed-difference.svg"
     panels = {f"Δ = {delta:g} mm": (ours, printed) for delta, (ours, printed) in maps.items()}
-    ours, printed = maps[labels.DELTA]
+    ours, printed = maps[DELTA]
     title = f"{PRINTED_FACTOR:g} p [MPa]; rows: printed label = 2 φ; columns: ψ [deg]"
-    tables = [_table(f"Printed: {title}", printed), _table(f"Ours, Δ = {labels.DELTA:g} mm: {title}", ours)]
+    tables = [_table(f"Printed: {title}", printed), _table(f"Ours, Δ = {DELTA:g} mm: {title}", ours)]
     text = [
         picture(name, "Relative difference from the printed table"),
         folded("Both tables in full", "\n\n".join(tables)),
@@ -119,8 +119,8 @@ def _table(title: str, pressures: pd.DataFrame) -> str:
 
 
 def _symmetry(store: Store, cell: Cell, best: float) -> Part:
-    data, own = store.analysis("tyre_symmetry"), reading(store.analysis("tyre_comparison"), labels.DELTA)
-    ours = {delta: data[data["delta_mm"] == delta] for delta in dict.fromkeys((labels.DELTA, best))}
+    data, own = store.analysis("tyre_symmetry"), reading(store.analysis("tyre_comparison"), DELTA)
+    ours = {delta: data[data["delta_mm"] == delta] for delta in dict.fromkeys((DELTA, best))}
     print_ = data[data["who"] == "printed"]
     maps = {**{f"ours, Δ = {delta:g} mm": rows for delta, rows in ours.items()}, "printed": print_}
     both = ("blank_is_zero_MPa", "both_touch_MPa")
@@ -131,15 +131,15 @@ def _symmetry(store: Store, cell: Cell, best: float) -> Part:
     header = ["largest difference [MPa]", *(f"{name}, {over}" for name in maps for over in ("blank = 0", "both touch"))]
     central, mirror = (float(value) for value in print_["both_touch_MPa"].iloc[:2])
     to_what = "to its last digit" if central < PRINTED_DIGIT / 2 else f"to {fixed(central, 3)} MPa"
-    off = float(ours[labels.DELTA]["blank_is_zero_MPa"].iloc[1:].max())
-    peak = float(at_delta(cell.table("contact"), labels.DELTA)["pressure_MPa"].max())
-    turned = cell.step(delta_mm=labels.DELTA)["central_asymmetry"]
+    off = float(ours[DELTA]["blank_is_zero_MPa"].iloc[1:].max())
+    peak = float(at_delta(cell.table("contact"), DELTA)["pressure_MPa"].max())
+    turned = cell.step(delta_mm=DELTA)["central_asymmetry"]
     text = prose(f"""## Symmetry
 
 Alternating plies make the tyre symmetric under a half turn about the contact normal, but not under reflections. A node
 out of contact counts as zero pressure (*blank = 0*), or the pair is left out unless both nodes touch (*both touch*).
 The printed table is symmetric under the half turn {to_what}; its mirror images differ by up to {fixed(mirror, 3)} MPa.
-Ours at Δ = {labels.DELTA:g} mm differs by {_small(turned)} of its peak under the half turn, over all nodes, and by up
+Ours at Δ = {DELTA:g} mm differs by {_small(turned)} of its peak under the half turn, over all nodes, and by up
 to {fixed(off, 3)} MPa or {percent(off / peak, 1, sign=False)} of its peak between mirror images. The parts
 that change under reflection correlate between ours and the printed table with {fixed(own["handedness"], 2, sign=True)};
 the opposite sign of the cord angle would change this sign, too.""")

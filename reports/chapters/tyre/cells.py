@@ -1,0 +1,34 @@
+"""The tyres that pages compare, by what was asked for: keywords of ``store.find`` and ``store.select``."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+Asked = dict[str, Any]
+DELTA = 20.0  # mm, the travel of the printed table
+CURVES = (10.0, 15.0, DELTA)  # mm, travels of the cell PAPER that are drawn; without them there is no page
+TO_DELTA = (5, 10, 15, DELTA)
+
+ELEMENT: Asked = {"scene": "tyre", "membrane": "compatible", "thickness_strain": "projected"}  # the paper's
+USUAL: Asked = {"contact": "semismooth", "newton": "mixed", "epsilon": math.inf}  # the other algorithms' yardstick
+WHOLE: Asked = {**ELEMENT, "model": "full", "plies": 4, "section": "constant-s33"}
+MESH, FINE_MESH = {"mesh": "42x40"}, {"mesh": "84x80"}
+PAPER: Asked = {**WHOLE, **USUAL, **MESH, "measure": "exact", "delta_mm": (5, 10, 15, *range(20, 28))}
+LINEAR: Asked = {**WHOLE, **USUAL, **MESH, "measure": "linear", "delta_mm": TO_DELTA}
+
+DEAD: Asked = {**WHOLE, "delta_mm": DELTA, "load": "dead", "coupling": "lumped"}
+ALGORITHMS: Asked = {**DEAD, **MESH}  # measure, contact, newton and epsilon are free
+BASE: Asked = {**ALGORITHMS, **USUAL, "measure": "exact"}
+FINE: Asked = {**BASE, **FINE_MESH}
+SOFT: Asked = {**BASE, "epsilon": 1e4}
+SLOWEST: Asked = {**BASE, "contact": "trial-and-error", "newton": "plain"}  # the paper's algorithm
+CONSISTENT: Asked = {**BASE, "coupling": "consistent"}
+FOLLOWER: Asked = {**BASE, "load": "follower"}
+FOLLOWER_FINE: Asked = {**FOLLOWER, **FINE_MESH}
+ISOTROPIC: Asked = {**ELEMENT, **MESH, "model": "full", "plies": 1, "delta_mm": TO_DELTA}
+ISOTROPIC_FINE: Asked = {**ISOTROPIC, **FINE_MESH}
+
+HALF: Asked = {**ELEMENT, "model": "half", "plies": 4}  # under a turn by 180 degrees
+ONE_STEP: Asked = {**HALF, **USUAL, "section": "constant-s33", "load": "dead", "delta_mm": DELTA, "steps": 1}
+FAR: Asked = {**HALF, **USUAL, "delta_mm": (20, 25, 30, 35, 40)}  # mm, as far as the path goes
