@@ -27,7 +27,7 @@ NOT_ASKED = ("unsupported", "missing")  # outcomes that are no failure
 PROFILE_COLUMNS = ("axis", "cost", "competitor", "problems", "solved", "factor", "share")
 PAIR_COLUMNS = (
     *("axis", "cost", "a", "b", "problems", "both", "scenes", "a_better", "b_better"),
-    *("ratio", "ratio_low", "ratio_high"),
+    *("ratio", "ratio_low", "ratio_high", "ratio_largest"),
 )
 FLIP_COLUMNS = ("axis", "cost", "problems", "removed", "ranking", "flips")
 SOLVED_COLUMNS = ("axis", "competitor", "scene", "asked", "solved", "ended")
@@ -126,7 +126,7 @@ def profiles(fronts: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataF
     for axis in AXES:
         for cost in (name for name in RANKED_BY if f"cost.{name}" in fronts and fronts[axis].nunique() > 1):
             matrix = problems(fronts, axis, cost)
-            pairs += [(axis, cost, *row) for row in _pairs(field(fronts, axis, cost))]
+            pairs += [(axis, cost, *row) for row in pairs_of(field(fronts, axis, cost))]
             if len(matrix) < FEWEST or matrix.shape[1] < 2:
                 flips.append((axis, cost, len(matrix), "", "", ""))
                 continue
@@ -176,10 +176,11 @@ def flip_check(matrix: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
         yield str(removed), " > ".join(order), "; ".join(turned)
 
 
-def _pairs(matrix: pd.DataFrame) -> Iterator[tuple[object, ...]]:
+def pairs_of(matrix: pd.DataFrame) -> Iterator[tuple[object, ...]]:
     """Each two alone: PAIR_COLUMNS from ``a`` on.
 
     problems: put to both and solved by anybody; ratios, of b over a, on those that both solve, from FEWEST of them on.
+    ratio_largest: the median on the FEWEST largest problems, by the cost of the cheaper of the two: most are small.
     """
     for a, b in combinations(matrix, 2):
         pair = matrix[[a, b]].dropna()
@@ -188,7 +189,10 @@ def _pairs(matrix: pd.DataFrame) -> Iterator[tuple[object, ...]]:
         better = int((pair[a] < pair[b]).sum()), int((pair[b] < pair[a]).sum())
         scenes = both.index.get_level_values(0)
         ratios = (both[b] / both[a]).to_numpy(float)[: None if len(both) >= FEWEST else 0]
-        yield a, b, len(pair), len(both), scenes.nunique(), *better, *_median_ratio(ratios, np.asarray(scenes))
+        largest_first = np.argsort(-both.min(axis=1).to_numpy(float), kind="stable")
+        largest = float(np.median(ratios[largest_first[:FEWEST]])) if len(ratios) else np.nan
+        middle = _median_ratio(ratios, np.asarray(scenes))
+        yield a, b, len(pair), len(both), scenes.nunique(), *better, *middle, largest
 
 
 def _median_ratio(ratios: np.ndarray, scenes: np.ndarray) -> tuple[float, float, float]:

@@ -1,4 +1,4 @@
-"""Page one in short: what is compared, who wins when, with intervals, and what can be trusted."""
+"""Page one in short: what is compared, what it solves and costs, with intervals, and what can be trusted."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NEEDED = ("attribution", "pairs", "solved", "held_out_summary", "verified")
 
 
 def headlines(store: Store) -> str:
-    """The three questions of a newcomer; who wins is told when the campaign has been analysed."""
+    """The three questions of a newcomer; shares and costs once the campaign has been analysed."""
     cells = store.cells.values()
     compared = prose(f"""**What is compared?** Strain measures ({_list(c.result["measure"] for c in cells)}), contact
 algorithms ({_list(c.result["contact"] for c in cells)}) and Newton iterations
@@ -67,8 +67,9 @@ def _algorithms(store: Store) -> str:
     ranked = sorted((each for each in over if not math.isnan(each[1]["ratio"])), key=lambda e: -(e[1]["ratio"] ** e[2]))
     share = {row["competitor"]: _percent(row) for row in own.to_dict("records")}
     said = [_pair(name, row, power, share.get(name, "")) for name, row, power in ranked] + few
-    cost = prose(f"""**Contact algorithms: cost.** Processor time over that of `{DEFAULT}`, the dearest first; medians
-over the problems that both solve, and the 95 % interval of drawing scenes: {"; ".join(said) or "none in common"}.
+    cost = prose(f"""**Contact algorithms: cost.** Processor time over that of `{DEFAULT}`, the most expensive
+first; medians over the problems that both solve, the 95 % interval of drawing scenes, and, because most problems are
+small, the median of the five largest: {"; ".join(said) or "none in common"}.
 [More](tradeoff.md#compared-in-cost)""")
     return f"{told}\n\n{machine(cost)}"
 
@@ -91,9 +92,9 @@ def _share(row: dict, solved: pd.DataFrame) -> str:
 def _pair(name: str, row: dict, power: int, share: str) -> str:
     ratio, *ends = (row[key] ** power for key in ("ratio", "ratio_low", "ratio_high"))
     interval = f"[{fixed(min(ends), 2)}, {fixed(max(ends), 2)}]"
-    return (
-        f"`{name}` {fixed(ratio, 2)} {interval} (both solve {row['both']}, of {row['scenes']} scenes; solves {share})"
-    )
+    largest = fixed(row["ratio_largest"] ** power, 2)
+    both = f"both solve {row['both']}, of {row['scenes']} scenes; solves {share}"
+    return f"`{name}` {fixed(ratio, 2)} {interval}, {largest} ({both})"
 
 
 def _advice(store: Store) -> str:

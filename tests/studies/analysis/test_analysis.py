@@ -14,7 +14,7 @@ from studies.analysis.attribution import INTERACTIONS, REST, shares
 from studies.analysis.everything import analysed
 from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
-from studies.analysis.profiles import _pairs, flip_check, problems, profiles, solved, within
+from studies.analysis.profiles import _pairs, flip_check, pairs_of, problems, profiles, solved, within
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, printed, walls
 from studies.analysis.verify import verified
@@ -214,11 +214,25 @@ def two_scenes(contacts: dict[str, float], sizes: tuple[int, ...] = SIZES) -> pd
 
 def test_pairs_have_the_planted_ratio() -> None:
     table = two_scenes({"semismooth": 1.0, "lcp": 3.0})
-    profile, pairs, flips = profiles(fronts(table, verified(table)))
+    _, pairs, _ = profiles(fronts(table, verified(table)))
     row = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == "seconds")].iloc[0]
     assert list(row[["a", "b", "problems", "both", "scenes"]]) == ["semismooth", "lcp", 8, 8, 2]
     assert (row["a_better"], row["b_better"]) == (8, 0)
-    assert row["ratio_low"] == pytest.approx(3.0) == row["ratio"] == row["ratio_high"]
+    assert row["ratio_low"] == pytest.approx(3.0) == row["ratio"] == row["ratio_high"] == row["ratio_largest"]
+
+
+def test_the_largest_problems_may_say_the_opposite() -> None:
+    """Twice as quick on many small problems, three times as slow on the five largest."""
+    small, large = [(1.0, 0.5)] * 20, [(100.0 + k, 3 * (100.0 + k)) for k in range(5)]
+    matrix = pd.DataFrame(small + large, columns=["semismooth", "lcp"])
+    matrix.index = pd.MultiIndex.from_tuples([("tyre" if k % 2 else "ring", str(k)) for k in range(25)])
+    (row,) = pairs_of(matrix)
+    assert (row[-4], row[-1]) == (pytest.approx(0.5), pytest.approx(3.0))
+
+
+def test_profiles_rank_at_two() -> None:
+    table = two_scenes({"semismooth": 1.0, "lcp": 3.0})
+    profile, _, flips = profiles(fronts(table, verified(table)))
     at_two = profile[(profile["cost"] == "flops") & np.isclose(profile["factor"], 2.0, atol=0.1)]
     assert set(at_two["share"][at_two["competitor"] == "lcp"]) == {0.0}
     assert set(flips["flips"]) == {""}
