@@ -14,7 +14,7 @@ from studies.analysis.attribution import INTERACTIONS, REST, shares
 from studies.analysis.everything import analysed
 from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
-from studies.analysis.profiles import _pairs, flip_check, pairs_of, problems, profiles, solved, within
+from studies.analysis.profiles import flip_check, pairs_of, problems, profiles, solved, within
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, printed, walls
 from studies.analysis.verify import verified
@@ -258,8 +258,8 @@ def test_an_interval_is_as_wide_as_the_scenes_differ() -> None:
     """Ratios of 1 in ten problems of one scene and of 3 in two of another: either scene may be drawn alone."""
     index = pd.MultiIndex.from_tuples([("one", i) for i in range(10)] + [("two", i) for i in range(2)])
     matrix = pd.DataFrame({"a": 1.0, "b": [1.0] * 10 + [3.0] * 2}, index=index)
-    (row,) = _pairs(matrix)
-    assert row[-3:] == (1.0, 1.0, 3.0)
+    (row,) = pairs_of(matrix)
+    assert row[-4:-1] == (1.0, 1.0, 3.0)
 
 
 def test_too_few_problems_are_not_ranked() -> None:
