@@ -124,7 +124,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
     try:
         algorithm = configured(request.contact, request.settings)
     except ValueError as error:  # a parameter that it cannot have
-        result.unsupported = f"{request.contact} does not apply: {error}"
+        result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
     else:
         _run_stages(model, algorithm, request.steps, result, progress)
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
@@ -161,10 +161,10 @@ def _run_stages(
 def _record_end(visited: Visited, result: Result) -> None:
     """Why the path ends before its last point."""
     point, stage = visited.point, visited.stage.name
+    result.outcome, result.cause = point.outcome, point.cause
     if point.outcome is Outcome.REFUSED:  # at once, or known only once the tangent is
         result.unsupported = f"{result.request.contact} does not apply: {visited.said}"
         return
-    result.outcome, result.cause = point.outcome, point.cause
     if point.end is not None and point.end.limit is not None:
         result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
     where = (

@@ -20,7 +20,7 @@ class NewtonState:
     """Sizes that the tests of convergence compare with; evaluating a residual or taking a step gives the next one.
 
     scale, first_scale [N]: of the forces in balance, now and at the start.  residual: |r - G^T W p| over the scale,
-    infinite once the iteration has blown up.  first_gap_size [mm]: size of the terms of a gap at the start.
+    infinite once the iteration has blown up.  first_gap_size [mm]: size of the terms of a gap, the first not zero.
     active (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one before
     it on the same set.
     """

@@ -66,7 +66,9 @@ class NewtonRun:
             residual = float("inf")
         else:
             residual = imbalance / scale if scale > 0 else imbalance
-        return replace(state, scale=scale, first_scale=first, residual=residual)
+        # where everything just touches at the start, the first gap that is not zero says what rounding there will be
+        gaps = state.first_gap_size or self.problem.size_of_gaps(u, self.problem.gap(u))
+        return replace(state, scale=scale, first_scale=first, residual=residual, first_gap_size=gaps)
 
     def balanced(self, state: NewtonState, lin: Linearised, u: np.ndarray) -> bool:
         """True when the relative residual is within tolerance, or is rounding and does not matter.
@@ -118,7 +120,7 @@ class NewtonRun:
     def gap_size(self, state: NewtonState, u: np.ndarray, gap: np.ndarray) -> float:
         """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself.
 
-        Not less than at the start: a body that goes back to zero brings the rounding of its way with it.
+        Not less than the first that was not zero: a body that goes back to zero brings the rounding of its way with it.
         """
         return max(self.problem.size_of_gaps(u, gap), state.first_gap_size)
 

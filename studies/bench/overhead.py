@@ -1,4 +1,4 @@
-"""``footprint bench --harness``: what running a cell costs beside solving it, and what reading a large store costs."""
+"""``footprint bench overhead``: what running a cell costs beside solving it, and what reading a large store costs."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``footprint bench --peers``: the isotropic tyre by shells and by NGSolve's solids in one run, force against cost.
+"""``footprint bench peers``: the isotropic tyre by shells and by NGSolve's solids in one run, force against cost.
 
 A quarter against a quarter, from the request to the force, in processor time of one thread: so the load of the machine
 touches neither. Imports are not counted. Needs the extra peers.

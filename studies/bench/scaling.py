@@ -1,4 +1,4 @@
-"""``footprint bench --scaling``: what one Newton step in contact costs over the number of unknowns, in time and memory.
+"""``footprint bench scaling``: what one Newton step in contact costs over the number of unknowns, in time and memory.
 
 Every size is measured in a process of its own, so that its peak memory is its own. The state is that of one coarse
 solve, interpolated: what a step costs does not depend on how the step was reached.

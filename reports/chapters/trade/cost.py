@@ -99,7 +99,7 @@ def _grid(row: Mapping[Any, Any]) -> list[str]:
 
 def _scaling(store: Store) -> Part:
     """One Newton step over the unknowns; it takes memory and a quiet machine, so no campaign measures it by itself."""
-    command = "footprint bench --scaling --table .footprint/store/tables/scaling.csv"
+    command = "footprint bench scaling --table .footprint/store/tables/scaling.csv"
     heading = "## One Newton step over the number of unknowns"
     if not store.has_table("scaling"):
         return Part(f"{heading}\n\n" + machine(f"Not measured here; `{command}` does."))
@@ -120,7 +120,7 @@ theory nested dissection takes 1.5 to factorise, and all else is linear but for 
 
 def _peers(store: Store) -> Part:
     """Shells beside another program's solids; it takes that program, so no campaign measures it by itself."""
-    command = "footprint bench --peers --table .footprint/store/tables/peers.csv"
+    command = "footprint bench peers --table .footprint/store/tables/peers.csv"
     heading = "## Beside three-dimensional solids of another program"
     if not store.has_table("peers"):
         return Part(f"{heading}\n\n" + machine(f"Not measured here; `{command}` does, with the extra peers."))

@@ -50,6 +50,14 @@ def test_a_point_that_converges_tells_its_cost() -> None:
     assert found.factorisations >= found.iterations > 0
 
 
+@pytest.mark.parametrize("inflation", ["3.16228e-07", "0.01", "1"])
+def test_a_set_that_just_touches_at_the_start_settles(inflation: str) -> None:
+    """Every gap is zero before the load, and rounding in the end: its size is known from the way between."""
+    found = attempt(chart_of("everywhere").point(inflation, "trial-and-error"))
+    assert found.kind == CONVERGED
+    assert found.iterations < 20
+
+
 def test_a_point_that_nothing_touches() -> None:
     assert attempt(panel(inflation="-0.5")).kind == UNTOUCHED
     assert attempt(panel(delta_mm="-1")).kind == UNTOUCHED
