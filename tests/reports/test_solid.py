@@ -20,7 +20,7 @@ from studies.campaigns.report_cells import LISTS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solving import resolve
-from studies.store.atomic import SCHEMA, write_json, write_text
+from studies.store.atomic import SCHEMA, plain, write_json, write_text
 from support.made_up import analysed_again
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
@@ -66,7 +66,8 @@ def store(tmp_path: Path) -> Path:
     rows = []
     for i, cell in enumerate(LISTS["solid"]()):
         write_cell(cell, tmp_path / "cells" / str(i))
-        rows.append(Row(cell, str(i), None).as_json())
+        _, request = resolve(cell.scene, cell.settings, **cell.options)
+        rows.append(Row(cell, str(i), plain(asdict(request))).as_json())
     references = [{"scene": name, **asdict(r)} for name in ("tyre", "tyre-solid") for r in SCENES[name].references]
     write_json(tmp_path / "references.json", {"schema": SCHEMA, "references": references})
     told = {"schema": SCHEMA, "campaign": "solid", "title": "made up", "pages": ""}
@@ -129,7 +130,7 @@ def test_a_missing_cell_is_one_line(store: Path) -> None:
     index = json.loads((store / "campaigns" / "solid.json").read_text())
     index["cells"] = [row for row in index["cells"] if row["label"] != "solid penalty"]
     write_json(store / "campaigns" / "solid.json", index)
-    with pytest.raises(StoreError, match="no cell 'solid penalty', which the pages need"):
+    with pytest.raises(StoreError, match="no cell with scene tyre-solid, epsilon 20.0; the pages need one"):
         solid_part(load_store(store))
 
 
