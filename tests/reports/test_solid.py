@@ -130,7 +130,7 @@ def test_a_missing_cell_is_one_line(store: Path) -> None:
     index = json.loads((store / "campaigns" / "solid.json").read_text())
     index["cells"] = [row for row in index["cells"] if row["label"] != "solid penalty"]
     write_json(store / "campaigns" / "solid.json", index)
-    with pytest.raises(StoreError, match="no cell with scene tyre-solid, epsilon 20.0; the pages need one"):
+    with pytest.raises(StoreError, match=r"no cell with scene tyre-solid, epsilon 20\.0; the pages need one"):
         solid_part(load_store(store))
 
 
