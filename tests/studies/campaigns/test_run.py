@@ -132,6 +132,7 @@ def again(folder: Path, store: Path, **options: Any) -> Summary:
 # --- outcomes -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_cells_that_do_not_come_back_are_classified_and_the_campaign_goes_on(tmp_path: Path) -> None:
     """The planted cells stand between sound ones, which must not notice; the hung ones are really gone."""
     ways = ["fine", "sleeps", "eats", "dies", "raises", "hangs"]
@@ -228,6 +229,7 @@ def test_killed_at_any_moment_and_resumed_it_is_the_same_store(kills: int, solve
     assert content(store) == content(solved)
 
 
+@pytest.mark.slow
 def test_nothing_outlives_a_campaign_that_is_killed(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "studies.cli", "run", "tyre", "--store", str(tmp_path), "--engine", "local:2"]
     campaign = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -190,6 +190,7 @@ def distances(points: np.ndarray, line: np.ndarray) -> np.ndarray:
     return np.min(np.linalg.norm(from_start - part[..., None] * chord, axis=-1), axis=1)
 
 
+@pytest.mark.slow
 def test_limit_point_does_not_depend_on_the_steps() -> None:
     one, four = (run("roof-d", "8x8", steps).quantities for steps in (1, 4))
     for quantity in (LIMIT, "limit_w_C_mm", "w_C_mm"):
