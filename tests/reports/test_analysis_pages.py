@@ -47,9 +47,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("analysed")
     (folder / "small.toml").write_text(CAMPAIGN)
     run(read(folder / "small.toml"), folder / "store")
-    for path in (folder / "store" / "cells").glob(
-        "*.json"
-    ):  # milliseconds would be ranked by chance
+    for path in (folder / "store" / "cells").glob("*.json"):  # milliseconds would be ranked by chance
         record = json.loads(path.read_text())
         record["timing_s"]["cpu"] = 1e-9 * record["counters"]["flops"]
         path.write_text(json.dumps(record))
