@@ -34,11 +34,13 @@ def power_law(order: float, sizes: tuple[float, ...], limit: float = 7.0, c: flo
 
 
 @pytest.mark.parametrize("sizes", [(1.0, 0.5, 0.25), (1.0, 2 / 3, 1 / 3), (1.0, 0.6, 0.5)])
-@pytest.mark.parametrize("order", [0.5, 1.0, 2.0, 3.5])
+@pytest.mark.parametrize("order", [0.5, 1.0, 1.8, 2.0, 4.0])
 def test_order_and_limit_through_meshes_of_any_sizes(order: float, sizes: tuple[float, ...]) -> None:
     s = power_law(order, sizes)
-    assert order_of(s.sizes, s.values) == pytest.approx(order, abs=1e-6)
-    assert s.limit == pytest.approx(7.0, abs=1e-8)
+    assert order_of(s.sizes, s.values) == pytest.approx(order, rel=1e-8)
+    assert s.limit == pytest.approx(7.0, rel=1e-10)
+    assert s.asymptotic == (order in (1.8, 2.0))
+    assert s.uncertainty == pytest.approx((1.25 if s.asymptotic else 3) * 0.3 * sizes[-1] ** order, rel=1e-6)
 
 
 def test_order_is_that_of_the_last_three_meshes() -> None:
