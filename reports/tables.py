@@ -179,8 +179,7 @@ class Store:
         ]
         unique: dict[str, Planned] = {}
         for each in matching:
-            deciding = {name: value for name, value in each.asked.items() if name != "model_reason"}
-            unique.setdefault(json.dumps(deciding, sort_keys=True), each)
+            unique.setdefault(json.dumps(each.asked, sort_keys=True), each)
         return [self.cell(each.label) for each in unique.values()]
 
     def find(self, **wanted: Any) -> Cell:

@@ -7,7 +7,7 @@ Neither scenes nor files enter here.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Self
 
 Value = float | int | str | tuple[float, ...]
@@ -73,7 +73,7 @@ class Request:
     newton: str = "mixed"
     mesh: tuple[int, int] = (0, 0)
     model: str = "auto"
-    model_reason: str = ""
+    model_reason: str = field(default="", compare=False)
     steps: int = 1
     settings: Settings = Settings()  # noqa: RUF009  frozen
 
@@ -82,6 +82,11 @@ class Request:
         """The request of its plain data, as the index of a campaign holds it."""
         settings = Settings({key: _value(value) for key, value in data["settings"].items()})
         return cls(**{**data, "mesh": tuple(data["mesh"]), "settings": settings})
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """All that decides the result, as plain data; what :meth:`of` reads."""
+        return {key: value for key, value in asdict(self).items() if key != "model_reason"}
 
     @property
     def values(self) -> dict[str, Value]:

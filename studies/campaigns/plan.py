@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -57,7 +57,7 @@ def _identity(request: Request) -> str:
     """Resolved request, schema, and the sources of what solves it and of its scene; no date, no machine."""
     outside = modules_of(request.measure, request.contact, request.scene)
     sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__, *outside), without=CATALOGUE)
-    content = json.dumps(plain([SCHEMA, sources, asdict(request)]), sort_keys=True)
+    content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
@@ -69,7 +69,7 @@ def _row(cell: Cell) -> Row:
             raise
         return Row(cell, None, None, str(error))
     reason = _refusal(request)
-    return Row(cell, None if reason else _identity(request), plain(asdict(request)), reason)
+    return Row(cell, None if reason else _identity(request), plain(request.data), reason)
 
 
 def _refusal(request: Request) -> str:

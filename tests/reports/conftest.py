@@ -296,7 +296,7 @@ def write_cell(cell: Cell, directory: Path) -> Row:
         "files": [],
     }
     write_json(directory.with_suffix(".json"), {"schema": SCHEMA, "id": directory.name, **result})
-    return Row(cell, directory.name, plain(asdict(request)))
+    return Row(cell, directory.name, plain(request.data))
 
 
 @pytest.fixture(scope="session")

@@ -67,7 +67,7 @@ def store(tmp_path: Path) -> Path:
     for i, cell in enumerate(LISTS["solid"]()):
         write_cell(cell, tmp_path / "cells" / str(i))
         _, request = resolve(cell.scene, cell.settings, **cell.options)
-        rows.append(Row(cell, str(i), plain(asdict(request))).as_json())
+        rows.append(Row(cell, str(i), plain(request.data)).as_json())
     references = [{"scene": name, **asdict(r)} for name in ("tyre", "tyre-solid") for r in SCENES[name].references]
     write_json(tmp_path / "references.json", {"schema": SCHEMA, "references": references})
     told = {"schema": SCHEMA, "campaign": "solid", "title": "made up", "pages": ""}
