@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from studies.descriptions import Description
-    from studies.notebook import Run, describe, solve
+    from studies.door.descriptions import Description
+    from studies.door.notebook import Run, describe, solve
     from studies.scene import UsageError
 
 __all__ = ["Description", "Run", "UsageError", "describe", "solve"]
@@ -19,6 +19,6 @@ __all__ = ["Description", "Run", "UsageError", "describe", "solve"]
 def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from studies import notebook
+    from studies.door import notebook
 
     return getattr(notebook, name)

@@ -84,7 +84,7 @@ def _load_plugins(words: Sequence[str]) -> None:
     early.add_argument("--use", action="append", default=[])
     files = early.parse_known_args(words)[0].use
     if files or next(iter(words), None) in {*COMMANDS} - WITHOUT_PARTS:
-        from studies.plugins import load
+        from studies.door.plugins import load
 
         load(files)
 

@@ -24,11 +24,11 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, O
 from contact.verify import claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.complete import complete
-from studies.provenance import provenance
 from studies.request import Request
 from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
 from studies.step import Step
 from studies.store.atomic import plain, write_by, write_json, write_table
+from studies.store.provenance import provenance
 from studies.walk import Visited, walk
 
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least

@@ -20,13 +20,13 @@ from scipy.stats import bootstrap
 
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import plan, solved_rows
-from studies.plugins import used
+from studies.door.plugins import used
 from studies.pool.process import Child, Limits
-from studies.provenance import provenance
 from studies.scene import UsageError
 from studies.solving import CONVERGED
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
+from studies.store.provenance import provenance
 
 DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
 REPEATS = 3  # of a block that was discarded

@@ -35,7 +35,7 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
 from studies.campaigns.report_cells import LISTS, TABLES_OF
-from studies.plugins import load_file
+from studies.door.plugins import load_file
 from studies.request import Request, text_of
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES

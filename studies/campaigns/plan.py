@@ -15,7 +15,7 @@ from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.complete import complete
-from studies.plugins import modules_of
+from studies.door.plugins import modules_of
 from studies.request import Request
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan, solved_rows
-from studies.plugins import used
+from studies.door.plugins import used
 from studies.pool.engine import engine as engine_of
 from studies.pool.process import Limits, StoreFullError, Task
 from studies.scene import UsageError

@@ -10,7 +10,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.campaigns.file import find, names
 from studies.columns import columns
 from studies.commands import OK
-from studies.descriptions import meaning_of
+from studies.door.descriptions import meaning_of
 from studies.scenes import SCENES
 
 

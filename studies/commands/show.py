@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from studies.commands import OK
-from studies.descriptions import describe
+from studies.door.descriptions import describe
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from studies.door.plugins import modules
 from studies.experiments.epsilon import epsilon_study
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
 from studies.experiments.invariance.symmetry import symmetry_table
@@ -16,7 +17,6 @@ from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.work_precision import work_precision_study
-from studies.plugins import modules
 from studies.store.atomic import SCHEMA, write_table_once
 from studies.store.source_hash import sources_hash
 

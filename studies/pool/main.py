@@ -106,7 +106,7 @@ def _data_MB() -> float:
 
 
 def _record(task: dict[str, Any]) -> str:
-    from studies.plugins import load
+    from studies.door.plugins import load
     from studies.store.record import record_of
 
     load(task["use"])
@@ -115,7 +115,7 @@ def _record(task: dict[str, Any]) -> str:
 
 
 def _table(task: dict[str, Any]) -> str:
-    from studies.plugins import load
+    from studies.door.plugins import load
 
     load(task["use"])
     from studies.experiments.tables import make_table

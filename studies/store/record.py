@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from studies.complete import complete
-from studies.provenance import provenance
 from studies.request import Request
 from studies.scene import UsageError
 from studies.solving import UNSUPPORTED, solve
 from studies.store.atomic import SCHEMA, as_text
+from studies.store.provenance import provenance
 
 
 def record_of(

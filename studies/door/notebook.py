@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import pandas as pd
 
-from studies import descriptions, solving
+from studies import solving
 from studies.complete import complete
-from studies.descriptions import Description
-from studies.plugins import load_entry_points
+from studies.door import descriptions
+from studies.door.descriptions import Description
+from studies.door.plugins import load_entry_points
 from studies.scene import UsageError
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from formulations.strains.catalogue import MEASURES, SANDERS
 from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
 from formulations.strains.quantities import QUANTITIES, STRAINS
 from studies.cli import main
-from studies.descriptions import describe, meaning_of
+from studies.door.descriptions import describe, meaning_of
 from studies.scene import Setting, UsageError
 from studies.scenes import SCENES
 
