@@ -33,7 +33,9 @@ def _hash(modules: frozenset[str], root: Path, without: str) -> str:
 def _digest(modules: frozenset[str], root: Path, without: str) -> str:
     digest = hashlib.sha256()
     for name in sorted(closure(modules, root, without=without)):
-        digest.update(f"{name} {hashlib.sha256(_statements(name, root).encode()).hexdigest()}\n".encode())
+        path = _path_of(name, root)
+        assert path is not None
+        digest.update(f"{name} {_read(path.read_bytes(), '')[0]}\n".encode())
     return digest.hexdigest()
 
 
@@ -59,14 +61,14 @@ def _imports(name: str, root: Path) -> tuple[str, ...]:
     if name.split(".")[0] in PACKAGES:
         return _ours(name, path, root)
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-    beside = {each for each in _named(ast.parse(path.read_bytes()), package) if each.split(".")[0] not in PACKAGES}
+    beside = {each for each in _read(path.read_bytes(), package)[1] if each.split(".")[0] not in PACKAGES}
     places = {each: _path_of(each, root) for each in beside}
     return (*_ours(name, path, root), *(each for each, at in places.items() if at and path.parent in at.parents))
 
 
 @cache
 def _ours(name: str, path: Path, root: Path) -> tuple[str, ...]:
-    named = set(_named(ast.parse(path.read_bytes())))
+    named = set(_read(path.read_bytes(), "")[1])
     parents = {
         ".".join(parts[:i]) for each in (*named, name) for parts in [each.split(".")] for i in range(1, len(parts))
     }
@@ -74,16 +76,16 @@ def _ours(name: str, path: Path, root: Path) -> tuple[str, ...]:
     return tuple(sorted(each for each in ours if _path_of(each, root) is not None))
 
 
-def _statements(name: str, root: Path) -> str:
-    """What a module does: its source without comments, docstrings and layout."""
-    path = _path_of(name, root)
-    assert path is not None
-    tree = ast.parse(path.read_bytes())
+@cache
+def _read(source: bytes, package: str) -> tuple[str, tuple[str, ...]]:
+    """What a module does, as a hash of its source without comments, docstrings and layout; and what it imports."""
+    tree = ast.parse(source)
+    named = tuple(_named(tree, package))
     documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
     for node in ast.walk(tree):
         if isinstance(node, documented) and ast.get_docstring(node):
             node.body[:1] = [] if len(node.body) > 1 or isinstance(node, ast.Module) else [ast.Pass()]
-    return ast.unparse(tree)
+    return hashlib.sha256(ast.unparse(tree).encode()).hexdigest(), named
 
 
 def _named(tree: ast.Module, package: str = "") -> Iterator[str]:
