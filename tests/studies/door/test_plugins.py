@@ -7,9 +7,13 @@ import os
 import subprocess
 import sys
 import tomllib
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+
+from studies.cli import main
+from studies.door import plugins
 
 ROOT = Path(__file__).parents[3]
 PLUGIN = ROOT / "tests" / "plugin"
@@ -35,6 +39,28 @@ def footprint(*words: object, path: Path | None = None) -> tuple[int, str, str]:
         check=False,
     )
     return done.returncode, done.stdout, done.stderr
+
+
+@pytest.fixture
+def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Callable[..., str]]:
+    """The one line of ``footprint list``, run in this process; catalogues and modules are put back afterwards."""
+    known, modules = {group: dict(parts) for group, parts in plugins.GROUPS.items()}, set(sys.modules)
+
+    def line(*words: object, path: Path | None = None) -> str:
+        if path is not None:
+            monkeypatch.syspath_prepend(path)
+        assert main(["list", *map(str, words)]) == 2
+        said = capsys.readouterr().err
+        assert said.count("\n") == 1
+        return said.removeprefix("footprint: plug-in ").rstrip()
+
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    yield line
+    for group, parts in plugins.GROUPS.items():
+        parts.clear()
+        parts.update(known[group])
+    for name in {"stranger", "broken", "half"} & sys.modules.keys() - modules:
+        del sys.modules[name]
 
 
 def installed(folder: Path, source: str, entries: dict[str, dict[str, str]]) -> Path:
@@ -163,14 +189,11 @@ def test_worker_processes_find_entry_points_and_a_new_source_is_solved_again(
         (None, "no such file"),
     ],
 )
-def test_a_broken_file_is_one_line(text: str | None, says: str, tmp_path: Path) -> None:
+def test_a_broken_file_is_one_line(text: str | None, says: str, tmp_path: Path, refused: Callable[..., str]) -> None:
     path = tmp_path / "broken.py"
     if text is not None:
         path.write_text(text)
-    code, _, errors = footprint("list", "--use", path)
-    assert code == 2
-    assert errors.startswith(f"footprint: plug-in {path}: {says}")
-    assert errors.count("\n") == 1
+    assert refused("--use", path).startswith(f"{path}: {says}")
 
 
 INCOMPLETE = {
@@ -186,20 +209,20 @@ class Half:
 
 
 @pytest.mark.parametrize("group", INCOMPLETE)
-def test_an_incomplete_part_is_one_line(group: str, tmp_path: Path) -> None:
+def test_an_incomplete_part_is_one_line(group: str, tmp_path: Path, refused: Callable[..., str]) -> None:
     catalogue, missing = INCOMPLETE[group]
     path = tmp_path / "half.py"
     path.write_text(f"{catalogue}\n{HALF}\nparts['half'] = Half\n")
-    code, _, errors = footprint("list", "--use", path)
-    assert code == 2
-    assert errors == f"footprint: plug-in {path}: 'half' of {group}: the part has no {missing}\n"
+    assert refused("--use", path) == f"{path}: 'half' of {group}: the part has no {missing}"
 
 
 @pytest.mark.parametrize(
     ("field", "says"),
     [("", "no default for rounds"), ("    rounds: int = 2", "to be a class, not an instance")],
 )
-def test_an_algorithm_that_is_not_configured_by_its_fields_is_one_line(field: str, says: str, tmp_path: Path) -> None:
+def test_an_algorithm_that_is_not_configured_by_its_fields_is_one_line(
+    field: str, says: str, tmp_path: Path, refused: Callable[..., str]
+) -> None:
     source = f"""from contact.algorithms.semismooth import Semismooth
 from contact.parameters import Parameter
 class Rounds(Semismooth):
@@ -208,18 +231,14 @@ class Rounds(Semismooth):
 {field}
 PART = Rounds{"()" if field else ""}
 """
-    entry = {"footprint.contact": {"rounds": "stranger:PART"}}
-    code, _, errors = footprint("list", path=installed(tmp_path, source, entry))
-    assert code == 2
-    assert errors == f"footprint: plug-in 'rounds' of footprint.contact (stranger:PART): the part has {says}\n"
+    site = installed(tmp_path, source, {"footprint.contact": {"rounds": "stranger:PART"}})
+    assert refused(path=site) == f"'rounds' of footprint.contact (stranger:PART): the part has {says}"
 
 
-def test_a_file_with_the_name_of_another_module_is_one_line(tmp_path: Path) -> None:
+def test_a_file_with_the_name_of_another_module_is_one_line(tmp_path: Path, refused: Callable[..., str]) -> None:
     path = tmp_path / "json.py"
     path.write_text("")
-    code, _, errors = footprint("list", "--use", path)
-    assert code == 2
-    assert errors.startswith(f"footprint: plug-in {path}: the name 'json' is taken by ")
+    assert refused("--use", path).startswith(f"{path}: the name 'json' is taken by ")
 
 
 @pytest.mark.parametrize(
@@ -231,11 +250,9 @@ def test_a_file_with_the_name_of_another_module_is_one_line(tmp_path: Path) -> N
     ],
 )
 def test_a_broken_entry_point_is_one_line(
-    entry: dict[str, dict[str, str]], says: str, source: str, tmp_path: Path
+    entry: dict[str, dict[str, str]], says: str, source: str, tmp_path: Path, refused: Callable[..., str]
 ) -> None:
     ((group, names),) = entry.items()
-    code, _, errors = footprint("list", path=installed(tmp_path, source, entry))
-    assert code == 2
-    assert errors.startswith(f"footprint: plug-in {next(iter(names))!r} of {group} (")
-    assert says in errors
-    assert errors.count("\n") == 1
+    said = refused(path=installed(tmp_path, source, entry))
+    assert said.startswith(f"{next(iter(names))!r} of {group} (")
+    assert says in said
