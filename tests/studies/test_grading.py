@@ -62,6 +62,7 @@ def test_uniform_and_patch_lines() -> None:
         tyre_lines((21, 20), 120.0, "uniform")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("axis", [0, 1])
 def test_recovery_error_falls_with_the_size(axis: int) -> None:
     """The energy of the recovery error of an inflated and pressed tyre falls about as h^2, per direction."""
@@ -76,6 +77,7 @@ def test_recovery_error_falls_with_the_size(axis: int) -> None:
     assert found[1] < 0.5 * found[0]
 
 
+@pytest.mark.slow
 def test_the_lines_keep_the_symmetry_of_the_parts() -> None:
     forces = []
     for model in ("half", "full"):
@@ -110,7 +112,8 @@ def test_a_wrong_error_is_refused(text: str) -> None:
         parse_error(text)
 
 
-@pytest.mark.parametrize("element", [pytest.param("paper", marks=pytest.mark.slow), "refined"])
+@pytest.mark.slow
+@pytest.mark.parametrize("element", ["paper", "refined"])
 def test_mesh_for_an_error(element: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The mesh that is chosen has the error asked for, and the band covers the true one."""
     arguments = ["solve", "tyre", "--set", "delta_mm=20", "--set", f"element={element}", "--error", "1%"]

@@ -41,6 +41,7 @@ def planted(sizes: list[int], p: float) -> pd.DataFrame:
     return pd.DataFrame({"mesh": "6x6", "dofs": sizes, "elements": sizes, "peak_GiB": 1.0, **times})
 
 
+@pytest.mark.slow
 def test_one_row_a_mesh_with_times_floors_and_memory(table) -> None:
     assert table["mesh"].tolist() == ["6x6", "8x6"]
     assert table["dofs"].tolist() == [6 * 5 * 6, 6 * 7 * 6]

@@ -80,6 +80,7 @@ def test_the_canary_is_a_workload_of_some_size() -> None:
     assert 1e-3 < canary() < 10
 
 
+@pytest.mark.slow
 def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Two cells converge, one is refused: nothing of it is timed. All samples and canaries are in the store."""
     monkeypatch.setattr("studies.bench.timing_lane.DRIFT", 1e9)

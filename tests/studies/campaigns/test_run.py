@@ -197,7 +197,7 @@ def test_combinations_that_make_no_sense_are_rows_with_their_reason(tmp_path: Pa
 # --- kills and damage ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [1, pytest.param(20, marks=pytest.mark.slow)])
 def test_killed_at_any_moment_and_resumed_it_is_the_same_store(kills: int, solved: Path, tmp_path: Path) -> None:
     """From the first import to the last cell; whenever it gets to its end before, it begins again from nothing."""
     path, store, rng = small(tmp_path), tmp_path / "store", random.Random(2004)
@@ -357,6 +357,7 @@ def test_side_by_side_it_is_the_same_store(solved: Path, tmp_path: Path) -> None
     assert content(tmp_path / "store") == content(solved)
 
 
+@pytest.mark.slow
 def test_a_cluster_of_dask_makes_the_same_store(solved: Path, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed", reason="needs the extra dask")
     with (

@@ -127,6 +127,7 @@ def test_harmonic_reference_is_the_ring_where_it_is_one() -> None:
             assert abs(energy / ring - 1) <= (n * h) ** 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clamped", [False, True])
 @pytest.mark.parametrize("surface", [cylinder(1.0), hyperboloid(1.0, 1.0)], ids=["cylinder", "hyperboloid"])
 def test_harmonic_reference_does_not_depend_on_its_degree(surface, clamped) -> None:
@@ -151,6 +152,7 @@ def pitkaranta() -> pd.DataFrame:
     return locking.membrane_locking(("cylinder",), membranes=("compatible",))
 
 
+@pytest.mark.slow
 def test_bending_cylinder_does_not_lock(pitkaranta: pd.DataFrame) -> None:
     free = pitkaranta.query("end == 'free'")
     for _, rows in free.groupby("elements"):
@@ -175,6 +177,7 @@ def test_bending_cylinder_against_the_yardsticks(pitkaranta: pd.DataFrame) -> No
     assert pitkaranta.query("h_over_R != 1e-2")["yardstick_reduced"].isna().all()
 
 
+@pytest.mark.slow
 def test_bending_hyperboloid_locks_by_the_third_order_on_coarse_meshes() -> None:
     """U/U_h - 1, less what is there in the thick shell, grows by 100 per decade of h and falls by 64 per halving."""
     table = locking.membrane_locking(("hyperboloid",), ("free",), (1e-3, 1e-4, 1e-5), membranes=("compatible",))

@@ -129,6 +129,7 @@ def test_exact_answers_of_steps_are_those_of_the_oracle(steps) -> None:
             assert confirmed.agrees
 
 
+@pytest.mark.slow
 def test_osqp_alone_is_wrong_on_every_step_by_default_and_right_on_the_tyre_when_guarded(steps) -> None:
     """Must fail beside must pass; and qp, which takes no more than a set from it, is exact with the same defaults."""
     found = table(steps.values(), contenders()).set_index("contender")

@@ -40,6 +40,7 @@ def test_cantilever_converges_to_the_elastica(quantity: str) -> None:
     assert found[-1] == pytest.approx(reference("cantilever", quantity, "read"), abs=5e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["tip_shortening_mm", "tip_deflection_mm"])
 def test_refined_cantilever_has_the_order_two_and_the_same_limit(quantity: str) -> None:
     coarse, middle, fine = (run("cantilever", n, "refined").quantities[quantity] for n in MESHES)

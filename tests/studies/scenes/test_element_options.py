@@ -47,6 +47,7 @@ def test_unknown_options_are_refused_in_one_line(capsys) -> None:
         scene.build(request)
 
 
+@pytest.mark.slow
 def test_balanced_thickness_strain_rolls_a_strip_with_the_order_four() -> None:
     """The moment of an element is off by (c/2 - 1/6) phi^3, and c = 1/3: found on the roll-up of Sze 3.3.
 

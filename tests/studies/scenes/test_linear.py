@@ -80,6 +80,7 @@ def test_scordelis_lo_converges_to_the_published_values() -> None:
         assert deflection == pytest.approx(reference.value, rel=PUBLISHED), reference.source
 
 
+@pytest.mark.slow
 def test_scordelis_lo_without_shear_is_the_kirchhoff_love_value() -> None:
     order, deflection = limit("scordelis-lo", "edge_deflection_mm", shear_correction=KIRCHHOFF)
     assert order == pytest.approx(2, abs=0.05)
@@ -97,6 +98,7 @@ def test_scordelis_lo_is_linear_only_under_a_small_load() -> None:
 # --- pinched cylinder -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_pinched_cylinder_without_shear_converges_to_the_published_value() -> None:
     """Order below 2 as the moment under a point load grows without bound, as log r."""
     order, deflection = limit("pinched-cylinder", "deflection_mm", shear_correction=KIRCHHOFF)
@@ -123,6 +125,7 @@ def test_pinched_cylinder_with_shear_sinks_in_by_a_logarithm() -> None:
 ELMER = {"outward_mm": 0.1849363, "inward_mm": 0.1890221}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
 def test_hemisphere_linear(quantity: str) -> None:
     """P = 2 in all: 0.0936, between the two values in circulation, 0.093 (read, 0.7 % less) and 0.0940 (recalled).

@@ -174,6 +174,7 @@ def test_published_limit_of_the_sparsest_table_is_that_of_its_interpolation() ->
     assert 1.5e-2 <= interpolated / np.max(load[:rising]) - 1 <= 3e-2
 
 
+@pytest.mark.slow
 @each_roof
 def test_every_published_point_lies_on_our_curve(scene: str) -> None:
     table, ours = published(scene), curve(scene, "16x16")

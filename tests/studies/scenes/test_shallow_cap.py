@@ -73,6 +73,7 @@ def meshes() -> list[Result]:
     return [scene(f"{n}x1") for n in (16, 32, 64)]
 
 
+@pytest.mark.slow
 def test_snap_pressure_converges_to_the_shallow_equations(meshes) -> None:
     """Second order; the extrapolated pressure and deflection are those of the shallow equations."""
     exact = {r.quantity: r.value for r in SCENES["shallow-cap"].references if (r.kind, r.at) == ("computed", AT)}
@@ -108,6 +109,7 @@ def test_cost_of_the_hole_falls_with_its_area() -> None:
     assert steps[-1] / 3 < 0.001 * snap[-1]  # what is left of it at the default hole
 
 
+@pytest.mark.slow
 def test_a_linear_cap_never_snaps_and_shallow_measures_do_as_well_as_any() -> None:
     """Rotations stay below 0.1: Donnell and von Karman differ from the exact measure by less than the mesh, 0.8 %."""
     linear = scene("16x1", measure="linear").quantities

@@ -31,6 +31,7 @@ def paper() -> Result:
     return run({}, model="full")
 
 
+@pytest.mark.slow
 def test_paper_tyre_forces_within_one_percent(paper: Result) -> None:
     assert paper.outcome.converged
     found = {step["delta_mm"]: step["force_N"] for step in paper.steps}
@@ -245,6 +246,7 @@ def test_consistent_coupling_is_solved_and_keeps_central_symmetry() -> None:
     assert found.steps[-1]["kkt"]["penetration"] <= 1e-9
 
 
+@pytest.mark.slow
 def test_nonsymmetric_section_is_close_to_the_symmetric_one(paper: Result) -> None:
     found = run({**TO_20, "section": "nonsymmetric"})
     assert found.outcome.converged
@@ -258,6 +260,7 @@ def test_cross_ply_tyre_is_mirror_symmetric(mesh: str) -> None:
         assert run({**settings, "gamma_deg": "0"}, mesh, model="full").steps[-1]["mirror_asymmetry"] <= 1e-9
 
 
+@pytest.mark.slow
 def test_a_step_that_cannot_converge_keeps_the_last_converged_state() -> None:
     found = run({"delta_mm": "5,90", **TEXTBOOK}, mesh="12x12")
     assert not found.outcome.converged

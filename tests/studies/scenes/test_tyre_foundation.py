@@ -66,6 +66,7 @@ def test_a_low_cleat_lets_the_plane_carry() -> None:
     assert base < forces(found)[-1] < top  # all of the base has come 6 mm, a part of the tyre 8
 
 
+@pytest.mark.slow
 def test_the_solid_takes_the_same_foundations() -> None:
     request = {"foundation": "drum", "foundation_radius_mm": "300", "delta_mm": "8"}
     quarter, whole = (solve(*resolve("tyre-solid", request, "8x10", model=model)) for model in ("quarter", "full"))

@@ -64,6 +64,7 @@ def test_a_turned_half_is_the_whole(settings: dict[str, str]) -> None:
     assert_same(run("half", given), run("full", given))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["half", "mirror", "quarter"])
 @pytest.mark.parametrize("settings", [{"gamma_deg": "90"}, {**ISOTROPIC, "foundation": "sphere"}], ids=str)
 def test_parts_of_a_tyre_without_angle_plies(model: str, settings: dict[str, str]) -> None:

@@ -87,6 +87,7 @@ def test_the_model_is_a_quarter_where_two_planes_mirror(settings: dict[str, str]
     assert request.newton == "plain"
 
 
+@pytest.mark.slow
 def test_a_quarter_is_the_whole_tyre(small: Result) -> None:
     settings = {**TO_10, "plies": "2", "ply_thickness_mm": "2.4"}
     whole = run(settings, "8x10", model="full")
@@ -101,6 +102,7 @@ def test_a_quarter_is_the_whole_tyre(small: Result) -> None:
     assert small.quantities == pytest.approx(whole.quantities, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_every_step_passes_the_judge_and_touching_nodes_lie_in_the_plane(isotropic: Result) -> None:
     for step in isotropic.steps:
         assert step["kkt"]["equilibrium"] <= 1e-8
