@@ -16,6 +16,7 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.scenes.contact.base import outer_face
+from support.contact_problems import EXACT
 from support.shells import make_shell
 
 ROUNDING = 1e-10
@@ -28,14 +29,13 @@ def touching(name: str, shell: ShellModel, nodes: np.ndarray, plane: RigidPlane,
     """The problem and its converged solution; a body that lies free starts in contact."""
     problem = against_plane(shell.linearise, outer_face(shell.discretisation, nodes), plane)
     algorithm = ALGORITHMS[name](epsilon=np.inf)
-    reason = algorithm.supports(problem)
-    if reason is not None:
-        pytest.skip(f"{name}: {reason}")
+    assert algorithm.supports(problem) is None
     m = len(nodes)
     start = ContactSolution(np.zeros(shell.discretisation.n_free), np.zeros(m), np.full(m, lying), Outcome.CONVERGED)
     solution = algorithm.solve(problem, start)
-    if solution.outcome.name == "REFUSED":  # what only a linearised problem shows
-        pytest.skip(f"{name}: {solution.outcome.value}")
+    if name == "qp" and shell.section == "nonsymmetric":
+        assert solution.outcome is Outcome.REFUSED
+        pytest.skip("qp: a tangent that is not symmetric has no energy to minimise")
     assert solution.outcome is Outcome.CONVERGED
     verdict = judge(problem, solution.u, solution.pressure)
     assert verdict.failures() == []
@@ -83,7 +83,7 @@ def test_signorini_patch(name, section, measure) -> None:
         np.testing.assert_allclose(inner, H * p / OEDOMETRIC, rtol=ROUNDING)
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
+@pytest.mark.parametrize("name", EXACT)
 @on_symmetric_and_other_sections
 @by_measure
 def test_signorini_patch_pressed_by_a_stamp(name, section, measure) -> None:
@@ -124,7 +124,7 @@ def membrane(surface, grid: Grid, supports: Supports, load: float) -> ShellModel
     )
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
+@pytest.mark.parametrize("name", EXACT)
 def test_string_of_shell_elements_over_an_obstacle(name) -> None:
     """Free length l = sqrt(2 T g/q) of a string; the reaction is what the string does not carry to its end."""
     L, free = 100.0, 38.0
@@ -145,7 +145,7 @@ def test_string_of_shell_elements_over_an_obstacle(name) -> None:
         np.testing.assert_allclose(solution.pressure[inside], q, rtol=INSIDE)
 
 
-@pytest.mark.parametrize("name", ALGORITHMS)
+@pytest.mark.parametrize("name", EXACT)
 def test_circular_membrane_over_an_obstacle(name) -> None:
     """Disc of radius a: q a^2/(T g) = 4/(1 - x^2 - 2 x^2 ln(1/x)), x = c/a; no line force, F = q pi c^2."""
     a, hole, x = 100.0, 1.0, 0.3

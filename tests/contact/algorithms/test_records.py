@@ -13,12 +13,13 @@ from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.problem import ContactProblem, Outcome
 from contact.verify import judge
-from support.contact_problems import Quadratic, applicable, random_quadratic, solve_from_rest
+from support.contact_problems import EXACT, Quadratic, applicable, random_quadratic, solve_from_rest
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 ROUNDING = 1e-10
 
 each_algorithm = pytest.mark.parametrize("name", ALGORITHMS)
+each_exact_one = pytest.mark.parametrize("name", EXACT)
 
 
 # --- cycling ------------------------------------------------------------------------------------------------------
@@ -60,7 +61,7 @@ def test_trial_and_error_detects_the_cycle_and_still_converges() -> None:
     np.testing.assert_allclose(solution.pressure, CYCLING_M @ x + CYCLING_C, rtol=0, atol=ORACLE)
 
 
-@each_algorithm
+@each_exact_one
 def test_a_cycle_is_solved_or_reported(name) -> None:
     """Who fails says so, and who says that it has converged is right."""
     data = cycling()
@@ -88,7 +89,7 @@ def test_semismooth_cycles_unless_it_settles_its_set() -> None:
 # --- records ------------------------------------------------------------------------------------------------------
 
 
-@each_algorithm
+@each_exact_one
 def test_counters_and_history_are_those_of_the_run(name) -> None:
     data = random_quadratic(np.random.default_rng(3), "obstacle")
     calls = []
@@ -133,7 +134,7 @@ def test_pressures_from_before_that_are_far_too_large_are_taken_back(name, optio
     np.testing.assert_allclose(again.pressure, first.pressure, rtol=0, atol=ORACLE)
 
 
-@each_algorithm
+@each_exact_one
 def test_memory_is_passed_on_and_forgotten_with_the_solve(name) -> None:
     """Each linearisation gets what the last step remembered, or None at the start of a Newton."""
     data = random_quadratic(np.random.default_rng(2), "obstacle")
@@ -155,7 +156,7 @@ def test_memory_is_passed_on_and_forgotten_with_the_solve(name) -> None:
     assert [m for m in seen if m is not None] == given
 
 
-@each_algorithm
+@each_exact_one
 @pytest.mark.parametrize(
     ("K", "outcome"),
     [(np.zeros((2, 2)), Outcome.SINGULAR), (np.array([[1.0, -1.0], [-1.0, 1.0]]), Outcome.SINGULAR)],
@@ -171,7 +172,7 @@ def test_singular_mechanics_is_an_outcome(name, K, outcome) -> None:
         assert solution.outcome is outcome
 
 
-@each_algorithm
+@each_exact_one
 def test_nan_is_divergence(name) -> None:
     data = Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
     assert solve_from_rest(name, data.problem(), 2).outcome is Outcome.DIVERGED
@@ -182,6 +183,12 @@ def test_iteration_limit_is_an_outcome(name) -> None:
     data = random_quadratic(np.random.default_rng(0), "obstacle")
     limited = solve_from_rest(name, data.problem(), len(data.f), ALGORITHMS[name]().epsilon, max_iterations=0)
     assert limited.outcome is Outcome.ITERATION_LIMIT
+
+
+def test_who_takes_which_epsilon() -> None:
+    """A spring needs a finite one, and the multiplier of an augmented Lagrangian is exact."""
+    refused = {(name, epsilon) for name in ALGORITHMS for epsilon in (math.inf, 1e4)} - {*applicable(math.inf, 1e4)}
+    assert refused == {("regularised", math.inf), ("augmented-lagrangian", 1e4)}
 
 
 def test_catalogue_names_are_those_of_the_algorithms() -> None:

@@ -11,13 +11,13 @@ from scipy import sparse
 from contact.catalogue import ALGORITHMS
 from contact.problem import NEGLIGIBLE, ROUNDING_ALONE, ContactProblem, Linearisation, Outcome
 from contact.verify import judge
-from support.contact_problems import random_quadratic, solve_from_rest
+from support.contact_problems import EXACT, random_quadratic, solve_from_rest
 
 STIFF = 1e12  # of a pair of faces, over the stiffness 1 of everything else: S |u| eps is 1e-4 of the load
 PAIRS = 8
 MOST = dict.fromkeys(ALGORITHMS, 10) | {"augmented-lagrangian": 14}  # without an end to it, 40 and more are spent
 
-each_algorithm = pytest.mark.parametrize("name", ALGORITHMS)
+each_exact_one = pytest.mark.parametrize("name", EXACT)
 each_kind = pytest.mark.parametrize("wall", [math.inf, 0.5], ids=["free", "pressed"])
 
 
@@ -54,7 +54,7 @@ class Faces:
         return np.minimum(np.repeat(mean, 2), wall)
 
 
-@each_algorithm
+@each_exact_one
 @each_kind
 def test_forces_that_move_nothing_are_no_obstacle(rng, name, wall) -> None:
     faces = Faces(rng, by_pairs=True)
@@ -71,7 +71,7 @@ def test_forces_that_move_nothing_are_no_obstacle(rng, name, wall) -> None:
         assert 0 < solution.active.sum() < PAIRS
 
 
-@each_algorithm
+@each_exact_one
 @each_kind
 def test_forces_that_do_move_are_an_outcome(rng, name, wall) -> None:
     problem = Faces(rng, by_pairs=False).problem(wall)
