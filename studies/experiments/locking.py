@@ -15,12 +15,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
 from scipy import sparse
 
 from contact.solvers.sparse import factorise
+from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, hyperboloid
 from formulations.section.laminate import SECTIONS, Laminate, Ply
@@ -28,11 +30,12 @@ from formulations.shell import Discretisation, ShellModel
 from formulations.strains.catalogue import LINEAR
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
-from studies.scenes.statics import edge_shares
+from studies.scenes.statics import edge_shares, normal_forces
 
 UNMET = 1e-2  # of the largest nodal force
 THINNESS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
 MESHES = (8, 16, 32)
+UNIT = np.array([0.0, 1.0])  # the two lines of a strip of width 1
 
 # Energy-norm errors sqrt|1 - U_h/U| of bilinear elements on 8, 16, 32, 64, 128 elements around a quadrant at t/R = 1e-2
 # with and without strain reduction. Read in ElmerCSC/elmerfem, fem/tests/Shell_BenchmarkCase[12]_Quad/Readme.txt; the
@@ -73,10 +76,9 @@ def _solve(
     membrane: str = "compatible",
 ) -> np.ndarray:
     """Face displacements (N, 6) of the linear shell under nodal forces (N, 6); NaN where rounding has taken them."""
-    turn = np.kron(np.eye(3), _director_turn(discretisation.laminate.thickness))
-    if unknowns == "faces":
-        turn = np.eye(6)
-    else:
+    turn = np.eye(6)
+    if unknowns == "director":
+        turn = np.kron(np.eye(3), _director_turn(discretisation.laminate.thickness))
         discretisation = director_scaled(discretisation)
     reduced = discretisation.reduce(forces @ turn)
     shell = ShellModel(discretisation, LINEAR, section, forces=reduced, membrane=membrane)
@@ -111,36 +113,29 @@ def thickness_locking(
     (1 - nu)/((1 + nu)(1 - 2 nu)) in equibiaxial bending. No refinement and no thinness makes it go away.
     """
     rows = []
-    for load in ("moment", "pressure", "equibiaxial"):
-        for section in sections:
-            for nu in nus:
-                excess = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) if load == "equibiaxial" else (1 - nu) ** 2 / (1 - 2 * nu)
-                law = excess if section == "full-3d" else 1.0
-                for n in meshes:
-                    ratio = _bending_stiffness(load, section, nu, n, h_over_L)
-                    rows.append((load, section, nu, n, ratio, law))
+    for load, section, nu, n in product(("moment", "pressure", "equibiaxial"), sections, nus, meshes):
+        excess = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) if load == "equibiaxial" else (1 - nu) ** 2 / (1 - 2 * nu)
+        law = excess if section == "full-3d" else 1.0
+        rows.append((load, section, nu, n, _bending_stiffness(load, section, nu, n, h_over_L), law))
     return pd.DataFrame(rows, columns=["load", "section", "nu", "elements", "stiffness_ratio", "law"])
 
 
 def _bending_stiffness(load: str, section: str, nu: float, n: int, h: float) -> float:
     """Bending stiffness found over E h^3/(12 (1 - nu^2)), on the length 1, with E = 1."""
-    square = load == "equibiaxial"
-    lines = np.linspace(0, 1, n + 1)
-    grid = Grid.tensor(lines, lines if square else np.array([0.0, 1.0]))
-    fixed, forces = np.zeros((grid.n_nodes, 6), bool), np.zeros((grid.n_nodes, 6))
-    edges = [grid.on_line(0, 1.0)] + [grid.on_line(1, 1.0)] * square
+    square, lines = load == "equibiaxial", np.linspace(0, 1, n + 1)
+    grid = Grid.tensor(lines, lines if square else UNIT)
+    supports, start = Supports.none(grid), grid.on_line(0, 0.0)
     if square:
-        fixed[grid.on_line(0, 0.0), :2] = True
-        fixed[grid.on_line(1, 0.0), 2:4] = True
-        fixed[grid.node_at(0.0, 0.0), 4:] = True
+        supports = supports.symmetric(start, 0).symmetric(grid.on_line(1, 0.0), 1).hold(grid.node_at(0.0, 0.0), (2,))
     else:
-        fixed[:, 2:4] = True
-        fixed[grid.on_line(0, 0.0)] = True
-    discretisation = Discretisation.build(Plate(), grid, Laminate.single(Ply.isotropic(1.0, nu, h)), fixed)
+        supports = supports.symmetric(np.arange(grid.n_nodes), 1).clamped(start)
+    discretisation = _discretised(Plate(), grid, h, nu, supports)
     if load == "pressure":
         forces = area_load(discretisation, lambda a1, a2: np.broadcast_to([0.0, 0.0, -1.0], (*a1.shape, 3)))
     else:
-        for a, edge in enumerate(edges):
+        forces = np.zeros((grid.n_nodes, 6))
+        for a in (0, 1) if square else (0,):
+            edge = grid.on_line(a, 1.0)
             share = edge_shares(len(edge))
             forces[edge, 2 * a], forces[edge, 2 * a + 1] = -share / h, share / h  # the moment 1 per width
     v = _solve(discretisation, forces, section=section)
@@ -154,6 +149,11 @@ def _bending_stiffness(load: str, section: str, nu: float, n: int, h: float) -> 
     return found / (h**3 / (12 * (1 - nu**2)))
 
 
+def _discretised(surface: Surface, grid: Grid, h: float, nu: float, supports: Supports) -> Discretisation:
+    """A shell of one isotropic layer with E = 1."""
+    return Discretisation.build(surface, grid, Laminate.single(Ply.isotropic(1.0, nu, h)), *supports.masks)
+
+
 def shear_locking(aspects: Sequence[float] = (1, 10, 100, 1e3, 1e4), elements: int = 8) -> pd.DataFrame:
     """Straight cantilever under end shear, elements of increasing length over thickness l/h; nu = 0.
 
@@ -163,13 +163,8 @@ def shear_locking(aspects: Sequence[float] = (1, 10, 100, 1e3, 1e4), elements: i
     """
     rows = []
     for aspect in aspects:
-        h, L = 1.0 / (aspect * elements), 1.0
-        grid = Grid.tensor(np.linspace(0, L, elements + 1), np.array([0.0, 1.0]))
-        fixed, forces = np.zeros((grid.n_nodes, 6), bool), np.zeros((grid.n_nodes, 6))
-        fixed[grid.on_line(0, 0.0)] = True
-        forces[grid.on_line(0, L), 4:] = 0.25  # 1 over both corners and faces
-        discretisation = Discretisation.build(Plate(), grid, Laminate.single(Ply.isotropic(1.0, 0.0, h)), fixed)
-        tip = float(_solve(discretisation, forces)[grid.on_line(0, L), 4:].mean())
+        h = 1.0 / (aspect * elements)
+        tip = _tip_deflection(Plate(), 0, np.linspace(0, 1.0, elements + 1), h)
         bending, shear = 4 / h**3, 2 / h
         softening = (bending * (1 - 1 / (4 * elements**2)) + shear) / (bending + shear)
         rows.append((aspect, elements, tip / (bending + shear), softening, 1 / (1 + 5 / 12 * aspect**2)))
@@ -194,15 +189,17 @@ def curved_beam(
         c = np.array([1.0, -1.0])
         exact = np.pi / 4 * (c @ C @ c + 2 / h)
         for n in meshes:
-            grid = Grid.tensor(np.array([0.0, 1.0]), np.linspace(0, np.pi / 2, n + 1))
-            fixed, forces = np.zeros((grid.n_nodes, 6), bool), np.zeros((grid.n_nodes, 6))
-            fixed[grid.on_line(1, 0.0)] = True
-            end = grid.on_line(1, np.pi / 2)
-            forces[end, 4:] = 0.25
-            laminate = Laminate.single(Ply.isotropic(1.0, 0.0, h))
-            v = _solve(Discretisation.build(cylinder(1.0), grid, laminate, fixed), forces, unknowns)
-            rows.append((h, n, unknowns, float(v[end, 4:].mean()) / exact))
+            tip = _tip_deflection(cylinder(1.0), 1, np.linspace(0, np.pi / 2, n + 1), h, unknowns)
+            rows.append((h, n, unknowns, tip / exact))
     return pd.DataFrame(rows, columns=["h_over_R", "elements", "unknowns", "ratio"])
+
+
+def _tip_deflection(surface: Surface, axis: int, lines: np.ndarray, h: float, unknowns: str = "director") -> float:
+    """Of a strip of width 1 along an axis, nu = 0: clamped where the lines begin, a normal force 1 where they end."""
+    grid = Grid.tensor(*((lines, UNIT) if axis == 0 else (UNIT, lines)))
+    tip, supports = grid.on_line(axis, lines[-1]), Supports.none(grid).clamped(grid.on_line(axis, lines[0]))
+    forces = normal_forces(grid, dict.fromkeys(tip.tolist(), 0.5))
+    return float(_solve(_discretised(surface, grid, h, 0.0, supports), forces, unknowns)[tip, 4:].mean())
 
 
 def membrane_locking(
@@ -223,29 +220,26 @@ def membrane_locking(
     Ovaskainen, Piila, CMAME 128 (1995) 81; Lee, Bathe, Comput. Struct. 82 (2004) 945.
     """
     rows = []
-    for name in surfaces:
-        for end in ends:
-            for h in thinness:
-                laminate = Laminate.single(Ply.isotropic(1.0, 1 / 3, h))
-                exact = HarmonicShell(SURFACES[name], laminate, 2, 1.0, 1.0, end == "clamped").energy()
-                for membrane in membranes:
-                    for n in meshes:
-                        ratio = _energy(SURFACES[name], laminate, end, n, membrane, unknowns) / exact
-                        error = math.sqrt(abs(1 - ratio))
-                        rows.append((name, end, membrane, h, n, ratio, error, *_yardstick(name, end, h, n)))
+    for name, end, h in product(surfaces, ends, thinness):
+        laminate = Laminate.single(Ply.isotropic(1.0, 1 / 3, h))
+        exact = HarmonicShell(SURFACES[name], laminate, 2, 1.0, 1.0, end == "clamped").energy()
+        for membrane, n in product(membranes, meshes):
+            ratio = _energy(SURFACES[name], h, end, n, membrane, unknowns) / exact
+            error = math.sqrt(abs(1 - ratio))
+            rows.append((name, end, membrane, h, n, ratio, error, *_yardstick(name, end, h, n)))
     names = ["surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"]
     return pd.DataFrame(rows, columns=[*names, "yardstick_reduced", "yardstick_unreduced"])
 
 
-def _energy(surface: Surface, laminate: Laminate, end: str, n: int, membrane: str, unknowns: str) -> float:
+def _energy(surface: Surface, h: float, end: str, n: int, membrane: str, unknowns: str) -> float:
     right = np.pi / 2
     grid = Grid.tensor(np.linspace(0, 1, n + 1), np.linspace(0, right, n + 1))
-    fixed = np.zeros((grid.n_nodes, 6), bool)
-    fixed[grid.on_line(0, 0.0), :2] = True
+    supports = Supports.none(grid).symmetric(grid.on_line(0, 0.0), 0)
     for plane in (0.0, right):
-        fixed[grid.on_line(1, plane), 2:4] = True
-    fixed[grid.on_line(0, 1.0)] |= end == "clamped"
-    discretisation = Discretisation.build(surface, grid, laminate, fixed)
+        supports = supports.symmetric(grid.on_line(1, plane), 1)
+    if end == "clamped":
+        supports = supports.clamped(grid.on_line(0, 1.0))
+    discretisation = _discretised(surface, grid, h, 1 / 3, supports)
     forces = area_load(discretisation, lambda a1, a2: np.cos(2 * a2)[..., None] * surface.frame(a1, a2)[..., 2, :])
     return float(0.5 * np.sum(forces * _solve(discretisation, forces, unknowns, membrane=membrane)))
 
