@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import product
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -28,6 +30,7 @@ SAMPLES: dict[str, tuple[Surface, tuple[float, float], float]] = {
     "sphere": (sphere(2.0), (0.0, 0.7), 2.0),
     "torus": (torus(3.0, 1.0), (0.0, 0.7), 4.0),
 }
+CASES = tuple(product(SAMPLES, ("translation", "out of plane", "drilling", "about the axis")))
 AMOUNTS = (0.2, 0.1, 0.05)
 SWEPT = (("plate", "out of plane"), ("plate", "drilling"), ("cylinder", "about the axis"), ("sphere", "out of plane"))
 
@@ -127,13 +130,9 @@ def rigid_body_table(theta: float = 0.5, slide: float = 0.3) -> pd.DataFrame:
     ``declared`` is missing where no closed form is declared. A measure with full gradients follows its plate laws on
     every surface, because its q depends on R alone.
     """
-    rows = []
-    for measure in MEASURES.values():
-        for surface in SAMPLES:
-            for motion, m in motions(surface, theta, slide).items():
-                row = _left(measure, surface, motion, m)
-                rows.append({**row, "theta_rad": 0.0 if motion == "translation" else theta, "slide": slide})
-    return pd.DataFrame(rows)
+    rows = [left_by(measure, *case, theta, slide) for measure, case in product(MEASURES.values(), CASES)]
+    table = pd.DataFrame(rows)
+    return table.assign(theta_rad=np.where(table["motion"] == "translation", 0.0, theta), slide=slide)
 
 
 def small_motions(amounts: Sequence[float] = AMOUNTS) -> pd.DataFrame:
@@ -141,28 +140,20 @@ def small_motions(amounts: Sequence[float] = AMOUNTS) -> pd.DataFrame:
 
     amount: an angle [rad], of a translation a share of the length of the sample.
     """
-    rows = []
-    for amount in amounts:
-        for measure in MEASURES.values():
-            for surface in SAMPLES:
-                for motion, m in motions(surface, amount, amount).items():
-                    rows.append({**_left(measure, surface, motion, m), "amount": amount})
-    return pd.DataFrame(rows)
+    cases = product(amounts, MEASURES.values(), CASES)
+    return pd.DataFrame([{**left_by(measure, *case, a, a), "amount": a} for a, measure, case in cases])
 
 
 def rotation_sweep(points: int = 73) -> pd.DataFrame:
     """Strains on the outer face over a full turn, beside the declared ones: the cases SWEPT."""
-    rows = []
-    for theta in np.linspace(0, 2 * np.pi, points):
-        for surface, motion in SWEPT:
-            m = motions(surface, float(theta), 0.0)[motion]
-            rows += [{**_left(measure, surface, motion, m), "theta_rad": theta} for measure in MEASURES.values()]
-    return pd.DataFrame(rows)
+    cases = product(np.linspace(0, 2 * np.pi, points).tolist(), SWEPT, MEASURES.values())
+    return pd.DataFrame([{**left_by(measure, *case, t, 0.0), "theta_rad": t} for t, case, measure in cases])
 
 
-def _left(measure: StrainMeasure, surface: str, motion: str, m: Motion) -> dict[str, object]:
-    """What one motion leaves at the sample point of one surface."""
+def left_by(measure: StrainMeasure, surface: str, motion: str, theta: float, slide: float) -> dict[str, Any]:
+    """What a motion leaves at the sample point of a surface: a row of the tables."""
     shape, point, _ = SAMPLES[surface]
+    m = motions(surface, theta, slide)[motion]
     E = residual_strains(measure, shape, point, m.rotation, m.translation)
     return {
         "measure": measure.name,

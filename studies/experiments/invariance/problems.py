@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -81,7 +82,8 @@ class Posed:
     def algorithm(self, algorithm: ContactAlgorithm) -> ContactAlgorithm:
         """The algorithm with its parameters in the units of the problem."""
         own = {p.key: self.stiffness * getattr(algorithm, p.key) for p in algorithm.parameters if p.unit == STIFFNESS}
-        return algorithm if self.stiffness == 1.0 else replace(algorithm, **own)  # type: ignore[type-var]
+        frozen: Any = algorithm  # a record, which its protocol cannot say
+        return algorithm if self.stiffness == 1.0 else replace(frozen, **own)
 
     def solved(self, algorithm: ContactAlgorithm, steps: int = 1) -> tuple[ContactSolution, Outcome]:
         """The last state of the path, and how it ended."""
