@@ -181,6 +181,11 @@ class Outcome(enum.Enum):
         """True for CONVERGED only."""
         return self is Outcome.CONVERGED
 
+    @property
+    def word(self) -> str:
+        """As it stands in records and tables."""
+        return self.name.lower().replace("_", "-")
+
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:

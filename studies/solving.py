@@ -73,7 +73,7 @@ class Result:
             "model": request.model,
             "model_reason": request.model_reason,
             "settings": {**request.settings, "steps": request.steps},
-            "outcome": UNSUPPORTED if self.unsupported else self.outcome.name.lower().replace("_", "-"),
+            "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
             "class": self.verdict,
             "reason": self.unsupported or self.reason or self.outcome.value,
             "quantities": self.quantities,

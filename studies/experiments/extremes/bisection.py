@@ -46,12 +46,12 @@ def locate(
     that may be asked for; beyond it what is left takes the class of its nearest corner. Raises ValueError for a grid
     that the stride does not divide.
     """
-    steps = (1, stride) if rows_apart else (stride, stride)
-    if stride & (stride - 1) or any((n - 1) % step for n, step in zip(shape, steps, strict=True)):
+    if stride & (stride - 1) or any((n - 1) % stride for n in shape[rows_apart:]):
         raise ValueError(f"blocks of {stride} do not divide a grid of {shape[0]} x {shape[1]} points")
     rows = range(shape[0]) if rows_apart else range(0, shape[0] - 1, stride)
     blocks = [(i, j, stride) for i in rows for j in range(0, shape[1] - 1, stride)]
-    search = _Search(class_at, shape, rows_apart, int(budget * shape[0] * shape[1]), blocks)
+    classes = np.full(shape, "", dtype=object)
+    search = _Search(class_at, classes, int(budget * classes.size), blocks, 0 if rows_apart else 1)
     try:
         search.run()
     except _SpentError:
@@ -63,17 +63,15 @@ class _SpentError(Exception):
     """The budget is spent."""
 
 
+@dataclass(eq=False)
 class _Search:
-    def __init__(
-        self,
-        class_at: Callable[[int, int], str],
-        shape: tuple[int, int],
-        rows_apart: bool,
-        budget: int,
-        blocks: list[Block],
-    ) -> None:
-        self.class_at, self.rows_apart, self.budget, self.blocks = class_at, rows_apart, budget, blocks
-        self.classes = np.full(shape, "", dtype=object)
+    """classes (n, m): empty where nothing was asked for.  height: of a block over its size, 0 where rows are apart."""
+
+    class_at: Callable[[int, int], str]
+    classes: np.ndarray
+    budget: int
+    blocks: list[Block]
+    height: int
 
     def run(self) -> None:
         """Until no block larger than the finest is mixed; the largest are cut first."""
@@ -89,7 +87,7 @@ class _Search:
         """Ask for the corners of its quarters, then put them in its place."""
         i, j, size = block
         half = size // 2
-        quarters = [(a, b, half) for a in ((i,) if self.rows_apart else (i, i + half)) for b in (j, j + half)]
+        quarters = [(a, b, half) for a in range(i, i + self.height * half + 1, half) for b in (j, j + half)]
         for quarter in quarters:
             self.ask_corners(quarter)
         self.blocks.remove(block)
@@ -98,7 +96,7 @@ class _Search:
     def within(self, block: Block) -> tuple[slice, slice]:
         """Its points, the border included."""
         i, j, size = block
-        return slice(i, i + 1 if self.rows_apart else i + size + 1), slice(j, j + size + 1)
+        return slice(i, i + self.height * size + 1), slice(j, j + size + 1)
 
     def seen(self, block: Block) -> set[str]:
         """Classes known in it and on its border."""
@@ -106,7 +104,7 @@ class _Search:
 
     def ask_corners(self, block: Block) -> None:
         i, j, size = block
-        for a in (i,) if self.rows_apart else (i, i + size):
+        for a in range(i, i + self.height * size + 1, size):
             for b in (j, j + size):
                 if self.classes[a, b] == "":
                     if np.count_nonzero(self.classes != "") >= self.budget:
@@ -123,7 +121,7 @@ class _Search:
                 part[part == ""] = next(iter(seen))
         known = np.argwhere(asked)
         for i, j in np.argwhere(full == ""):
-            own = known[known[:, 0] == i] if self.rows_apart and np.any(known[:, 0] == i) else known
+            own = known[known[:, 0] == i] if not self.height and np.any(known[:, 0] == i) else known
             full[i, j] = self.classes[tuple(own[np.argmin(np.max(np.abs(own - (i, j)), axis=1))])]
         return full, asked
 

@@ -159,14 +159,17 @@ def _failed(outcome: Outcome, told: str, end: PathEnd | None, spent: Mapping[str
 
 # --- the maps -------------------------------------------------------------------------------------------------------
 
-_UNEVEN = tuple(f"{1 - 10.0**x:.6g}" for x in np.linspace(0, -4, 17))  # 0 to 0.9999
-SMALL = {"mesh": "4x4"}
-BY = Axis("contact", "algorithm")
-H, TRAVEL, BALL = "h/R [-]", "travel of the plane [mm]", "radius of the ball [mm]"
-NU = Axis("nu", "Poisson ratio ν [-]", tuple(f"{0.5 - 10.0**x:.6g}" for x in np.linspace(-1, -4, 17)))
-TYRE = {"mesh": "8x12", "model": "half"}
-LYING = {"shape": "plate"}
 POWERS, EVEN = Axis.powers, Axis.even
+SMALL, TYRE, LYING = {"mesh": "4x4"}, {"mesh": "8x12", "model": "half"}, {"shape": "plate"}
+H, TRAVEL, BALL, INFLATION = "h/R [-]", "travel of the plane [mm]", "radius of the ball [mm]", "p R/(E h) [-]"
+BY = Axis("contact", "algorithm")
+THIN, THINNESS = (POWERS("h_over_R", H, -6, -1, points) for points in (17, 33))
+EPSILON = POWERS("epsilon", "ε [MPa/mm]", -2, 16, 33)
+LENGTHS = POWERS("length_unit", "units in a mm [-]", -6, 6, 33)
+STRESSES = POWERS("stress_unit", "units in a MPa [-]", -6, 6, 33)
+ASPECT = POWERS("aspect", "length over width of an element [-]", 0, 4, 17)
+NU = Axis("nu", "Poisson ratio ν [-]", tuple(f"{0.5 - 10.0**x:.6g}" for x in np.linspace(-1, -4, 17)))
+UNEVEN = Axis("irregular", "unevenness [-]", tuple(f"{1 - 10.0**x:.6g}" for x in np.linspace(0, -4, 17)))  # to 0.9999
 
 
 def _panel(name: str, title: str, x: Axis, y: Axis, settings: Mapping[str, str] | None = None, **more: str) -> Chart:
@@ -174,30 +177,19 @@ def _panel(name: str, title: str, x: Axis, y: Axis, settings: Mapping[str, str] 
     return Chart(name, title, "panel", x, y, {**SMALL, **more}, settings or {}, stride)
 
 
-_TRAVELS = POWERS("delta_mm", TRAVEL, -2, 1.5, 17)
 CHARTS: tuple[Chart, ...] = (
-    _panel("thin-travel", "Thinness against travel, beyond the clamp", _TRAVELS, POWERS("h_over_R", H, -6, -1, 17)),
+    _panel("thin-travel", "Thinness against travel, beyond the clamp", POWERS("delta_mm", TRAVEL, -2, 1.5, 17), THIN),
     _panel(
         *("inflation-travel", "Pressure, outside and inside, against travel"),
-        *(POWERS("delta_mm", TRAVEL, -2, 1, 17), EVEN("inflation", "p R/(E h) [-]", -1, 3, 17)),
+        *(POWERS("delta_mm", TRAVEL, -2, 1, 17), EVEN("inflation", INFLATION, -1, 3, 17)),
     ),
     _panel(
         *("fibres-angle", "Stiff fibres against their angle"),
         *(EVEN("gamma_deg", "angle of the fibres γ [deg]", 0, 90, 17), POWERS("E_ratio", "E_L/E_T [-]", 0, 6, 17)),
     ),
-    _panel("nu-thin", "Incompressible against thin", NU, POWERS("h_over_R", H, -6, -1, 17)),
-    _panel(
-        *("epsilon-thin", "Regularisation against thinness"),
-        *(POWERS("epsilon", "ε [MPa/mm]", -2, 16, 33), POWERS("h_over_R", H, -6, -1, 33)),
-        contact="regularised",
-    ),
-    _panel(
-        *("aspect-irregular", "Long elements against an uneven mesh"),
-        *(
-            POWERS("aspect", "length over width of an element [-]", 0, 4, 17),
-            Axis("irregular", "unevenness [-]", _UNEVEN),
-        ),
-    ),
+    _panel("nu-thin", "Incompressible against thin", NU, THIN),
+    _panel("epsilon-thin", "Regularisation against thinness", EPSILON, THINNESS, contact="regularised"),
+    _panel("aspect-irregular", "Long elements against an uneven mesh", ASPECT, UNEVEN),
     _panel(
         *("ball-travel", "A small ball against its travel"),
         *(POWERS("ball_mm", BALL, -2, 2, 17), POWERS("delta_mm", "travel of the ball [mm]", -2, 0.5, 17)),
@@ -208,18 +200,14 @@ CHARTS: tuple[Chart, ...] = (
         *(EVEN("gamma_deg", "cord angle γ [deg]", 0, 90, 17), EVEN("p0_MPa", "pressure inside [MPa]", -0.05, 0.35, 17)),
         *(TYRE, {"element": "paper", "delta_mm": "5"}),
     ),
-    _panel("thin", "Thinness, by algorithm", POWERS("h_over_R", H, -6, -1, 33), BY),
-    _panel("epsilon", "Regularisation, by algorithm", POWERS("epsilon", "ε [MPa/mm]", -2, 16, 33), BY),
-    _panel(
-        "length-unit", "The unit of length, by algorithm", POWERS("length_unit", "units in a mm [-]", -6, 6, 33), BY
-    ),
-    _panel(
-        "stress-unit", "The unit of stress, by algorithm", POWERS("stress_unit", "units in a MPa [-]", -6, 6, 33), BY
-    ),
+    _panel("thin", "Thinness, by algorithm", THINNESS, BY),
+    _panel("epsilon", "Regularisation, by algorithm", EPSILON, BY),
+    _panel("length-unit", "The unit of length, by algorithm", LENGTHS, BY),
+    _panel("stress-unit", "The unit of stress, by algorithm", STRESSES, BY),
     _panel("touch", "From exact touch, by algorithm", POWERS("delta_mm", TRAVEL, -18, 0, 65), BY, LYING),
     _panel(
         *("everywhere", "Contact everywhere, by algorithm"),
-        *(POWERS("inflation", "p R/(E h) [-]", -8, 0, 33), BY),
+        *(POWERS("inflation", INFLATION, -8, 0, 33), BY),
         {**LYING, "delta_mm": "0"},
     ),
     _panel(
@@ -247,16 +235,15 @@ def check_table(names: Sequence[str] = CHECKED, at: Callable[[Cell], Found] = at
         whole = np.full(chart.shape, "", dtype=object)
         for i, j in np.ndindex(chart.shape):
             whole[i, j] = (found.get((i, j)) or at(chart.cell(i, j))).kind
-        cells = distance(where.classes, whole, rows_apart=chart.y.named)
-        row = {"map": chart.name, "points": whole.size, "asked": int(where.asked.sum()), "share": where.share}
-        rows.append({**row, "distance": cells, "unlike": int(np.sum(where.classes != whole))})
-    return pd.DataFrame(rows)
+        cells, unlike = distance(where.classes, whole, rows_apart=chart.y.named), int(np.sum(where.classes != whole))
+        rows.append((chart.name, whole.size, int(where.asked.sum()), where.share, cells, unlike))
+    return pd.DataFrame(rows, columns=["map", "points", "asked", "share", "distance", "unlike"])
 
 
-def extremes_table(charts: Sequence[Chart] | None = None, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+def extremes_table(charts: Sequence[Chart] = CHARTS, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
     """All points of all maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
     rows = []
-    for chart in CHARTS if charts is None else charts:
+    for chart in charts:
         where, found = chart.located(at)
         for (i, j), kind in np.ndenumerate(where.classes):
             row = {"map": chart.name, "i": i, "j": j, "y": chart.y.values[i], "x": chart.x.values[j], "class": kind}
@@ -269,19 +256,11 @@ def extremes_table(charts: Sequence[Chart] | None = None, at: Callable[[Cell], F
     return pd.DataFrame(rows)
 
 
-def axes_table(charts: Sequence[Chart] | None = None) -> pd.DataFrame:
+def axes_table(charts: Sequence[Chart] = CHARTS) -> pd.DataFrame:
     """What the maps are of, one row a map."""
     rows = []
-    for chart in CHARTS if charts is None else charts:
-        fixed = {"scene": chart.scene, **chart.options, **chart.settings}
-        rows.append(
-            {
-                "map": chart.name,
-                "title": chart.title,
-                "x_label": chart.x.label,
-                "y_label": chart.y.label,
-                "y_named": chart.y.named,
-                "fixed": ", ".join(f"{key} {value}" for key, value in fixed.items()),
-            }
-        )
-    return pd.DataFrame(rows)
+    for chart in charts:
+        told = {"scene": chart.scene, **chart.options, **chart.settings}
+        fixed = ", ".join(f"{key} {value}" for key, value in told.items())
+        rows.append((chart.name, chart.title, chart.x.label, chart.y.label, chart.y.named, fixed))
+    return pd.DataFrame(rows, columns=["map", "title", "x_label", "y_label", "y_named", "fixed"])

@@ -52,7 +52,7 @@ class Sweep:
         model = Tyre().build(request)
         *_, last = walk(model.stages(), configured(request.contact, request.settings), request.steps)
         if not last.converged:
-            return row | {"outcome": last.point.outcome.name.lower().replace("_", "-")}
+            return row | {"outcome": last.point.outcome.word}
         state = last.state
         row |= {"outcome": "converged", "delta_mm": last.point.requested}
         row["negative"] = negative_eigenvalues(last.problem, state, np.inf)

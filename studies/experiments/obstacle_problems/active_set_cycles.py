@@ -77,6 +77,6 @@ def cycles() -> pd.DataFrame:
         for way, (name, settings) in WAYS.items():
             found = ALGORITHMS[name](epsilon=math.inf, **settings).solve(body.problem(), _begin(body))
             noticed = events(found.history, EventKind.CYCLE)
-            row[way] = found.outcome.name.lower().replace("_", "-") + (", cycle detected" if noticed else "")
+            row[way] = found.outcome.word + (", cycle detected" if noticed else "")
         rows.append(row)
     return pd.DataFrame(rows)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -14,12 +13,12 @@ from scipy import sparse
 from contact.algorithms.lcp import Lcp
 from contact.algorithms.qp import Scaled
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.problem import Outcome
 from contact.solvers.lcp_pivoting import METHODS
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
-from studies.experiments.obstacle_problems.collection import collection
-from studies.experiments.obstacle_problems.linearised_steps import linearised_steps
+from studies.experiments.obstacle_problems.collection import Bounded, collection
+from studies.experiments.obstacle_problems.linearised_steps import Linearised, linearised_steps
 
 FORCE, GAP = 1e-8, 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
 PENALTY = 1e4
@@ -36,48 +35,7 @@ class Claim:
     epsilon: float = math.inf
 
 
-class Body(Protocol):
-    """K x - f = G^T W p before a foundation, linear: where to start, and x (n,) where it is published."""
-
-    @property
-    def name(self) -> str:
-        """Name in the collection."""
-        ...
-
-    @property
-    def K(self) -> sparse.csc_matrix:
-        """(n, n)."""
-        ...
-
-    @property
-    def f(self) -> np.ndarray:
-        """(n,)."""
-        ...
-
-    @property
-    def start(self) -> np.ndarray:
-        """The x (n,) of begin()."""
-        ...
-
-    @property
-    def answer(self) -> np.ndarray | None:
-        """The published x (n,)."""
-        ...
-
-    @property
-    def symmetric(self) -> bool:
-        """Whether there is an energy to minimise."""
-        ...
-
-    def problem(self) -> ContactProblem:
-        """The contact problem."""
-        ...
-
-    def begin(self) -> ContactSolution:
-        """Where algorithms start."""
-        ...
-
-
+Body = Bounded | Linearised  # K x - f = G^T W p before a foundation, linear, and x where it is published
 Contender = Callable[[Body], Claim]
 
 
@@ -90,7 +48,7 @@ def by_algorithm(name: str, **settings: object) -> Contender:
         reason = algorithm.supports(problem)
         if reason is not None:
             return Claim(body.start, np.zeros_like(problem.weights), False, reason)
-        found: ContactSolution = algorithm.solve(problem, body.begin())
+        found = algorithm.solve(problem, body.begin())
         why = str(found.history[-1].get("event", "")) if found.outcome is Outcome.REFUSED else ""
         return Claim(found.u, found.pressure, found.outcome.converged, why, algorithm.epsilon)
 
@@ -137,7 +95,7 @@ def contenders() -> dict[str, Contender]:
 
 def failures(body: Body, claim: Claim) -> list[str]:
     """The judge's, with bounds in units of the problem; what a finite epsilon penetrates by its law is no failure."""
-    problem: ContactProblem = body.problem()
+    problem = body.problem()
     size = max(float(np.max(np.abs(body.start))), float(np.max(np.abs(claim.u))))
     force = max(float(np.linalg.norm(body.f)), float(np.linalg.norm(problem.contact_force(claim.u, claim.pressure))))
     largest = float(np.max(claim.pressure, initial=0.0))
