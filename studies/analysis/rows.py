@@ -56,26 +56,26 @@ def quantities(table: pd.DataFrame) -> list[str]:
     return [str(name).removeprefix("q.") for name in table if str(name).startswith("q.")]
 
 
+def answers(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each quantity that a cell has: label, quantity, value."""
+    values = table.set_index("label")[[f"q.{name}" for name in quantities(table)]].astype(float)
+    long = values.rename(columns=lambda name: name.removeprefix("q.")).melt(var_name="quantity", ignore_index=False)
+    return long.dropna().reset_index()
+
+
 def reference_rows(table: pd.DataFrame) -> pd.DataFrame:
     """One row for each quantity of a cell that has a reference: label, quantity, value, uncertainty, kind, source.
 
     Of several references that hold where the cell was solved, the least uncertain is taken; none that is zero, because
     errors are relative.
     """
-    found = []
-    for row in table[table["outcome"] == "converged"].to_dict("records"):
-        for quantity, reference in _applicable(row).items():
-            found.append(
-                {
-                    "label": row["label"],
-                    "quantity": quantity,
-                    "value": reference.value,
-                    "uncertainty": reference.uncertainty,
-                    "kind": reference.kind,
-                    "source": reference.source,
-                }
-            )
-    return pd.DataFrame(found, columns=["label", "quantity", "value", "uncertainty", "kind", "source"])
+    found = [
+        (row["label"], quantity, each.value, each.uncertainty, each.kind, each.source)
+        for row in table[table["outcome"] == "converged"].to_dict("records")
+        for quantity, each in _applicable(row).items()
+    ]
+    rows = pd.DataFrame(found, columns=["label", "quantity", "value", "uncertainty", "kind", "source"])
+    return rows.astype({"value": float, "uncertainty": float})
 
 
 def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
@@ -88,11 +88,9 @@ def _applicable(row: Mapping[Any, Any]) -> dict[str, Reference]:
         there = {**there, key: path}
     best: dict[str, Reference] = {}
     for reference in holding(row["scene"], there):
-        if pd.isna(row.get(f"q.{reference.quantity}", math.nan)):
-            continue
-        known = best.get(reference.quantity)
-        if known is None or reference.uncertainty < known.uncertainty:
-            best[reference.quantity] = reference
+        if not pd.isna(row.get(f"q.{reference.quantity}", math.nan)):
+            known = best.get(reference.quantity, reference)
+            best[reference.quantity] = min(known, reference, key=lambda each: each.uncertainty)
     return best
 
 
@@ -114,9 +112,5 @@ def _same(there: Value | None, at: float | str) -> bool:
 
 def errors(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
     """``references`` with the column ``error``: relative distance of the cell's value from the reference."""
-    values = table.set_index("label")
-    found = [
-        abs(float(str(values.at[row["label"], f"q.{row['quantity']}"])) / row["value"] - 1)
-        for row in references.to_dict("records")
-    ]
-    return references.assign(error=found)
+    values = references[["label", "quantity"]].merge(answers(table), how="left")["value"]
+    return references.assign(error=(values.to_numpy() / references["value"] - 1).abs())

@@ -12,8 +12,7 @@ from decimal import Decimal
 
 import pandas as pd
 
-from studies.analysis.richardson import Limit
-from studies.analysis.rows import keys, reference_rows
+from studies.analysis.rows import reference_rows
 from studies.analysis.verify import CLAIMED, limits, siblings
 
 FLAG_COLUMNS = ("flag", "scene", "subject", "cases", "of", "size", "cause", "label")
@@ -65,38 +64,22 @@ def walls(table: pd.DataFrame, references: pd.DataFrame) -> pd.DataFrame:
     table = table[table["scene"].isin(table["scene"][table["label"].isin(references["label"])])]
     loose = {label for rows in siblings(table, "tolerance") for label in rows["label"].iloc[1:]}
     table = table[~table["label"].isin(loose)]  # their wall would be the solver's
-    own, _ = limits(table)
-    ordered = _coarse_to_fine(table)
-    finest = dict(zip(keys(ordered, "mesh"), ordered.to_dict("records"), strict=True))
-    by_cell = {(row["label"], row["quantity"]): row for row in references.to_dict("records")}
-    found = []
-    for (key, name), limit in own.items():
-        cell = finest[key]
-        reference = by_cell.get((cell["label"], name))
-        if reference is None:
-            continue
-        target, value = float(reference["value"]), float(cell[f"q.{name}"])
-        wall, error = abs(limit.value - target), abs(value - target)
-        if limit.asymptotic and wall >= STANDS_STILL * error and wall > limit.uncertainty:
-            cause = _cause(limit, target, float(reference["uncertainty"]))
-            found.append((cell["scene"], f"{name} by {cell['measure']}", wall / abs(target), cause, cell["label"]))
-    frame = pd.DataFrame(found, columns=["scene", "subject", "size", "cause", "label"])
-    rows = [
-        ("wall", scene, subject, len(same), len(same), same["size"].median(), cause, same["label"].iloc[0])
-        for (scene, subject, cause), same in frame.groupby(["scene", "subject", "cause"], sort=False)
-    ]
-    return pd.DataFrame(rows, columns=list(FLAG_COLUMNS))
+    rows = limits(table).merge(references, on=["label", "quantity"])
+    wall, error = (rows["limit"] - rows["value"]).abs(), (rows["finest"] - rows["value"]).abs()
+    stands = rows["asymptotic"].astype(bool) & (wall >= STANDS_STILL * error) & (wall > rows["limit_uncertainty"])
+    found = rows.assign(size=wall / rows["value"].abs(), subject=rows["quantity"] + " by " + rows["measure"])[stands]
+    measured = found[["limit", "limit_uncertainty", "value", "uncertainty"]].to_numpy(float).tolist()
+    found["cause"] = [_cause(*each) for each in measured]
+    same = found.groupby(["scene", "subject", "cause"], sort=False, as_index=False).agg(
+        cases=("label", "size"), of=("label", "size"), size=("size", "median"), label=("label", "first")
+    )
+    return same.assign(flag="wall")[list(FLAG_COLUMNS)]
 
 
-def _coarse_to_fine(table: pd.DataFrame) -> pd.DataFrame:
-    solved = table[table["outcome"] == "converged"]
-    return solved.assign(elements=solved["n1"] * solved["n2"]).sort_values("elements", kind="stable")
-
-
-def _cause(limit: Limit, reference: float, uncertainty: float) -> str:
-    off = abs(limit.value - reference)
+def _cause(limit: float, limit_uncertainty: float, reference: float, uncertainty: float) -> str:
+    off = abs(limit - reference)
     digits, last = printed(reference)
-    if FEW_DIGITS[0] <= digits <= FEW_DIGITS[1] and off <= last + limit.uncertainty:
+    if FEW_DIGITS[0] <= digits <= FEW_DIGITS[1] and off <= last + limit_uncertainty:
         return f"{digits} digits of the reference"
     return "uncertainty of the reference" if off <= uncertainty * abs(reference) else "formulation"
 

@@ -16,25 +16,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from dataclasses import astuple
 
 import numpy as np
 import pandas as pd
 
 from studies.algorithm_settings import own_keys
-from studies.analysis.richardson import Limit, limit_of
-from studies.analysis.rows import STEP_KEYS, keys, ladders, quantities, reference_rows
+from studies.analysis.richardson import limit_of
+from studies.analysis.rows import STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
 
 CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
 HOW = ("mesh", "contact", "newton", "steps", "model", "sector_deg", "tolerance", "solver", "epsilon")
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
-PARTS = ("mesh", "solver", "formulation", "reference")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),
     *("mesh_error", "order", "asymptotic", "solver_error", "formulation_error", "reference_error", "largest"),
 )
+LIMIT_NAMES = ("ladder", "asked", "quantity", "scene", "measure", "label")
+LIMIT_NUMBERS = ("size", "tolerance", "epsilon", "finest", "limit", "limit_uncertainty", "order", "asymptotic")
 REFERENCE, LIMIT = "reference", "limit"
 EXACT = "exact"  # the measure that the others approximate
 
@@ -87,122 +88,98 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
 
     references: as of reference_rows, which is asked when they are not given.
     """
-    claimed = table[table["outcome"].isin(CLAIMED)]
-    known = reference_rows(table) if references is None else references
-    by_cell = {(row["label"], row["quantity"]): row for row in known.to_dict("records")}
-    own, best = limits(table)
-    solver, tightest = _solver_parts(claimed), _tightest(table)
-    names = {scene: judged(table, scene) for scene in claimed["scene"].unique()}
-    rows, free = [], (*how(), "measure")
-    for cell in claimed.to_dict("records"):
-        ladder, asked = cell["request"].key(("mesh",)), cell["request"].key(free)
-        tight_ladder = tightest[cell["request"].key(("mesh", "tolerance"))]
-        for name in names[cell["scene"]]:
-            value = float(cell.get(f"q.{name}", math.nan))
-            if not math.isnan(value):
-                limit = own.get((ladder, name))
-                tight = own.get((tight_ladder, name), limit)
-                limits_there = (best.get((asked, measure, name)) for measure in (EXACT, str(cell["measure"])))
-                against = _against(by_cell.get((cell["label"], name)), next(filter(None, limits_there), None))
-                left = solver.get((cell["label"], name), math.nan)
-                rows.append(_row(cell, name, value, against, (limit, tight), left))
-    return pd.DataFrame(rows, columns=list(COLUMNS))
-
-
-def _against(reference: dict[Any, Any] | None, limit: tuple[str, Limit] | None) -> tuple[str, float, float]:
-    """What a cell is verified against in words, its value, its relative uncertainty; NaN when there is nothing."""
-    if reference is not None:
-        return f"{REFERENCE}: {reference['kind']}", float(reference["value"]), float(reference["uncertainty"])
-    if limit is None or limit[1].value == 0.0:
-        return "", math.nan, math.nan
-    label, found = limit
-    return f"{LIMIT} of {label}", found.value, found.uncertainty / abs(found.value)
-
-
-def _row(
-    cell: dict[Any, Any],
-    name: str,
-    value: float,
-    against: tuple[str, float, float],
-    limits_there: tuple[Limit | None, Limit | None],
-    solver: float,
-) -> list[object]:
-    """limits_there: of the cell's own ladder, and of the same with the tightest tolerance."""
-    words, reference, uncertainty = against
-    own, tight = limits_there
-    scale = abs(reference) if words else abs(own.value) if own is not None else abs(value)
-    mesh = math.nan if own is None else abs(value - own.value) / scale
-    parts = {"mesh": mesh, "solver": solver / scale if scale else math.nan, "reference": uncertainty}
-    if words and tight is not None:
-        off = abs(tight.value - reference) / scale
-        parts["formulation"] = off if off > uncertainty + tight.uncertainty / scale else 0.0
-    present = {part: size for part, size in parts.items() if not math.isnan(size)}
-    return [
-        *(cell["label"], cell["scene"], name, value, words, reference, uncertainty),
-        abs(value - reference) / scale if words else math.nan,
-        mesh,
-        math.nan if own is None else own.order,
-        bool(own is not None and own.asymptotic),
-        *(parts.get(part, math.nan) for part in PARTS[1:]),
-        max(present, key=lambda part: present[part]) if present else "",
-    ]
-
-
-def limits(table: pd.DataFrame) -> tuple[dict[tuple[str, str], Limit], dict[tuple[str, str, str], tuple[str, Limit]]]:
-    """Limits of each ladder by its key without the mesh, and of the finest ladder of each request and measure.
-
-    Of ladders with the same finest mesh the one with the tightest tolerance counts, and of those the stiffest contact.
-    """
-    own: dict[tuple[str, str], Limit] = {}
-    best: dict[tuple[str, str, str], tuple[str, Limit]] = {}
-    ranks: dict[tuple[str, str, str], tuple[float, ...]] = {}
-    names: dict[str, list[str]] = {}
-    free = (*how(), "measure")
-    for rungs in ladders(table):
-        finest = rungs.iloc[-1]
-        rank = (float(finest["size"]), _number(finest, "tolerance", 0.0), -_number(finest, "epsilon", math.inf))
-        scene = str(finest["scene"])
-        if scene not in names:
-            names[scene] = judged(table, scene)
-        for name in names[scene]:
-            values = rungs[f"q.{name}"].to_numpy(float)
-            if np.isnan(values).any():
-                continue
-            limit = limit_of(rungs["size"].tolist(), values.tolist())
-            own[finest["request"].key(("mesh",)), name] = limit
-            key = finest["request"].key(free), str(finest["measure"]), name
-            if key not in ranks or rank < ranks[key]:
-                ranks[key], best[key] = rank, (str(finest["label"]), limit)
-    return own, best
-
-
-def _tightest(table: pd.DataFrame) -> dict[str, str]:
-    """By the key without mesh and tolerance, the one without mesh that has the tightest tolerance."""
-    tolerance = (
-        pd.to_numeric(table["tolerance"], errors="coerce") if "tolerance" in table else pd.Series(0.0, table.index)
+    rows = _claims(table)
+    limit, known = limits(table), reference_rows(table) if references is None else references
+    ranked = limit.sort_values(
+        ["size", "tolerance", "epsilon"], ascending=[True, True, False], na_position="first", kind="stable"
     )
-    ordered = table.iloc[np.argsort(-tolerance.fillna(0.0).to_numpy(float), kind="stable")]
-    return dict(zip(keys(ordered, "mesh", "tolerance"), keys(ordered, "mesh"), strict=True))
+    own = _beside(rows, limit, "ladder", "quantity")
+    tight = _beside(rows.assign(ladder=rows["tight"]), limit, "ladder", "quantity").fillna(own)
+    exact, best = (_beside(each, ranked, "asked", "measure", "quantity") for each in (rows.assign(measure=EXACT), rows))
+    best = exact.fillna(best)
+    best = best.where(best["limit"] != 0)  # errors are relative
+    reference = _beside(rows, known, "label", "quantity")
+
+    words = (f"{REFERENCE}: " + reference["kind"]).fillna(f"{LIMIT} of " + best["label"]).fillna("")
+    wanted = reference["value"].fillna(best["limit"])
+    uncertainty = reference["uncertainty"].fillna(best["limit_uncertainty"] / best["limit"].abs())
+    scale = wanted.abs().fillna(own["limit"].abs()).fillna(rows["value"].abs())
+    scale = scale.where(scale > 0)
+    off = (tight["limit"] - wanted).abs() / scale
+    parts = pd.DataFrame(
+        {
+            "mesh": (rows["value"] - own["limit"]).abs() / scale,
+            "solver": _solver_errors(rows) / scale,
+            "reference": uncertainty,
+            "formulation": off.where(~(off <= uncertainty + tight["limit_uncertainty"] / scale), 0.0),
+        }
+    )
+    found = rows.assign(
+        **{"against": words, "reference": wanted, "uncertainty": uncertainty},
+        error=(rows["value"] - wanted).abs() / scale,
+        **{f"{part}_error": parts[part] for part in parts},
+        **{"order": own["order"], "asymptotic": own["asymptotic"].eq(True)},
+        largest=parts.fillna(-1.0).idxmax(axis=1).where(parts.notna().any(axis=1), ""),
+    )
+    return found[list(COLUMNS)]
 
 
-def _number(row: pd.Series, name: str, default: float) -> float:
-    """A setting of a row; the default where the scene has none."""
-    value = pd.to_numeric(row.get(name, default), errors="coerce")
-    return default if pd.isna(value) else float(value)
+def _claims(table: pd.DataFrame) -> pd.DataFrame:
+    """One row a judged quantity of a cell with an answer: its value, and the keys of what it is compared with.
+
+    ladder: all that was asked but the mesh.  tight: that with the tightest tolerance.  asked: the question.  problem:
+    all but the tolerance.
+    """
+    claimed = table[table["outcome"].isin(CLAIMED)]
+    ordered = table.sort_values("tolerance", ascending=False, na_position="first", kind="stable")
+    tightest = dict(zip(keys(ordered, "mesh", "tolerance"), keys(ordered, "mesh"), strict=True))
+    rows = claimed[["label", "scene", "measure", "tolerance"]].assign(
+        ladder=keys(claimed, "mesh"),
+        tight=keys(claimed, "mesh", "tolerance").map(tightest),
+        asked=keys(claimed, *how(), "measure"),
+        problem=keys(claimed, "tolerance"),
+        quantity=claimed["scene"].map({scene: judged(table, scene) for scene in claimed["scene"].unique()}),
+    )
+    return rows.explode("quantity").merge(answers(claimed), on=["label", "quantity"])
 
 
-def _solver_parts(claimed: pd.DataFrame) -> dict[tuple[str, str], float]:
-    """By label and quantity, the distance to the answer with the tightest tolerance, in the unit of the quantity.
+def _beside(rows: pd.DataFrame, other: pd.DataFrame, *by: str) -> pd.DataFrame:
+    """For each row the first one of the other table that agrees in some columns; NaN where there is none."""
+    first = other.drop_duplicates(list(by)).set_index(list(by))
+    return first.reindex(pd.MultiIndex.from_frame(rows[list(by)])).set_axis(rows.index)
+
+
+def limits(table: pd.DataFrame) -> pd.DataFrame:
+    """One row a judged quantity of a ladder, with LIMIT_NAMES and LIMIT_NUMBERS: its limit, and who climbs it how far.
+
+    label, finest: the cell on the finest mesh, and its value.  Of ladders that were asked the same, the one with the
+    finest mesh counts; of those the one with the tightest tolerance, and of those the stiffest contact.
+    """
+    rows: list[tuple[object, ...]] = []
+    names = {scene: judged(table, scene) for scene in table["scene"].unique()}
+    for rungs in ladders(table):
+        last = rungs.iloc[-1]
+        asked = last["request"].key(("mesh",)), last["request"].key((*how(), "measure"))
+        who = [last[name] for name in LIMIT_NAMES[3:]] + [last.get(name, math.nan) for name in LIMIT_NUMBERS[:3]]
+        for name in names[last["scene"]]:
+            values = rungs[f"q.{name}"].astype(float).tolist()
+            if not np.isnan(values).any():
+                rows.append((*asked, name, *who, values[-1], *astuple(limit_of(rungs["size"].tolist(), values))))
+    return pd.DataFrame(rows, columns=[*LIMIT_NAMES, *LIMIT_NUMBERS]).astype(dict.fromkeys(LIMIT_NUMBERS, float))
+
+
+def _solver_errors(rows: pd.DataFrame) -> pd.Series:
+    """The distance to the answer with the tightest tolerance, in the unit of the quantity; NaN for one tolerance alone.
 
     What is left in the tightest one itself: errors proportional to the tolerance, from its distance to the next one.
     """
-    return {
-        (str(label), name): distance
-        for _, own in claimed.groupby("scene", sort=False)
-        for name in judged(own, str(own["scene"].iloc[0]))
-        for rows in siblings(own.dropna(subset=[f"q.{name}"]), "tolerance")
-        for label, distance in _distances(rows, name)
-    }
+    by = ("problem", "quantity")
+    tightest = _beside(rows, rows.sort_values("tolerance", kind="stable"), *by)
+    is_looser = rows["tolerance"] > tightest["tolerance"]  # one request may stand in several rows
+    following = _beside(rows, rows[is_looser].sort_values("tolerance", kind="stable"), *by)
+    share = tightest["tolerance"] / following["tolerance"]
+    left = (following["value"] - tightest["value"]).abs() * share / (1 - share)
+    return (rows["value"] - tightest["value"]).abs().where(is_looser, left)
 
 
 def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
@@ -213,12 +190,3 @@ def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
     for _, group in rows.groupby(keys(rows, setting), sort=False):
         if group[setting].nunique() > 1:
             yield group.sort_values(setting)
-
-
-def _distances(rows: pd.DataFrame, name: str) -> Iterator[tuple[str, float]]:
-    values, tolerances = rows[f"q.{name}"].to_numpy(float), rows["tolerance"].to_numpy(float)
-    off = np.abs(values - values[0])
-    looser = tolerances > tolerances[0]  # one request may stand in several rows
-    share = tolerances[0] / tolerances[looser][0]
-    off[~looser] = off[looser][0] * share / (1 - share)
-    yield from zip(rows["label"], off.tolist(), strict=True)
