@@ -14,17 +14,11 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from formulations.conditions.dof_map import DofMap, Images
+from formulations.discretisation import Discretisation
 from formulations.element.mixed import MixedElement
-from formulations.element.sparsity import Pattern
-from formulations.element.strain_operator import N_DOF, ElementGeometry
-from formulations.geometry.grid import Grid
-from formulations.geometry.nested_dissection import dissection
-from formulations.geometry.surfaces import Surface
 from formulations.loads.pressure import Couples, Pressure
-from formulations.section.laminate import Laminate
 from formulations.strains.measure import StrainMeasure
-from formulations.strains.quantities import FULL, N_E, N_V, Kinematics
+from formulations.strains.quantities import N_E
 
 NEWTONS = ("plain", "mixed")
 
@@ -42,124 +36,6 @@ class Linearisation:
     tangent: sparse.csc_matrix
     scale: float
     remember: Callable[[np.ndarray], object]
-
-
-@dataclass(frozen=True, eq=False)
-class Discretisation:
-    """Geometry on the grid, supports, and the sparse pattern."""
-
-    surface: Surface
-    grid: Grid
-    laminate: Laminate
-    map: DofMap
-    geometry: ElementGeometry = field(repr=False)
-    dofs: np.ndarray = field(repr=False)
-    pattern: Pattern = field(repr=False)
-    scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
-    ordered: bool = False
-
-    @classmethod
-    def build(
-        cls,
-        surface: Surface,
-        grid: Grid,
-        laminate: Laminate,
-        fixed: np.ndarray,
-        hinged: np.ndarray | None = None,
-        kinematics: Kinematics = FULL,
-        interpolation: str = "curvilinear",
-        images: Images | None = None,
-        *,
-        ordered: bool = False,
-    ) -> Discretisation:
-        """``fixed`` (N, 6) bool: face displacements held at zero; ``hinged`` (N, 3) and images: see :class:`DofMap`.
-
-        ``interpolation``: "curvilinear" (the paper) or "isoparametric", see :class:`ElementGeometry`.  ``ordered``:
-        number the unknowns by nested dissection, so that a factorisation may keep their order; else as the nodes are.
-        """
-        order = None
-        if ordered:
-            last = None if images is None else images.followed
-            order = dissection(grid.node_shape, periodic=grid.periodic, last=last)
-        dof_map = DofMap.build(fixed, hinged, images, order)
-        dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
-        pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.sign[dofs])
-        scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
-        geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
-        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered)
-
-    def leaving_out(self, kinematics: Kinematics) -> Discretisation:
-        """The same grid with other gradients."""
-        geometry = ElementGeometry.build(
-            self.surface, self.grid, self.laminate, kinematics, self.geometry.interpolation
-        )
-        return replace(self, geometry=geometry)
-
-    @property
-    def n_free(self) -> int:
-        """Number of unknowns."""
-        return self.map.n
-
-    def expand(self, u: np.ndarray) -> np.ndarray:
-        """All face displacements (N, 6) from the unknowns; held ones are zero."""
-        return self.map.expand(u)
-
-    def reduce(self, forces: np.ndarray) -> np.ndarray:
-        """Forces (n,) on the unknowns from nodal forces (N, 6) in the local frames."""
-        return self.map.gather(forces)
-
-    def gather(self, element_vectors: np.ndarray) -> np.ndarray:
-        """Sum element vectors (E, 24) into forces (n,) on the unknowns."""
-        return self.map.gather(self.nodal(element_vectors))
-
-    def nodal(self, element_vectors: np.ndarray) -> np.ndarray:
-        """Sum element vectors (E, 24) into nodal forces (N, 6), those on held displacements included."""
-        n = self.grid.n_nodes * N_V
-        return np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
-
-    def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
-        """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
-        return self.pattern.assemble(element_matrices)
-
-    def displacement_operator(self, nodes: np.ndarray, face: int) -> sparse.csr_matrix:
-        """Sparse (3m, n): Cartesian displacements of the nodes on a face (0 inner, 1 outer) from the unknowns."""
-        frame = self.surface.frame(self.grid.nodes[nodes, 0], self.grid.nodes[nodes, 1])
-        rows = np.broadcast_to(np.arange(3 * len(nodes)).reshape(-1, 1, 3), frame.shape)  # (m, i, x)
-        dofs = N_V * nodes[:, None] + 2 * np.arange(3) + face
-        columns = np.broadcast_to(dofs[:, :, None], frame.shape)
-        shape = (3 * len(nodes), self.grid.n_nodes * N_V)
-        full = sparse.coo_matrix((frame.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
-        return sparse.csr_matrix(full.tocsr() @ self.map.matrix())
-
-    def cartesian(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Cartesian displacements (N, 3) of the inner and of the outer face."""
-        v = self.expand(u)
-        frame = self.surface.frame(self.grid.nodes[:, 0], self.grid.nodes[:, 1])
-        inner, outer = (np.einsum("...i,...ij->...j", v[:, face::2], frame) for face in (0, 1))
-        return inner, outer
-
-    def positions(self) -> tuple[np.ndarray, np.ndarray]:
-        """Cartesian reference positions (N, 3) of the inner and of the outer face."""
-        a1, a2 = self.grid.nodes.T
-        x, normal = self.surface.position(a1, a2), self.surface.frame(a1, a2)[:, 2]
-        return x + self.laminate.d_minus * normal, x + self.laminate.d_plus * normal
-
-    def nodal_areas(self, face: str) -> np.ndarray:
-        """Area (N,) of the nodes, int N_r dA, of the "mid" surface (mubar) or of the "outer" face."""
-        area = {"mid": self.geometry.weight, "outer": self.geometry.face_weight[:, 1]}[face]
-        shares = np.repeat(0.25 * area, 4)
-        return np.bincount(self.grid.elements.ravel(), weights=shares, minlength=self.grid.n_nodes)
-
-    def nodal_mass(self, face: str) -> sparse.csr_matrix:
-        """Consistent matrix (N, N) of int N_r N_s dA on the same areas; its row sums are the nodal areas."""
-        area = {"mid": self.geometry.weight, "outer": self.geometry.face_weight[:, 1]}[face]
-        line = np.array([[2, 1], [1, 2]]) / 6
-        square = np.kron(line, line)[np.ix_((0, 1, 3, 2), (0, 1, 3, 2))]  # tensor order to the order of the corners
-        rows = np.repeat(self.grid.elements, 4, axis=1).ravel()
-        columns = np.tile(self.grid.elements, (1, 4)).ravel()
-        values = (area[:, None, None] * square).ravel()
-        n = self.grid.n_nodes
-        return sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,6 +28,8 @@ GAUSS = CORNERS / np.sqrt(3.0)
 CHUNK = 128  # elements per pass: large enough to hide the calls, small enough for the cache
 BETA = slice(12, 15)  # rows of beta1, beta2, beta3 in q
 INTERPOLATIONS = ("curvilinear", "isoparametric")
+_LINE_MASS = np.array([[2, 1], [1, 2]]) / 6
+CORNER_MASS = np.kron(_LINE_MASS, _LINE_MASS)[np.ix_((0, 1, 3, 2), (0, 1, 3, 2))]  # int N_r N_s over the area, (4, 4)
 
 
 def shape_functions(xi: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from formulations.shell import Discretisation
+from formulations.discretisation import Discretisation
 
 Traction = Callable[[np.ndarray, np.ndarray], np.ndarray]
 _POINTS = np.array([-1.0, 1.0]) / np.sqrt(3.0)

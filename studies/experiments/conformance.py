@@ -18,13 +18,14 @@ import numpy as np
 
 from contact.solvers.sparse import factorise
 from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Geometry, Plate, Surface, cylinder, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import SECTIONS, Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import FULL
 from studies.analysis.richardson import correction, order_of

@@ -23,10 +23,11 @@ from scipy import sparse
 
 from contact.solvers.sparse import factorise
 from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, hyperboloid
 from formulations.section.laminate import SECTIONS, Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import LINEAR
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.conditions.dof_map import Images
+from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate
-from formulations.shell import Discretisation
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
 from studies.request import Request

@@ -10,9 +10,10 @@ import numpy as np
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import ContactProblem, ContactSolution, without_contact
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.loads.pressure import Couples, Pressure
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.request import Request
 from studies.scene import ArcStage, Observation, Setting, ShellSceneModel, Stage

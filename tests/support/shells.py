@@ -7,10 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import MeridianPoint, Plate, Surface, SurfaceOfRevolution, cylinder, sphere, torus
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from formulations.discretisation import Discretisation
 from formulations.element.mixed import SHEAR_ROWS
 from formulations.element.strain_operator import GAUSS, N_GAUSS
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation
 from formulations.strains.quantities import N_E
 from studies.request import Request
 from studies.scene import SOLVER, Setting

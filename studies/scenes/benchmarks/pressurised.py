@@ -20,10 +20,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from formulations.discretisation import Discretisation
 from formulations.geometry.surfaces import cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting, UsageError
 from studies.scenes.element import ELEMENT, discretise, even_grid

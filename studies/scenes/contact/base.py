@@ -12,7 +12,8 @@ import numpy as np
 
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from formulations.shell import Discretisation, ShellModel
+from formulations.discretisation import Discretisation
+from formulations.shell import ShellModel
 from studies.scene import Observation, ShellSceneModel, Stage
 
 OUTER = 1  # the face that touches

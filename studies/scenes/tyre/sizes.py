@@ -19,6 +19,7 @@ import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
 from contact.problem import ContactSolution
+from formulations.element.strain_operator import CORNER_MASS
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
 from formulations.shell import ShellModel
@@ -140,9 +141,7 @@ def rim_errors(model: Pressed, state: State) -> np.ndarray:
     pressure[model.nodes] = state.solution.pressure
     gap[model.nodes] = state.gap
     p, g = pressure[own][grid.elements], gap[own][grid.elements]
-    line = np.array([[2, 1], [1, 2]]) / 6
-    square = np.kron(line, line)[np.ix_((0, 1, 3, 2), (0, 1, 3, 2))]
-    w = np.maximum(geometry.weight * np.einsum("er,rs,es->e", p, square, g), 0.0)
+    w = np.maximum(geometry.weight * np.einsum("er,rs,es->e", p, CORNER_MASS, g), 0.0)
     slope = np.stack([(g @ CORNERS[:, a]) ** 2 for a in (0, 1)], axis=-1)
     share = slope / np.maximum(slope.sum(axis=1, keepdims=True), np.finfo(float).tiny)
     rim = np.max(np.abs(grid.nodes[own][np.flatnonzero(pressure[own] > 0)]), axis=0, initial=0.0)

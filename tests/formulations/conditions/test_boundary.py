@@ -9,12 +9,13 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import Plate, annulus, cylinder, torus
 from formulations.loads.lines import edge_force, edge_lengths
 from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from support.shells import make_shell
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from skfem import Basis, BilinearForm, ElementQuad1
 
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import CORNERS, Grid, graded_lines
 from formulations.geometry.surfaces import Plate, cylinder, sphere, torus
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation
 from support.differences import fitted_order
 from support.shells import SKEW_LAMINATE, make_shell, nodal_components
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation, ShellModel
+from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT
 from studies.cli import main
 from studies.scene import UsageError

@@ -11,11 +11,11 @@ import pytest
 from scipy.integrate import cumulative_trapezoid, trapezoid
 from scipy.linalg import expm
 
+from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import cylinder, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from formulations.shell import Discretisation
 from formulations.strains.catalogue import MEASURES
 from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
