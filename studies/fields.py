@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from formulations.shell import ShellModel
-from formulations.solid import SolidModel
+from formulations.solid import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
 
 # a triquadratic hexahedron in VTK's order (vtkTriQuadraticHexahedron): corners, edges, faces, centre; 0, 1, 2 along
@@ -54,7 +54,7 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     meshio.write(path, mesh, file_format="vtu")
 
 
-def write_solid_fields(path: Path, solid: SolidModel, u: np.ndarray, pressure: np.ndarray) -> None:
+def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pressure: np.ndarray) -> None:
     """Write the reference nodes of a solid with displacement [mm] and the pressure (N,) [MPa] on its outer face.
 
     Cells: triquadratic hexahedra with the number of their ply, from inside to outside.

@@ -13,7 +13,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.section.monoclinic import MonoclinicPly
-from formulations.solid import SolidMesh, SolidModel
+from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid_mesh import SolidMesh
 from support.differences import rotation
 from support.shells import SKEW_LAMINATE, make_shell
 
@@ -72,7 +73,7 @@ def test_shell_of_a_monoclinic_ply_agrees_with_the_solid(rng) -> None:
     lines = np.linspace(0, 1.2, 3), np.linspace(0, 0.9, 2)
     shell = make_shell(Plate(), Grid.tensor(*lines), laminate, section="full-3d")
     mesh = SolidMesh.build(Plate(), *lines, laminate)
-    solid = SolidModel(mesh, laminate, np.zeros((len(mesh.x), 3), bool))
+    solid = SolidModel(SolidDiscretisation.build(mesh, laminate, np.zeros((len(mesh.x), 3), bool)))
     for _ in range(3):
         A = 0.2 * rng.normal(size=(3, 3))
         v = np.stack([x @ A.T for x in shell.discretisation.positions()], axis=-1).reshape(-1, 6)

@@ -17,7 +17,8 @@ from contact.continuation.arc_length import ArcLength
 from contact.problem import Outcome
 from formulations.geometry.surfaces import cylinder
 from formulations.shell import Linearisation
-from formulations.solid import SolidMesh, SolidModel
+from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid_mesh import SolidMesh
 from studies.cli import NOT_CONVERGED, main
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.roofs import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
@@ -210,12 +211,12 @@ class SolidRoof:
         fixed[self.mesh.on(0, 0.0), 2] = fixed[self.mesh.on(1, 0.0), 1] = True
         edge = self.mesh.on(1, HALF_ANGLE)
         fixed[edge[np.abs(height[edge]) < 1e-9]] = True
-        self.model = SolidModel(self.mesh, self.laminate, fixed)
+        self.model = SolidModel(SolidDiscretisation.build(self.mesh, self.laminate, fixed))
         self.T = self._tie(edge, height)
         centre = np.intersect1d(self.mesh.on(0, 0.0), self.mesh.on(1, 0.0))
         forces = np.zeros((len(height), 3))
         forces[centre, 0] = -P_MAX / 4 / len(centre)
-        self.load = self.T.T @ forces.ravel()[self.model.free]
+        self.load = self.T.T @ forces.ravel()[self.model.discretisation.free]
 
     def _tie(self, edge: np.ndarray, height: np.ndarray) -> sparse.csr_matrix:
         """u(z) = z/(h/2) u(h/2) on the edge: the unknowns of the model from the remaining ones."""
@@ -228,7 +229,7 @@ class SolidRoof:
             for x in range(3):
                 tie[3 * node + x, 3 * node + x] = 0.0
                 tie[3 * node + x, 3 * master + x] = height[node] / top
-        rows = sparse.csc_matrix(tie)[self.model.free]
+        rows = sparse.csc_matrix(tie)[self.model.discretisation.free]
         return sparse.csr_matrix(rows[:, np.flatnonzero(np.diff(rows.indptr))])
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearisation:

@@ -12,7 +12,8 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from formulations.geometry.surfaces import Plate, Surface, annulus
 from formulations.section.laminate import Laminate, Ply
-from formulations.solid import SolidMesh, SolidModel
+from formulations.solid import SolidDiscretisation
+from formulations.solid_mesh import SolidMesh
 from studies.fields import write_solid_fields
 from studies.scene import UsageError
 from studies.scenes.data import read_reference
@@ -132,7 +133,7 @@ def test_fields_are_hexahedra_in_the_order_of_vtk(surface: Surface, tmp_path: Pa
     laminate = Laminate.single(Ply.isotropic(1.0, 0.3, 1e-3))
     lines = 1.0 + 1e-3 * np.arange(3)  # so small that the annulus is flat and straight
     mesh = SolidMesh.build(surface, lines, lines, laminate)
-    solid = SolidModel(mesh, laminate, np.zeros((len(mesh.x), 3), bool))
+    solid = SolidDiscretisation.build(mesh, laminate, np.zeros((len(mesh.x), 3), bool))
     write_solid_fields(tmp_path / "f.vtu", solid, np.zeros(solid.n_free), np.zeros(len(mesh.x)))
     read = meshio.read(tmp_path / "f.vtu")
     (block,) = read.cells
