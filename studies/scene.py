@@ -6,7 +6,7 @@ A scene is one file in :mod:`studies.scenes` and one line in its catalogue. How 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
@@ -60,6 +60,16 @@ class Setting:
         ending = self.key.rpartition("_")[2]
         by_key = ending if ending in UNITS else "-" if self.kind == "choice" else "1"
         object.__setattr__(self, "unit", self.unit or by_key)
+
+    @classmethod
+    def one_of(cls, key: str, choices: Iterable[str], default: str | None, meaning: str, **more: Any) -> Setting:
+        """A word."""
+        return cls(key, default, meaning, "choice", choices=tuple(choices), **more)
+
+    @classmethod
+    def positive(cls, key: str, default: Value | None, meaning: str, high: float = math.inf, **more: Any) -> Setting:
+        """A number above 0 and up to ``high``."""
+        return cls(key, default, meaning, low=0, high=high, open_low=True, **more)
 
     @classmethod
     def of(cls, parameter: Parameter, default: Value | None, otherwise: str = "") -> Setting:
@@ -142,6 +152,9 @@ class Observation:
     tables: dict[str, pd.DataFrame] = field(default_factory=dict)
 
 
+Begun = tuple[Callable[[float], ContactProblem], ContactSolution]  # problem_at(t), and the solution to start from
+
+
 @dataclass(frozen=True, eq=False)
 class Stage:
     """One path of problems.
@@ -152,7 +165,7 @@ class Stage:
     """
 
     name: str
-    begin: Callable[[ContactSolution | None], tuple[Callable[[float], ContactProblem], ContactSolution]]
+    begin: Callable[[ContactSolution | None], Begun]
     targets: Sequence[float]
     observe: Callable[[ContactProblem, ContactSolution, float], Observation]
     whole: Callable[[np.ndarray], np.ndarray] | None = field(default=None, kw_only=True)
@@ -191,6 +204,14 @@ class SceneModel(Protocol):
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """Write the fields of a state for ParaView and its like."""
         ...
+
+
+def nodal_pressure(solution: ContactSolution, nodes: np.ndarray, n: int) -> np.ndarray:
+    """Contact pressure (n,) of the candidates at their nodes; zero elsewhere, and before the first state with any."""
+    pressure = np.zeros(n)
+    if len(solution.pressure):
+        pressure[nodes] = solution.pressure
+    return pressure
 
 
 class ShellSceneModel:

@@ -5,8 +5,9 @@ Every word returns a new record; supports that meet at a node add up. No stiffne
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 
@@ -22,7 +23,7 @@ class Supports:
     """held (N, 6) bool: face displacements; middle (N, 3) bool: components held midway between the faces.
 
     Components are those of the local frame: 0 along a1, 1 along a2, 2 normal. Pass ``*supports.masks`` to
-    :meth:`formulations.shell.Discretisation.build`.
+    :meth:`formulations.discretisation.Discretisation.build`.
     """
 
     held: np.ndarray
@@ -32,6 +33,19 @@ class Supports:
     def none(cls, grid: Grid) -> Supports:
         """Free everywhere."""
         return cls(np.zeros((grid.n_nodes, N_V), bool), np.zeros((grid.n_nodes, 3), bool))
+
+    @classmethod
+    def of_edges(cls, grid: Grid, *edges: str) -> Supports:
+        """Supports of the edges, one of :data:`EDGES` each: the first and the last line of a1, then those of a2.
+
+        Raises ValueError for another word, and unless there are four.
+        """
+        supports = cls.none(grid)
+        for (axis, end), edge in zip(product((0, 1), (0, -1)), edges, strict=True):
+            if edge not in EDGES:
+                raise ValueError(f"an edge {edge!r} is not one of {', '.join(EDGES)}")
+            supports = EDGES[edge](supports, grid.on_line(axis, float(grid.lines[axis][end])), axis)
+        return supports
 
     def hold(self, nodes: np.ndarray | int, components: Sequence[int], faces: Sequence[str] = FACES) -> Supports:
         """Components of the named faces held."""
@@ -76,3 +90,12 @@ class Supports:
         pair = self.held.reshape(-1, 3, 2)
         both = pair | (pair.any(axis=2) & self.middle)[..., None]
         return both.reshape(-1, N_V), self.middle & ~both.any(axis=2)
+
+
+EDGES: dict[str, Callable[[Supports, np.ndarray, int], Supports]] = {  # of nodes on a line a_{axis+1} = constant
+    "free": lambda supports, nodes, axis: supports,
+    "clamped": lambda supports, nodes, axis: supports.clamped(nodes),
+    "symmetric": Supports.symmetric,
+    "diaphragm": Supports.diaphragm,
+    "hinged": lambda supports, nodes, axis: supports.hinged(nodes),
+}

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
+
 import numpy as np
 
+from formulations.conditions.boundary import Supports
 from formulations.conditions.dof_map import Images
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
@@ -20,41 +23,31 @@ PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
     "refined": {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "relaxed"},
 }
-SAMPLINGS = tuple(THICKNESS_STRAINS)
-BY_NAME = "by element"
-ELEMENT = (
-    Setting(
-        "element",
-        "refined",
-        "interpolation, thickness_strain and membrane by one name",
-        "choice",
-        choices=tuple(PRESETS),
-        presets=PRESETS,
-    ),
-    Setting(
-        "interpolation",
-        None,
-        "what is interpolated: components or positions",
-        "choice",
-        choices=INTERPOLATIONS,
-        otherwise=BY_NAME,
-    ),
-    Setting(
-        "thickness_strain",
-        None,
-        "where the thickness strain E33 is sampled",
-        "choice",
-        choices=SAMPLINGS,
-        otherwise=BY_NAME,
-    ),
-    Setting("membrane", None, "linear modes of the membrane strain", "choice", choices=MEMBRANES, otherwise=BY_NAME),
+OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
+    ("interpolation", INTERPOLATIONS, "what is interpolated: components or positions"),
+    ("thickness_strain", THICKNESS_STRAINS, "where the thickness strain E33 is sampled"),
+    ("membrane", MEMBRANES, "linear modes of the membrane strain"),
 )
+BY_ONE_NAME = "interpolation, thickness_strain and membrane by one name"
+ELEMENT = (
+    Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
+    *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
+)
+Span = tuple[float, float]  # both ends of a coordinate
 
 
-def even_grid(request: Request, a1: tuple[float, float], a2: tuple[float, float]) -> Grid:
+def even_grid(request: Request, a1: Span, a2: Span) -> Grid:
     """The mesh asked for, evenly spaced between the ends of both coordinates."""
     n1, n2 = request.mesh
     return Grid.tensor(np.linspace(*a1, n1 + 1), np.linspace(*a2, n2 + 1))
+
+
+def patch(
+    request: Request, surface: Surface, a1: Span, a2: Span, laminate: Laminate, edges: Sequence[str]
+) -> Discretisation:
+    """A piece of a surface on the mesh asked for, evenly spaced; edges: see :meth:`Supports.of_edges`."""
+    grid = even_grid(request, a1, a2)
+    return discretise(request, surface, grid, laminate, *Supports.of_edges(grid, *edges).masks)
 
 
 def discretise(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TypedDict, Unpack
 
 import numpy as np
 
@@ -16,11 +17,10 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.request import Request
-from studies.scene import ArcStage, Observation, Setting, ShellSceneModel, Stage
+from studies.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel, Stage
 
-LOAD_FRACTIONS = Setting(
-    "load_fraction", (0.25, 0.5, 0.75, 1.0), "fractions of the published load to report", "floats", 0, 10, open_low=True
-)
+REPORTED = "fractions of the published load to report"
+LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
 CURVE_FRACTIONS = replace(LOAD_FRACTIONS, default=(1.0,), help="load fractions to hit; the last ends the curve")
 ARC_STEP = Setting("arc_step", 0.01, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
 
@@ -53,24 +53,33 @@ def edge_shares(nodes: int) -> np.ndarray:
     return shares
 
 
+class Loads(TypedDict, total=False):
+    """What a shell carries; forces (N, 6) are dead and in the local frames."""
+
+    forces: np.ndarray
+    pressure: Pressure
+    couples: Couples
+
+
+def edge_forces(grid: Grid, nodes: np.ndarray, force: float) -> np.ndarray:
+    """(N, 6): a uniform normal force [N] in all on an edge of equally spaced nodes, half on either face."""
+    nodal = np.zeros((grid.n_nodes, 6))
+    nodal[nodes, 4:] = 0.5 * force * edge_shares(len(nodes))[:, None]
+    return nodal
+
+
 def loaded_shell(
-    discretisation: Discretisation,
-    request: Request,
-    *,
-    section: str = "constant-s33",
-    forces: np.ndarray | None = None,
-    pressure: Pressure | None = None,
-    couples: Couples | None = None,
+    discretisation: Discretisation, request: Request, *, section: str = "constant-s33", **loads: Unpack[Loads]
 ) -> ShellModel:
-    """The shell that was asked for; forces (N, 6) are dead and in the local frames."""
+    """The shell that was asked for."""
     return ShellModel(
         discretisation,
         MEASURES[request.measure],
         section=section,
         newton=request.newton,
-        pressure=pressure,
-        forces=None if forces is None else discretisation.reduce(forces),
-        couples=couples,
+        pressure=loads.get("pressure"),
+        forces=discretisation.reduce(loads["forces"]) if "forces" in loads else None,
+        couples=loads.get("couples"),
         thickness_strain=request.choice("thickness_strain"),
         membrane=request.choice("membrane"),
     )
@@ -94,11 +103,19 @@ class StaticModel(ShellSceneModel):
     fractions: Sequence[float]
     measure_at: Reading
 
+    @classmethod
+    def of(
+        cls, request: Request, discretisation: Discretisation, measure_at: Reading, **loads: Unpack[Loads]
+    ) -> StaticModel:
+        """The shell under its loads at the load fractions asked for."""
+        shell = loaded_shell(discretisation, request, **loads)
+        return cls(shell, request.numbers("load_fraction"), measure_at)
+
     def stages(self) -> Iterator[Stage]:
         """The load path from rest."""
         yield Stage("load", self._begin, tuple(self.fractions), self._observe)
 
-    def _begin(self, previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+    def _begin(self, previous: ContactSolution | None) -> Begun:
         return self.problem_at, ContactSolution.at_rest(self.shell.discretisation.n_free, 0)
 
     def problem_at(self, fraction: float) -> ContactProblem:
@@ -119,12 +136,14 @@ class CurveModel(StaticModel):
     continuation: ArcLength
 
     @classmethod
-    def build(cls, shell: ShellModel, request: Request, measure_at: Reading) -> CurveModel:
+    def of(
+        cls, request: Request, discretisation: Discretisation, measure_at: Reading, **loads: Unpack[Loads]
+    ) -> CurveModel:
         """The first arc step is ``arc_step`` over the number of steps."""
         first = request.number("arc_step") / request.steps
         solver, tolerance = request.choice("solver"), request.number("tolerance")
-        arc_length = ArcLength(first, solver=solver, tolerance=tolerance)
-        return cls(shell, request.numbers("load_fraction"), measure_at, arc_length)
+        static = StaticModel.of(request, discretisation, measure_at, **loads)
+        return cls(**vars(static), continuation=ArcLength(first, solver=solver, tolerance=tolerance))
 
     def stages(self) -> Iterator[Stage]:
         """The curve from rest."""

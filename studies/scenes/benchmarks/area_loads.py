@@ -19,7 +19,7 @@ from studies.scenes.statics import LOAD_FRACTIONS
 
 LOAD_FRACTION = replace(LOAD_FRACTIONS, default=(1.0,))
 SHELL_SETTINGS = (
-    Setting("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", low=0, high=1e4, open_low=True),
+    Setting.positive("shear_correction", 1.0, "factor on the shear stiffness; 1000: Kirchhoff", 1e4),
     *ELEMENT,
     SOLVER,
 )
@@ -57,14 +57,15 @@ def area_load(
 ) -> np.ndarray:
     """Consistent nodal forces (N, 6) in the local frames: F_i^r = int N_r (p . e_i) dA with the area dA of mubar.
 
-    ``density(a1, a2)``: dead force per area p (..., 3) in Cartesian components. ``shares`` go to the inner and to the
-    outer face. p is projected on the frame at every Gauss point and does work on the displacement that the element
-    interpolates there; projecting it at the nodes instead would differ by O(l^2).
+    ``density(a1, a2)``: dead force per area p, (..., 3) or (3,), in Cartesian components. ``shares`` go to the inner
+    and to the outer face. p is projected on the frame at every Gauss point and does work on the displacement that the
+    element interpolates there; projecting it at the nodes instead would differ by O(l^2).
     """
     grid = discretisation.grid
     points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
     a1, a2 = points[..., 0], points[..., 1]
-    local = np.einsum("...ij,...j->...i", discretisation.surface.frame(a1, a2), density(a1, a2))
+    p = np.broadcast_to(density(a1, a2), (*a1.shape, 3))
+    local = np.einsum("...ij,...j->...i", discretisation.surface.frame(a1, a2), p)
     weight = discretisation.geometry.weight / N_GAUSS
     value = np.broadcast_to(discretisation.geometry.value, (len(weight), N_GAUSS, 4, 3, 3))
     nodal = np.einsum("e,egrij,egi->erj", weight, value, local, optimize=True)

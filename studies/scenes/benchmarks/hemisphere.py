@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell, normal_at, normal_forces
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm
 HOLE = np.deg2rad(18.0)
@@ -34,14 +35,11 @@ class Hemisphere:
         """Outward pull at a2 = 0, inward push at a2 = 90 degrees, half on each face."""
         right = np.pi / 2
         grid = even_grid(request, (0, right - HOLE), (0, right))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        for plane in (0.0, right):
-            fixed[grid.on_line(1, plane), 2:4] = True
         pulled, pushed = grid.node_at(0.0, 0.0), grid.node_at(0.0, right)
-        fixed[pulled, 0] = True  # the rigid motion along the axis, and nothing else
+        supports = Supports.of_edges(grid, "free", "free", "symmetric", "symmetric")
+        supports = supports.hold(pulled, (0,), ("inner",))  # the rigid motion along the axis, and nothing else
         laminate = Laminate.single(Ply.isotropic(E, NU, H))
-        discretisation = discretise(request, sphere(RADIUS), grid, laminate, fixed)
+        quarter = discretise(request, sphere(RADIUS), grid, laminate, *supports.masks)
+        under_loads = normal_at(quarter, {"outward_mm": (pulled, 1), "inward_mm": (pushed, -1)})
         forces = normal_forces(grid, {pulled: P_MAX / 2, pushed: -P_MAX / 2})
-        shell = loaded_shell(discretisation, request, forces=forces)
-        under_loads = normal_at(discretisation, {"outward_mm": (pulled, 1), "inward_mm": (pushed, -1)})
-        return StaticModel(shell, request.numbers("load_fraction"), under_loads)
+        return StaticModel.of(request, quarter, under_loads, forces=forces)

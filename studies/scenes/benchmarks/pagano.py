@@ -10,15 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
-from studies.scenes.data import read_reference
-from studies.scenes.element import discretise, even_grid
+from studies.scenes.data import Row, read_reference, references
+from studies.scenes.element import patch
 from studies.scenes.statics import StaticModel, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
@@ -31,13 +30,12 @@ COLUMNS = {"wbar": "w_bar", "sigma_x": "sigma_x_bar", "tau_xz": "tau_xz_bar", "t
 
 
 def _references() -> tuple[Reference, ...]:
-    table = read_reference("pagano1970_sandwich_and_crossply.csv")
     source = "Pagano, J. Compos. Mater. 4 (1970) 20, table 2, in the helper notebook of the package panels"
-    return tuple(
-        Reference(quantity, float(row[column]), {"S": float(row["S"])}, "read", source, 5e-3)
-        for _, row in table.iterrows()
-        for column, quantity in COLUMNS.items()
-    )
+    rows: list[Row] = [
+        ({"S": float(row["S"])}, {quantity: row[column] for column, quantity in COLUMNS.items()})
+        for _, row in read_reference("pagano1970_sandwich_and_crossply.csv").iterrows()
+    ]
+    return references("read", source, 5e-3, rows)
 
 
 class Pagano:
@@ -50,32 +48,19 @@ class Pagano:
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:
-        """q0 sin(pi x/a) sin(pi y/b) on the outer face."""
+        """q0 sin(pi x/a) sin(pi y/b) on the outer face; the supports on x = 0 and y = 0 hold the edge's own plane."""
         S = request.number("S")
         a, b = S * H, 3 * S * H
-        grid = even_grid(request, (0, a / 2), (0, b / 2))
         plies = tuple(Ply(E_L, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
-        fixed = _supports(grid, a / 2, b / 2)
-        discretisation = discretise(request, Plate(), grid, centred_laminate(request, *plies), fixed)
+        edges = ("diaphragm", "symmetric", "diaphragm", "symmetric")
+        quarter = patch(request, Plate(), (0, a / 2), (0, b / 2), centred_laminate(request, *plies), edges)
         q0 = 100 * E_T * DEFLECTION / S**4
 
         def pressure(x: np.ndarray, y: np.ndarray) -> np.ndarray:
             return q0 * (np.sin(np.pi * x / a) * np.sin(np.pi * y / b))[..., None] * [0.0, 0.0, 1.0]
 
-        forces = area_load(discretisation, pressure, shares=(0.0, 1.0))
-        shell = loaded_shell(discretisation, request, forces=forces)
+        shell = loaded_shell(quarter, request, forces=area_load(quarter, pressure, shares=(0.0, 1.0)))
         return StaticModel(shell, (1.0,), lambda shell, u: _normalised(shell, u, S, q0))
-
-
-def _supports(grid: Grid, x_middle: float, y_middle: float) -> np.ndarray:
-    """Simple supports on x = 0 and y = 0 that hold the edge's own plane, symmetry on the middle lines; (N, 6) bool."""
-    fixed = np.zeros((grid.n_nodes, 6), bool)
-    fixed[grid.on_line(0, 0.0), 2:] = True
-    fixed[grid.on_line(1, 0.0), :2] = True
-    fixed[grid.on_line(1, 0.0), 4:] = True
-    fixed[grid.on_line(0, x_middle), :2] = True
-    fixed[grid.on_line(1, y_middle), 2:4] = True
-    return fixed
 
 
 def _normalised(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[str, float]:

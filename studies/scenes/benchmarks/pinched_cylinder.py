@@ -16,8 +16,8 @@ from formulations.section.laminate import Ply
 from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
-from studies.scenes.element import discretise, even_grid
-from studies.scenes.statics import StaticModel, loaded_shell, normal_at, normal_forces
+from studies.scenes.element import patch
+from studies.scenes.statics import StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 3e6, 0.3, 300.0, 600.0, 3.0  # MPa, -, mm, mm, mm
 P = 1.0  # N, each of the two opposite forces; an eighth of the cylinder carries a quarter of one
@@ -37,17 +37,9 @@ class PinchedCylinder:
 
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""
-        right = np.pi / 2
-        grid = even_grid(request, (0, LENGTH / 2), (0, right))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[grid.on_line(0, 0.0), :2] = True
-        fixed[grid.on_line(1, 0.0), 2:4] = True
-        fixed[grid.on_line(1, right), 2:4] = True
-        fixed[grid.on_line(0, LENGTH / 2), 2:] = True  # diaphragm
-        discretisation = discretise(
-            request, cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, NU, H)), fixed
-        )
-        loaded = grid.node_at(0.0, 0.0)
-        shell = loaded_shell(discretisation, request, forces=normal_forces(grid, {loaded: -P / 4}))
-        under_load = normal_at(discretisation, {"deflection_mm": (loaded, -1)})
-        return StaticModel(shell, request.numbers("load_fraction"), under_load)
+        laminate = centred_laminate(request, Ply.isotropic(E, NU, H))
+        edges = ("symmetric", "diaphragm", "symmetric", "symmetric")
+        eighth = patch(request, cylinder(RADIUS), (0, LENGTH / 2), (0, np.pi / 2), laminate, edges)
+        loaded = eighth.grid.node_at(0.0, 0.0)
+        under_load = normal_at(eighth, {"deflection_mm": (loaded, -1)})
+        return StaticModel.of(request, eighth, under_load, forces=normal_forces(eighth.grid, {loaded: -P / 4}))

@@ -15,34 +15,31 @@ section 108.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 
-from formulations.discretisation import Discretisation
-from formulations.geometry.surfaces import cylinder, sphere, torus
+from formulations.geometry.surfaces import Surface, cylinder, sphere, torus
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting, UsageError
-from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, loaded_shell
+from studies.scenes.data import Row, references
+from studies.scenes.element import ELEMENT, patch
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
 
 E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm
 SECTOR = np.pi / 6  # of cylinder and sphere; symmetry holds all four edges or leaves one free
 LARGEST = 1.2  # stretch at load fraction 1
 THIN = 0.1  # mm
-THICKNESS = Setting("h_mm", THIN, "thickness; the closed forms hold for h/R to zero", low=0, high=20, open_low=True)
-AREA = Setting(
-    "pressure_area",
-    "mid",
-    "area that carries the pressure: of the mid-surface or of the true face",
-    "choice",
-    choices=PRESSURE_AREAS,
-)
+THICKNESS = Setting.positive("h_mm", THIN, "thickness; the closed forms hold for h/R to zero", 20)
+CARRIER = "area that carries the pressure: of the mid-surface or of the true face"
+AREA = Setting.one_of("pressure_area", PRESSURE_AREAS, "mid", CARRIER)
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)
+ALL_SYMMETRIC = ("symmetric",) * 4
 
 
 def sphere_load(stretch: float) -> float:
@@ -81,28 +78,27 @@ def _references(
     at: Mapping[str, float | str], stretch_at: Callable[[float], float], largest: float, contraction: float
 ) -> tuple[Reference, ...]:
     """Stretch and thickness ratio sqrt(1 - c (lam^2 - 1)) at the default fractions; -E33 = c E_hoop in plane stress."""
-    source, found = "St. Venant-Kirchhoff membrane, virtual work", []
+    found: list[Row] = []
     for fraction in FRACTIONS:
         stretch = stretch_at(fraction * largest)
         ratio = float(np.sqrt(1 - contraction * (stretch**2 - 1)))
         where = {**at, "load_fraction": fraction, "h_mm": THIN}
-        found += [Reference("stretch", stretch, where, "exact", source, 1e-3)]
-        found += [Reference("thickness_ratio", ratio, where, "exact", source, 2e-3)]
-    return tuple(found)
+        found.append((where, {"stretch": stretch, "thickness_ratio": ratio}))
+    within = {"stretch": 1e-3, "thickness_ratio": 2e-3}
+    return references("exact", "St. Venant-Kirchhoff membrane, virtual work", within, found)
 
 
-def _inflated(discretisation: Discretisation, request: Request, largest: float) -> StaticModel:
+def _inflated(request: Request, surface: Surface, length: float, edges: Sequence[str], largest: float) -> StaticModel:
     """The sector under the pressure ``largest`` E h/R; everything is uniform, so any node tells the stretch."""
-    h = discretisation.laminate.thickness
+    h = request.number("h_mm")
+    sector = patch(request, surface, (0, length), (0, SECTOR), Laminate.single(Ply.isotropic(E, NU, h)), edges)
     pressure = Pressure(largest * E * h / RADIUS, follower=True, area=request.choice("pressure_area"))
 
     def uniform(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-        inner, outer = discretisation.expand(u)[:, 4:].mean(axis=0)
+        inner, outer = sector.expand(u)[:, 4:].mean(axis=0)
         return {"stretch": float(1 + 0.5 * (inner + outer) / RADIUS), "thickness_ratio": float(1 + (outer - inner) / h)}
 
-    return StaticModel(
-        loaded_shell(discretisation, request, pressure=pressure), request.numbers("load_fraction"), uniform
-    )
+    return StaticModel.of(request, sector, uniform, pressure=pressure)
 
 
 class PressurisedCylinder:
@@ -113,31 +109,25 @@ class PressurisedCylinder:
     default_mesh: tuple[int, int] = (2, 4)
     settings: tuple[Setting, ...] = (
         LOAD_FRACTIONS,
-        Setting("ends", "fixed", "ends of the cylinder, held or free along it", "choice", choices=("fixed", "open")),
+        Setting.one_of("ends", ("fixed", "open"), "fixed", "ends of the cylinder, held or free along it"),
         THICKNESS,
         AREA,
         *ELEMENT,
         SOLVER,
     )
-
-    @property
-    def references(self) -> tuple[Reference, ...]:
-        """Stretches at the default fractions of the load."""
-        fixed = _references({"ends": "fixed"}, fixed_cylinder_stretch, fixed_cylinder_load(LARGEST), NU / (1 - NU))
-        return fixed + _references({"ends": "open"}, open_cylinder_stretch, open_cylinder_load(LARGEST), NU)
+    references: tuple[Reference, ...] = (
+        *_references({"ends": "fixed"}, fixed_cylinder_stretch, fixed_cylinder_load(LARGEST), NU / (1 - NU)),
+        *_references({"ends": "open"}, open_cylinder_stretch, open_cylinder_load(LARGEST), NU),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Length of half a radius."""
-        grid = even_grid(request, (0, RADIUS / 2), (0, SECTOR))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        is_open = request.choice("ends") == "open"
-        for end in (0.0,) if is_open else (0.0, RADIUS / 2):
-            fixed[grid.on_line(0, end), 0:2] = True
-        for side in (0.0, SECTOR):
-            fixed[grid.on_line(1, side), 2:4] = True
-        laminate = Laminate.single(Ply.isotropic(E, NU, request.number("h_mm")))
-        largest = (open_cylinder_load if is_open else fixed_cylinder_load)(LARGEST)
-        return _inflated(discretise(request, cylinder(RADIUS), grid, laminate, fixed), request, largest)
+        if request.choice("ends") == "open":
+            end, load = "free", open_cylinder_load
+        else:
+            end, load = "symmetric", fixed_cylinder_load
+        edges = ("symmetric", end, "symmetric", "symmetric")
+        return _inflated(request, cylinder(RADIUS), RADIUS / 2, edges, load(LARGEST))
 
 
 class PressurisedSphere:
@@ -147,21 +137,11 @@ class PressurisedSphere:
     title: str = "Sphere under follower pressure (St. Venant-Kirchhoff membrane)"
     default_mesh: tuple[int, int] = (4, 4)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, THICKNESS, AREA, *ELEMENT, SOLVER)
-
-    @property
-    def references(self) -> tuple[Reference, ...]:
-        """Stretches at the default fractions of the load."""
-        return _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
+    references: tuple[Reference, ...] = _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
 
     def build(self, request: Request) -> SceneModel:
         """No rigid motion is left."""
-        grid = even_grid(request, (0, SECTOR), (0, SECTOR))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        for side in (0.0, SECTOR):
-            fixed[grid.on_line(0, side), 0:2] = True
-            fixed[grid.on_line(1, side), 2:4] = True
-        laminate = Laminate.single(Ply.isotropic(E, NU, request.number("h_mm")))
-        return _inflated(discretise(request, sphere(RADIUS), grid, laminate, fixed), request, sphere_load(LARGEST))
+        return _inflated(request, sphere(RADIUS), SECTOR, ALL_SYMMETRIC, sphere_load(LARGEST))
 
 
 TUBE, AXIS = 100.0, 300.0  # mm: radius r of the tube, distance R of its centre from the axis
@@ -172,6 +152,22 @@ def torus_resultants(phi: float) -> tuple[float, float]:
     """N_phi, N_theta [N/mm] of the linear membrane theory at phi [rad] from the crown, outwards positive."""
     out = AXIS + TUBE * float(np.sin(phi))
     return TORUS_PRESSURE * TUBE * (AXIS + out) / (2 * out), TORUS_PRESSURE * TUBE / 2
+
+
+def _torus_references() -> tuple[Reference, ...]:
+    """Both resultants at three points; bending of the wall shows most at the crown, as (h/r)^(1/3)."""
+    source, at = "linear membrane theory, local and global equilibrium", {"load_fraction": 1.0, "h_mm": THIN}
+    points = {"outer": (np.pi / 2, 1e-3), "crown": (0.0, 2e-2), "inner": (-np.pi / 2, 1e-3)}
+    found = (
+        references("exact", source, within, [(at, _named(place, torus_resultants(phi)))])
+        for place, (phi, within) in points.items()
+    )
+    return tuple(chain.from_iterable(found))
+
+
+def _named(place: str, resultants: Sequence[float] | np.ndarray) -> dict[str, float]:
+    """N_phi and N_theta at a place by their names."""
+    return {f"N_{name}_{place}_N_per_mm": float(N) for name, N in zip(("phi", "theta"), resultants, strict=True)}
 
 
 class PressurisedTorus:
@@ -187,48 +183,27 @@ class PressurisedTorus:
         *ELEMENT,
         SOLVER,
     )
-
-    @property
-    def references(self) -> tuple[Reference, ...]:
-        """Both resultants at three points; bending of the wall shows most at the crown, as (h/r)^(1/3)."""
-        points = {"outer": (np.pi / 2, 1e-3), "crown": (0.0, 2e-2), "inner": (-np.pi / 2, 1e-3)}
-        source, at = "linear membrane theory, local and global equilibrium", {"load_fraction": 1.0, "h_mm": THIN}
-        return tuple(
-            Reference(f"N_{name}_{place}_N_per_mm", value, at, "exact", source, uncertainty)
-            for place, (phi, uncertainty) in points.items()
-            for name, value in zip(("phi", "theta"), torus_resultants(phi), strict=True)
-        )
+    references: tuple[Reference, ...] = _torus_references()
 
     def build(self, request: Request) -> SceneModel:
         """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""
         n1, n2 = request.mesh
         if n1 % 2 or n1 < 4:
             raise UsageError(f"mesh {n1}x{n2}: the first number must be even and at least 4")
-        grid = even_grid(request, (0, np.pi), (0, np.deg2rad(10)))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        for end in (0.0, np.pi):
-            fixed[grid.on_line(0, end), 0:2] = True
-        for side in (0.0, np.deg2rad(10)):
-            fixed[grid.on_line(1, side), 2:4] = True
         laminate = Laminate.single(Ply.isotropic(TORUS_E, NU, request.number("h_mm")))
-        discretisation = discretise(request, torus(AXIS, TUBE), grid, laminate, fixed)
-        pressure = Pressure(TORUS_PRESSURE, follower=True, area=request.choice("pressure_area"))
+        half = patch(request, torus(AXIS, TUBE), (0, np.pi), (0, np.deg2rad(10)), laminate, ALL_SYMMETRIC)
 
         def resultants(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
             faces = shell.resultants(u)[:, :4].reshape(n1, n2, 2, 2).mean(axis=1)  # (n1, direction, face)
             return _at_three_points(faces.sum(axis=-1))
 
-        shell = loaded_shell(discretisation, request, pressure=pressure)
-        return StaticModel(shell, request.numbers("load_fraction"), resultants)
+        pressure = Pressure(TORUS_PRESSURE, follower=True, area=request.choice("pressure_area"))
+        return StaticModel.of(request, half, resultants, pressure=pressure)
 
 
 def _at_three_points(N: np.ndarray) -> dict[str, float]:
     """Resultants (n1, 2) of equal elements, interpolated to the fourth order; even about both equators."""
     half = len(N) // 2
     around_crown = 9 * (N[half - 1] + N[half]) - N[half - 2] - N[half + 1]
-    values = {"outer": (9 * N[0] - N[1]) / 8, "crown": around_crown / 16, "inner": (9 * N[-1] - N[-2]) / 8}
-    return {
-        f"N_{name}_{place}_N_per_mm": float(value)
-        for place, pair in values.items()
-        for name, value in zip(("phi", "theta"), pair, strict=True)
-    }
+    outer, inner = (9 * N[0] - N[1]) / 8, (9 * N[-1] - N[-2]) / 8
+    return _named("outer", outer) | _named("crown", around_crown / 16) | _named("inner", inner)

@@ -14,8 +14,8 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell, normal_at, normal_forces
+from studies.scenes.element import ELEMENT, patch
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, normal_at, normal_forces
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
 P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
@@ -83,17 +83,11 @@ class Roof:
 
     def build(self, request: Request) -> SceneModel:
         """a1 along the generator from the middle, a2 from the crown to the hinge."""
-        grid = even_grid(request, (0, HALF_LENGTH), (0, HALF_ANGLE))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[grid.on_line(0, 0.0), 0:2] = True
-        fixed[grid.on_line(1, 0.0), 2:4] = True
-        hinged = np.zeros((grid.n_nodes, 3), bool)
-        hinged[grid.on_line(1, HALF_ANGLE)] = True
-        hinged[grid.on_line(0, 0.0), 0] = False  # held by symmetry already
-        discretisation = discretise(request, cylinder(RADIUS), grid, self.laminate(), fixed, hinged)
-        centre = grid.node_at(0.0, 0.0)
-        shell = loaded_shell(discretisation, request, forces=normal_forces(grid, {centre: -P_MAX / 4}))
-        return CurveModel.build(shell, request, normal_at(discretisation, {"w_C_mm": (centre, -1)}))
+        edges = ("symmetric", "free", "symmetric", "hinged")
+        quarter = patch(request, cylinder(RADIUS), (0, HALF_LENGTH), (0, HALF_ANGLE), self.laminate(), edges)
+        centre = quarter.grid.node_at(0.0, 0.0)
+        forces = normal_forces(quarter.grid, {centre: -P_MAX / 4})
+        return CurveModel.of(request, quarter, normal_at(quarter, {"w_C_mm": (centre, -1)}), forces=forces)
 
 
 ROOFS = tuple(

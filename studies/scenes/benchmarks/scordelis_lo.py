@@ -17,8 +17,8 @@ from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
-from studies.scenes.element import discretise, even_grid
-from studies.scenes.statics import StaticModel, loaded_shell
+from studies.scenes.element import patch
+from studies.scenes.statics import StaticModel
 
 E, RADIUS, LENGTH, H = 4.32e8, 25.0, 50.0, 0.25  # MPa, mm, mm, mm; nu = 0
 HALF_ANGLE = np.deg2rad(40.0)
@@ -43,21 +43,13 @@ class ScordelisLo:
 
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""
-        grid = even_grid(request, (0, LENGTH / 2), (0, HALF_ANGLE))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[grid.on_line(0, 0.0), 2:] = True  # diaphragm
-        fixed[grid.on_line(0, LENGTH / 2), :2] = True  # symmetry
-        fixed[grid.on_line(1, 0.0), 2:4] = True  # symmetry
-        discretisation = discretise(
-            request, cylinder(RADIUS), grid, centred_laminate(request, Ply.isotropic(E, 0.0, H)), fixed
-        )
-        down = np.array([-1.0, 0.0, 0.0])
-        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(WEIGHT * down, (*a1.shape, 3)))
-        shell = loaded_shell(discretisation, request, forces=forces)
-        edge = grid.node_at(LENGTH / 2, HALF_ANGLE)
+        laminate = centred_laminate(request, Ply.isotropic(E, 0.0, H))
+        edges = ("diaphragm", "symmetric", "symmetric", "free")
+        quarter = patch(request, cylinder(RADIUS), (0, LENGTH / 2), (0, HALF_ANGLE), laminate, edges)
+        down, edge = np.array([-1.0, 0.0, 0.0]), quarter.grid.node_at(LENGTH / 2, HALF_ANGLE)
 
         def at_edge(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            both_faces = np.mean([face[edge] for face in discretisation.cartesian(u)], axis=0)
+            both_faces = np.mean([face[edge] for face in quarter.cartesian(u)], axis=0)
             return {"edge_deflection_mm": float(down @ both_faces)}
 
-        return StaticModel(shell, request.numbers("load_fraction"), at_edge)
+        return StaticModel.of(request, quarter, at_edge, forces=area_load(quarter, lambda a1, a2: WEIGHT * down))

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
@@ -22,8 +21,8 @@ from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
-from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, loaded_shell, normal_at
+from studies.scenes.element import ELEMENT, patch
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, normal_at
 
 E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
 RISE = BASE**2 / (2 * RADIUS)  # mm, of the shallow cap
@@ -75,16 +74,12 @@ class ShallowSphericalCap:
         """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""
         h, hole = thickness(request.number("shallowness")), BASE * request.number("hole")
         base, rim = (float(np.arccos(r / RADIUS)) for r in (BASE, hole))
-        grid = even_grid(request, (base, rim), (0, np.pi / 2))
-        supports = Supports.none(grid).clamped(grid.on_line(0, base)).symmetric(grid.on_line(0, rim), 0)
-        for plane in (0.0, np.pi / 2):
-            supports = supports.symmetric(grid.on_line(1, plane), 1)
-        laminate = Laminate.single(Ply.isotropic(E, NU, h))
-        surface = sphere(RADIUS)
-        discretisation = discretise(request, surface, grid, laminate, *supports.masks)
+        surface, laminate = sphere(RADIUS), Laminate.single(Ply.isotropic(E, NU, h))
+        edges = ("clamped", "symmetric", "symmetric", "symmetric")
+        quarter = patch(request, surface, (base, rim), (0, np.pi / 2), laminate, edges)
         p = classical_pressure(E, NU, RADIUS, h)
-        forces = area_load(discretisation, lambda a1, a2: -p * surface.frame(a1, a2)[..., 2, :])
+        forces = area_load(quarter, lambda a1, a2: -p * surface.frame(a1, a2)[..., 2, :])
         plug = np.array([0.0, 0.0, -p * hole / 2])  # p pi c^2 over the circumference 2 pi c
-        forces += edge_force(discretisation, 0, rim, lambda a1, a2: plug)
-        at_apex = normal_at(discretisation, {"w_apex_mm": (grid.on_line(0, rim), -1)})
-        return CurveModel.build(loaded_shell(discretisation, request, forces=forces), request, at_apex)
+        forces += edge_force(quarter, 0, rim, lambda a1, a2: plug)
+        at_apex = normal_at(quarter, {"w_apex_mm": (quarter.grid.on_line(0, rim), -1)})
+        return CurveModel.of(request, quarter, at_apex, forces=forces)

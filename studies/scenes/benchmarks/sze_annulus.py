@@ -9,8 +9,8 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
-from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, loaded_shell, normal_at
+from studies.scenes.element import ELEMENT, patch
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces, normal_at
 
 E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
 P_MAX = 0.8  # N/mm along the free side of the slit, across the plate, dead
@@ -31,14 +31,8 @@ class SlitAnnulus:
 
     def build(self, request: Request) -> SceneModel:
         """Half of the line force on each face, along e3."""
-        turn = 2 * np.pi
-        grid = even_grid(request, (INNER, OUTER), (0, turn))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[grid.on_line(1, turn)] = True
-        discretisation = discretise(request, annulus(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)
-        slit = grid.on_line(1, 0.0)
-        forces = np.zeros((grid.n_nodes, 6))
-        forces[slit, 4:] = 0.5 * P_MAX * (OUTER - INNER) * edge_shares(len(slit))[:, None]
-        corners = {"w_A_mm": (grid.node_at(INNER, 0.0), 1), "w_B_mm": (grid.node_at(OUTER, 0.0), 1)}
-        shell = loaded_shell(discretisation, request, forces=forces)
-        return StaticModel(shell, request.numbers("load_fraction"), normal_at(discretisation, corners))
+        laminate, edges = Laminate.single(Ply.isotropic(E, 0.0, H)), ("free", "free", "free", "clamped")
+        plate = patch(request, annulus(), (INNER, OUTER), (0, 2 * np.pi), laminate, edges)
+        corners = {"w_A_mm": (plate.grid.node_at(INNER, 0.0), 1), "w_B_mm": (plate.grid.node_at(OUTER, 0.0), 1)}
+        forces = edge_forces(plate.grid, plate.grid.on_line(1, 0.0), P_MAX * (OUTER - INNER))
+        return StaticModel.of(request, plate, normal_at(plate, corners), forces=forces)

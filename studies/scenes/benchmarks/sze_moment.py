@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Couples
-from formulations.section.laminate import Laminate, Ply
-from formulations.shell import ShellModel
+from formulations.section.laminate import Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
-from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares, loaded_shell
+from studies.scenes.benchmarks.cantilever import clamped_strip, tip_motion, tip_row
+from studies.scenes.data import read_reference, references
+from studies.scenes.element import ELEMENT
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares
 
 E, L, B, H = 1.2e6, 12.0, 1.0, 0.1  # MPa, mm; nu = 0
 EI = E * B * H**3 / 12
@@ -32,15 +31,9 @@ def _references() -> tuple[Reference, ...]:
     table = read_reference("sze2004_3.2_cantilever_end_moment.csv").to_numpy()[1:]
     sze = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.2 (S4R, 16x1)"
     # a strip of Green-Lagrange strain and finite thickness shortens by the order of (h kappa)^2
-    sources = (
-        ("exact", "inextensible circular arc", 1e-3, [(row[0], *circular_arc(row[0])) for row in table]),
-        ("read", sze, 2e-3, [(row[0], row[1], row[3]) for row in table]),
-    )
-    return tuple(
-        Reference(quantity, float(value), {"load_fraction": float(fraction)}, kind, source, uncertainty)
-        for kind, source, uncertainty, rows in sources
-        for fraction, shortening, deflection in rows
-        for quantity, value in (("tip_shortening_mm", shortening), ("tip_deflection_mm", deflection))
+    arcs = [tip_row(row[0], *circular_arc(row[0])) for row in table]
+    return references("exact", "inextensible circular arc", 1e-3, arcs) + references(
+        "read", sze, 2e-3, [tip_row(row[0], row[1], row[3]) for row in table]
     )
 
 
@@ -55,18 +48,8 @@ class RolledCantilever:
 
     def build(self, request: Request) -> SceneModel:
         """The couple about -e2 lifts the tip."""
-        grid = even_grid(request, (0, L), (0, B))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[grid.on_line(0, 0.0)] = True
-        discretisation = discretise(request, Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, H)), fixed)
-        tip = grid.on_line(0, L)
+        strip = clamped_strip(request, L, B, Ply.isotropic(E, 0.0, H))
+        tip = strip.grid.on_line(0, L)
         axes = np.tile([0.0, -1.0, 0.0], (len(tip), 1))
         couples = Couples(tip, M_MAX * edge_shares(len(tip)), axes, H)
-
-        def at_tip(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            v = discretisation.expand(u)[tip].mean(axis=0)
-            return {"tip_shortening_mm": float(-v[:2].mean()), "tip_deflection_mm": float(v[4:].mean())}
-
-        return StaticModel(
-            loaded_shell(discretisation, request, couples=couples), request.numbers("load_fraction"), at_tip
-        )
+        return StaticModel.of(request, strip, tip_motion(strip, tip), couples=couples)

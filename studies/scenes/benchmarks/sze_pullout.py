@@ -13,8 +13,8 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
-from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.statics import ARC_STEP, LOAD_FRACTIONS, CurveModel, loaded_shell, normal_at, normal_forces
+from studies.scenes.element import ELEMENT, patch
+from studies.scenes.statics import ARC_STEP, LOAD_FRACTIONS, CurveModel, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 10.5e6, 0.3125, 4.953, 10.35, 0.094  # MPa, -, mm, mm, mm
 P_MAX = 40_000.0  # N per force on the whole cylinder; four octants share each
@@ -40,14 +40,8 @@ class PullOut:
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""
         end, side = LENGTH / 2, np.pi / 2
-        grid = even_grid(request, (0, end), (0, side))
-        fixed = np.zeros((grid.n_nodes, 6), bool)
-        fixed[grid.on_line(0, 0.0), 0:2] = True
-        for plane in (0.0, side):
-            fixed[grid.on_line(1, plane), 2:4] = True
-        laminate = Laminate.single(Ply.isotropic(E, NU, H))
-        discretisation = discretise(request, cylinder(RADIUS), grid, laminate, fixed)
-        A, B, C = grid.node_at(0, 0), grid.node_at(0, side), grid.node_at(end, side)
-        shell = loaded_shell(discretisation, request, forces=normal_forces(grid, {A: P_MAX / 4}))
-        radial = normal_at(discretisation, {"w_A_mm": (A, 1), "u_B_mm": (B, 1), "u_C_mm": (C, 1)})
-        return CurveModel.build(shell, request, radial)
+        laminate, edges = Laminate.single(Ply.isotropic(E, NU, H)), ("symmetric", "free", "symmetric", "symmetric")
+        octant = patch(request, cylinder(RADIUS), (0, end), (0, side), laminate, edges)
+        A, B, C = (octant.grid.node_at(*at) for at in ((0, 0), (0, side), (end, side)))
+        radial = normal_at(octant, {"w_A_mm": (A, 1), "u_B_mm": (B, 1), "u_C_mm": (C, 1)})
+        return CurveModel.of(request, octant, radial, forces=normal_forces(octant.grid, {A: P_MAX / 4}))

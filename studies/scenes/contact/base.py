@@ -14,7 +14,8 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
-from studies.scene import Observation, ShellSceneModel, Stage
+from studies.request import Request
+from studies.scene import Begun, Observation, ShellSceneModel, Stage, nodal_pressure
 
 OUTER = 1  # the face that touches
 
@@ -32,9 +33,12 @@ def outer_face(discretisation: Discretisation, nodes: np.ndarray) -> Candidates:
 class Touch:
     """What a scene may read off a state; everything but u is (m,) over the candidates.
 
-    u (n,): the free displacements.  force [N]: nodal, positive when it pushes.  gap [mm]: positive when open.
+    at (m, 2): their coordinates a1, a2.  u (n,): the free displacements.  force [N]: nodal, positive when it pushes.
+    gap [mm]: positive when open.
     """
 
+    candidates: Candidates
+    at: np.ndarray
     u: np.ndarray
     force: np.ndarray
     pressure: np.ndarray
@@ -60,11 +64,32 @@ class ContactModel(ShellSceneModel):
     measure_at: Callable[[float, Touch], dict[str, float]]
     lying: bool = False
 
+    @classmethod
+    def of(
+        cls,
+        request: Request,
+        shell: ShellModel,
+        held: np.ndarray,
+        plane_at: Callable[[float], Foundation],
+        measure_at: Callable[[float, Touch], dict[str, float]],
+        *,
+        key: str = "load_fraction",
+        body_at: Callable[[float], ShellModel] | None = None,
+        lying: bool = False,
+    ) -> ContactModel:
+        """The path of the values of the setting ``key``; all nodes but those ``held`` may touch.
+
+        body_at: the fraction t of the loads of the shell unless given.
+        """
+        nodes = np.setdiff1d(np.arange(shell.discretisation.grid.n_nodes), held)
+        path = (key, request.numbers(key), body_at or shell.scaled, plane_at)
+        return cls(shell, *path, nodes, outer_face(shell.discretisation, nodes), measure_at, lying)
+
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
         yield Stage("load", self._begin, tuple(self.targets), self._observe)
 
-    def _begin(self, previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+    def _begin(self, previous: ContactSolution | None) -> Begun:
         m = len(self.nodes)
         touching = np.full(m, self.lying)
         return self.problem_at, ContactSolution(np.zeros(self.n_unknowns), np.zeros(m), touching, Outcome.CONVERGED)
@@ -76,12 +101,11 @@ class ContactModel(ShellSceneModel):
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)
-        quantities = self.measure_at(t, Touch(state.u, force, state.pressure, gap, state.active))
+        at = self.shell.discretisation.grid.nodes[self.nodes]
+        touch = Touch(self.candidates, at, state.u, force, state.pressure, gap, state.active)
+        quantities = self.measure_at(t, touch)
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the grid's nodes; zero before the first state that has any."""
-        pressure = np.zeros(self.shell.discretisation.grid.n_nodes)
-        if len(solution.pressure):
-            pressure[self.nodes] = solution.pressure
-        return pressure
+        return nodal_pressure(solution, self.nodes, self.shell.discretisation.grid.n_nodes)

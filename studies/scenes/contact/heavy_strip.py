@@ -17,8 +17,8 @@ from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
-from studies.scenes.contact.base import ContactModel, Touch, outer_face
-from studies.scenes.contact.strip import UP, B, D, H, contact_edge, strip_wall
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
 from studies.scenes.element import ELEMENT, discretise, even_grid
 from studies.scenes.statics import loaded_shell
 
@@ -51,16 +51,11 @@ class HeavyStrip:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
         grid = even_grid(request, (0, LENGTH), (0, B))
         end = grid.on_line(0, 0.0)
-        supports = Supports.none(grid).hold(end, (2,)).symmetric(grid.on_line(0, LENGTH), 0)
-        for side in (0.0, B):
-            supports = supports.symmetric(grid.on_line(1, side), 1)
-        laminate = strip_wall(UNIT * request.number("lam_over_unit"))
-        discretisation = discretise(request, Plate(), grid, laminate, *supports.masks)
-        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(WEIGHT * UP, (*a1.shape, 3)))
-        shell = loaded_shell(discretisation, request, forces=forces)
-        nodes = np.setdiff1d(np.arange(grid.n_nodes), end)
-        one = nodes[grid.nodes[nodes, 1] == 0.0]
-        at, total = np.searchsorted(nodes, one), WEIGHT * LENGTH * B
+        supports = Supports.of_edges(grid, "free", "symmetric", "symmetric", "symmetric").hold(end, (2,))
+        wall = strip_wall(UNIT * request.number("lam_over_unit"))
+        strip = discretise(request, Plate(), grid, wall, *supports.masks)
+        shell = loaded_shell(strip, request, forces=area_load(strip, lambda a1, a2: WEIGHT * UP))
+        total = WEIGHT * LENGTH * B
 
         def lifted(t: float) -> ShellModel:
             prescribed = np.zeros((grid.n_nodes, 6))
@@ -68,15 +63,10 @@ class HeavyStrip:
             return replace(shell, prescribed=prescribed)
 
         def measured(t: float, touch: Touch) -> dict[str, float]:
-            begins, _ = contact_edge(grid.nodes[one, 0] / UNIT, touch.pressure[at] / WEIGHT)
+            x, pressure = middle_line(touch, UNIT)
+            begins, _ = contact_edge(x, pressure / WEIGHT)
             lift = (total - float(touch.force.sum())) / (WEIGHT * UNIT * B)  # what the plane does not carry
             return {"free_length": begins, "lift_force": lift}
 
-        plane, lifts, candidates = (
-            RigidPlane(UP, H / 2),
-            request.numbers("load_fraction"),
-            outer_face(discretisation, nodes),
-        )
-        return ContactModel(
-            shell, "load_fraction", lifts, lifted, lambda t: plane, nodes, candidates, measured, lying=True
-        )
+        plane = RigidPlane(UP, H / 2)
+        return ContactModel.of(request, shell, end, lambda t: plane, measured, body_at=lifted, lying=True)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
@@ -18,8 +17,8 @@ from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
-from studies.scenes.contact.base import ContactModel, Touch, outer_face
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
@@ -57,26 +56,18 @@ class PlateContact:
         f and of f r^2 only, so the radius is taken from the same sums of what the nodes carry beyond the pressure.
         """
         rim = A * request.number("hole")
-        grid = even_grid(request, (rim, A), (0, np.pi / 2))
-        supports = Supports.none(grid).clamped(grid.on_line(0, A)).symmetric(grid.on_line(0, rim), 0)
-        for plane in (0.0, np.pi / 2):
-            supports = supports.symmetric(grid.on_line(1, plane), 1)
         laminate = ShearCorrected((Ply.isotropic(E, NU, H),), -H / 2, KIRCHHOFF)
-        discretisation = discretise(request, annulus(), grid, laminate, *supports.masks)
-        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(TOUCHING * DOWN, (*a1.shape, 3)))
+        edges = ("symmetric", "clamped", "symmetric", "symmetric")
+        quarter = patch(request, annulus(), (rim, A), (0, np.pi / 2), laminate, edges)
+        forces = area_load(quarter, lambda a1, a2: TOUCHING * DOWN)
         plug = TOUCHING * rim / 2 * DOWN  # p pi c^2 over the circumference 2 pi c
-        forces += edge_force(discretisation, 0, rim, lambda a1, a2: plug)
-        shell = loaded_shell(discretisation, request, forces=forces)
-        nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(0, A))
-        r, candidates = grid.nodes[nodes, 0], outer_face(discretisation, nodes)
+        forces += edge_force(quarter, 0, rim, lambda a1, a2: plug)
 
         def measured(fraction: float, touch: Touch) -> dict[str, float]:
             force = 4 * float(touch.force.sum()) * A**2 / (D * GAP)
-            excess = np.where(touch.force > 0, touch.force - fraction * TOUCHING * candidates.weights, 0.0)
+            spread, r = fraction * TOUCHING * touch.candidates.weights, touch.at[:, 0]
+            excess = np.where(touch.force > 0, touch.force - spread, 0.0)
             return {"contact_force": force, "contact_radius": float(np.sqrt(excess @ r**2 / excess.sum()) / A)}
 
-        foundation = RigidPlane(DOWN, H / 2 + GAP)
-        pressures = request.numbers("load_fraction")
-        return ContactModel(
-            shell, "load_fraction", pressures, shell.scaled, lambda t: foundation, nodes, candidates, measured
-        )
+        shell, foundation = loaded_shell(quarter, request, forces=forces), RigidPlane(DOWN, H / 2 + GAP)
+        return ContactModel.of(request, shell, quarter.grid.on_line(0, A), lambda t: foundation, measured)

@@ -11,35 +11,31 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
-from studies.scenes.contact.base import ContactModel, Touch, outer_face
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.data import Row, references
+from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0
 AWAY = np.array([1.0, 0.0, 0.0])
 
-TRAVELS = Setting(
-    "delta_mm", (35.0, 40.0, 50.0), "travel of each plate from first touch", "floats", 0.0, 80.0, open_low=True
-)
+DELTAS = (35.0, 40.0, 50.0)
+TRAVELS = Setting.positive("delta_mm", DELTAS, "travel of each plate from first touch", 80.0, kind="floats")
 THICKNESS = Setting("h_mm", THIN, "thickness; the elastica holds for h/R to zero", low=0.1, high=20)
-SOURCE = "inextensible elastica, elliptic integrals"
 
 
 def _references() -> tuple[Reference, ...]:
-    found = []
-    for delta in (35.0, 40.0, 50.0):
-        at: dict[str, float | str] = {"delta_mm": delta, "h_mm": THIN, "measure": "exact"}
+    found: list[Row] = []
+    for delta in DELTAS:
         load, flat = flattened_ring(1 - delta / RADIUS)
-        found += [Reference("P_R2_over_EI", load, at, "exact", SOURCE, 3e-4)]
-        found += [Reference("P_H2_over_EI", 4 * load * (1 - delta / RADIUS) ** 2, at, "exact", SOURCE, 3e-4)]
-        found += [Reference("flat_half_length", flat, at, "exact", SOURCE, 3e-4)]
-    return tuple(found)
+        values = {"P_R2_over_EI": load, "P_H2_over_EI": 4 * load * (1 - delta / RADIUS) ** 2, "flat_half_length": flat}
+        found.append(({"delta_mm": delta, "h_mm": THIN, "measure": "exact"}, values))
+    return references("exact", "inextensible elastica, elliptic integrals", 3e-4, found)
 
 
 class Ring:
@@ -53,25 +49,15 @@ class Ring:
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides; P is the whole force of a plate."""
-        right = np.pi / 2
-        grid = even_grid(request, (0, WIDTH), (0, right))
-        supports = Supports.none(grid)
-        for plane in (0.0, WIDTH):
-            supports = supports.symmetric(grid.on_line(0, plane), 0)
-        for plane in (0.0, right):
-            supports = supports.symmetric(grid.on_line(1, plane), 1)
-        h = request.number("h_mm")
+        h, right = request.number("h_mm"), np.pi / 2
         laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
-        discretisation = discretise(request, cylinder(RADIUS), grid, laminate, *supports.masks)
-        shell = loaded_shell(discretisation, request)
-        nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(1, right))
-        candidates = outer_face(discretisation, nodes)
-        deltas = request.numbers("delta_mm")
+        quarter = patch(request, cylinder(RADIUS), (0, WIDTH), (0, right), laminate, ("symmetric",) * 4)
+        shell, side = loaded_shell(quarter, request), quarter.grid.on_line(1, right)
 
         def measured(delta: float, touch: Touch) -> dict[str, float]:
             total = float(touch.force.sum())
             load = 2 * total * RADIUS**2 / EI
-            x = np.abs(candidates.positions(touch.u)[:, 1])
+            x = np.abs(touch.candidates.positions(touch.u)[:, 1])
             centre = float(touch.force @ x) / total / RADIUS if total > 0 else 0.0
             height = 2 * (1 - delta / RADIUS)
             return {"P_R2_over_EI": load, "P_H2_over_EI": load * height**2, "flat_half_length": centre}
@@ -79,4 +65,4 @@ class Ring:
         def plate(delta: float) -> RigidPlane:
             return RigidPlane(AWAY, RADIUS + h / 2 - delta)
 
-        return ContactModel(shell, "delta_mm", deltas, lambda delta: shell, plate, nodes, candidates, measured)
+        return ContactModel.of(request, shell, side, plate, measured, key="delta_mm", body_at=lambda delta: shell)

@@ -11,15 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
-from studies.scenes.contact.base import ContactModel, Touch, outer_face
-from studies.scenes.data import read_reference
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.data import read_reference, references
+from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
@@ -60,17 +59,23 @@ def contact_edge(x: np.ndarray, pressure: np.ndarray) -> tuple[float, float]:
     return begins, float(p1 + (p1 - p2) * (x[first + 1] - begins) / spacing)
 
 
+def middle_line(touch: Touch, unit: float) -> tuple[np.ndarray, np.ndarray]:
+    """a1 over ``unit`` and pressure of the candidates with a2 = 0."""
+    one = touch.at[:, 1] == 0.0
+    return touch.at[one, 0] / unit, touch.pressure[one]
+
+
 def _references() -> tuple[Reference, ...]:
     """Every row of the table with a contact zone; of lam = 0 the force, for lam/a = 0.001, which differs by 1e-5."""
-    found = []
+    found: tuple[Reference, ...] = ()
     for lam, q, length, _, edge, force in read_reference(FILE).itertuples(index=False):
         at = {"lam_over_a": lam or NO_SHEAR, "load_fraction": q, "measure": "linear"}
         if lam > 0:
             values = {"half_force": force, "free_length": length, "edge_pressure": edge}
-            found += [Reference(name, float(value), at, "exact", SOURCE, 1e-6) for name, value in values.items()]
+            found += references("exact", SOURCE, 1e-6, [(at, values)])
         elif q > 3:
-            found += [Reference("half_force", float(force), at, "exact", SOURCE, 1e-4)]
-    return tuple(found)
+            found += references("exact", SOURCE, 1e-4, [(at, {"half_force": force})])
+    return found
 
 
 class ClampedStrip:
@@ -84,25 +89,15 @@ class ClampedStrip:
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
-        grid = even_grid(request, (0, A), (0, B))
-        supports = Supports.none(grid).clamped(grid.on_line(0, 0.0)).symmetric(grid.on_line(0, A), 0)
-        for side in (0.0, B):
-            supports = supports.symmetric(grid.on_line(1, side), 1)
-        laminate = strip_wall(A * request.number("lam_over_a"))
-        discretisation = discretise(request, Plate(), grid, laminate, *supports.masks)
-        forces = area_load(discretisation, lambda a1, a2: np.broadcast_to(Q0 * UP, (*a1.shape, 3)))
-        shell = loaded_shell(discretisation, request, forces=forces)
-        nodes = np.setdiff1d(np.arange(grid.n_nodes), grid.on_line(0, 0.0))
-        plane = RigidPlane(UP, H / 2 + GAP)
-        one = nodes[grid.nodes[nodes, 1] == 0.0]
-        at = np.searchsorted(nodes, one)
+        wall = strip_wall(A * request.number("lam_over_a"))
+        half = patch(request, Plate(), (0, A), (0, B), wall, ("clamped", "symmetric", "symmetric", "symmetric"))
+        shell = loaded_shell(half, request, forces=area_load(half, lambda a1, a2: Q0 * UP))
 
         def measured(q: float, touch: Touch) -> dict[str, float]:
-            begins, pressure = contact_edge(grid.nodes[one, 0] / A, touch.pressure[at] * A**4 / (D * GAP))
+            x, pressure = middle_line(touch, A)
+            begins, at_edge = contact_edge(x, pressure * A**4 / (D * GAP))
             half_force = float(touch.force.sum()) * A**3 / (B * D * GAP)
-            return {"half_force": half_force, "free_length": begins, "edge_pressure": pressure}
+            return {"half_force": half_force, "free_length": begins, "edge_pressure": at_edge}
 
-        pressures, candidates = request.numbers("load_fraction"), outer_face(discretisation, nodes)
-        return ContactModel(
-            shell, "load_fraction", pressures, shell.scaled, lambda q: plane, nodes, candidates, measured
-        )
+        clamp, plane = half.grid.on_line(0, 0.0), RigidPlane(UP, H / 2 + GAP)
+        return ContactModel.of(request, shell, clamp, lambda q: plane, measured)
