@@ -16,7 +16,8 @@ from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
 from studies.complete import complete
-from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.scenes.tyre.model import TyreModel
+from studies.scenes.tyre.scene import Tyre
 from studies.walk import walk
 
 
@@ -37,7 +38,7 @@ class IterationCost:
 def bench(mesh: str = "42x40", delta_mm: float = 20.0, repeats: int = 9) -> IterationCost:
     """Bring the paper's tyre into contact, then repeat one iteration of mixed semismooth Newton from that state."""
     _, request = complete("tyre", {"delta_mm": repr(delta_mm)}, mesh, model="full")
-    model = Tyre().build_on(request, *Tyre().lines(request))
+    model = TyreModel.on(request, *Tyre().lines(request))
     problem, state = pressed(model)
     return _measure(model.shell, problem, state, repeats)
 

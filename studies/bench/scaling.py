@@ -32,7 +32,8 @@ from studies.columns import columns
 from studies.complete import complete
 from studies.request import Request
 from studies.scene import UsageError
-from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.scenes.tyre.model import TyreModel
+from studies.scenes.tyre.scene import Tyre
 
 MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200")  # 2, 10, 40, 100 and 250 thousand unknowns
 COARSE = "42x40"
@@ -153,7 +154,7 @@ def request_of(mesh: str) -> Request:
 
 def _model(mesh: str) -> TyreModel:
     request = request_of(mesh)
-    return Tyre().build_on(request, *Tyre().lines(request))
+    return TyreModel.on(request, *Tyre().lines(request))
 
 
 def _pressed(mesh: str) -> Pressed:

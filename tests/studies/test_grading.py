@@ -15,6 +15,7 @@ from studies.error_control import AdaptiveScene, extrapolate, parse_error
 from studies.experiments.work_precision import work_precision
 from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
+from studies.scenes.tyre.model import TyreModel
 from studies.solving import resolve, solve
 
 LIMITS = {"paper": 1880.2, "refined": 1879.9}  # N, adapted grids of 74x94 and 90x112, which agree to 0.05 %
@@ -71,7 +72,7 @@ def test_recovery_error_falls_with_the_size(axis: int) -> None:
         lines = tyre_lines((n, n), 120.0, "uniform")
         scene, request = resolve("tyre", {"delta_mm": "8", "grading": "uniform"}, f"{n}x{n}", model="full")
         result = solve(scene, request)
-        finer = scene.build_on(request, *(refined(line) if k == axis else line for k, line in enumerate(lines)))
+        finer = TyreModel.on(request, *(refined(line) if k == axis else line for k, line in enumerate(lines)))
         errors = recovery_errors(result.model.shell, result.last.u, finer.shell, axis)
         found.append(energy_products(result.model.shell, errors, errors).sum())
     assert found[1] < 0.5 * found[0]

@@ -28,8 +28,9 @@ from studies.experiments.conformance import NOTICED, Element, claims_objectivity
 from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
 from studies.experiments.rigid_body import rotation
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
+from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.parts import settle_model
-from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.scenes.tyre.scene import Tyre
 from studies.walk import walk
 
 EXACT, ROUNDING, TOLERANCE = "exactly zero", "rounding", "solver tolerance"
@@ -216,7 +217,7 @@ class Inflated:
 def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     settings = {"gamma_deg": f"{gamma:g}", "delta_mm": f"{TYRE_TRAVEL:g}", "element": "paper"}
     _, request = complete("tyre", settings, TYRE_MESH, model="full")
-    model = Tyre().build_on(request, *Tyre().lines(request))
+    model = TyreModel.on(request, *Tyre().lines(request))
     shell = replace(model.shell, measure=measure)
     model = replace(model, shell=shell, body=shell)
     inflation, _ = model.stages()

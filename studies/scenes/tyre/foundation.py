@@ -27,30 +27,16 @@ PARAMETERS: dict[str, dict[str, Value]] = {
     "cleat": {"cleat_height_mm": 10.0, "cleat_top_mm": 20.0, "cleat_flank_deg": 60.0, "cleat_rounding_mm": 4.0},
 }
 SETTINGS = (
-    Setting("foundation", "plane", "rigid obstacle that the tyre is pressed on", "choice", choices=tuple(PARAMETERS)),
-    Setting(
-        "foundation_radius_mm",
-        None,
-        "radius of a drum or a sphere",
-        low=0,
-        high=1e6,
-        open_low=True,
-        otherwise="drum 854, sphere 100",
+    Setting.one_of("foundation", PARAMETERS, "plane", "rigid obstacle that the tyre is pressed on"),
+    Setting.positive(
+        "foundation_radius_mm", None, "radius of a drum or a sphere", 1e6, otherwise="drum 854, sphere 100"
     ),
-    Setting("cleat_height_mm", None, "height of a cleat", low=0, high=1e3, open_low=True, otherwise="cleat 10"),
-    Setting("cleat_top_mm", None, "width of a cleat on top", low=0, high=1e4, open_low=True, otherwise="cleat 20"),
+    Setting.positive("cleat_height_mm", None, "height of a cleat", 1e3, otherwise="cleat 10"),
+    Setting.positive("cleat_top_mm", None, "width of a cleat on top", 1e4, otherwise="cleat 20"),
     Setting(
         "cleat_flank_deg", None, "angle of the flanks of a cleat from the plane", low=1, high=90, otherwise="cleat 60"
     ),
-    Setting(
-        "cleat_rounding_mm",
-        None,
-        "radius of all corners of a cleat",
-        low=0,
-        high=1e3,
-        open_low=True,
-        otherwise="cleat 4",
-    ),
+    Setting.positive("cleat_rounding_mm", None, "radius of all corners of a cleat", 1e3, otherwise="cleat 4"),
 )
 
 

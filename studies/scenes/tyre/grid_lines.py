@@ -14,13 +14,8 @@ from formulations.geometry.grid import graded_lines
 from studies.scene import Setting, UsageError
 
 GRADINGS = ("patch", "uniform", "adapted")
-GRADING = Setting(
-    "grading",
-    "patch",
-    "spacing of the grid lines: finer in the patch, uniform, or by error estimate",
-    "choice",
-    choices=GRADINGS,
-)
+SPACING = "spacing of the grid lines: finer in the patch, uniform, or by error estimate"
+GRADING = Setting.one_of("grading", GRADINGS, "patch", SPACING)
 GROWTH = 1.6  # neighbouring elements differ by no more
 STEEPEST = 0.99 * float(np.log(GROWTH))  # |dh/dx| of the size, whose exp is the ratio of neighbours; 1 % for sampling
 FLOOR = 0.1  # of the mean error density: a coarse grid does not see all that its largest elements miss

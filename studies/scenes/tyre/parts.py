@@ -9,7 +9,7 @@ A part cannot leave its symmetry: it follows the symmetric path past a bifurcati
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,13 +30,13 @@ class Part:
     A sector ends at |phi| = cut with the seam that a half has at pi: the tyre has its contact again every 2 cut, which
     is smooth, in equilibrium with itself, and leaves inflation as it is. Its wall shows what lies inside the cut.
 
-    planes: (nodes, axis) of each mirror plane, normal to a_{axis+1}.  images: nodes on a seam that mirror others.
-    copies: how many such parts show the whole patch.  angles (N, 2), shape: the grid of the whole tyre, psi slowest;
-    node (N,), sign (N, 3): the part's node that each of its nodes is or mirrors, and the signs of x, y, z.
+    edges: supports of psi at both ends, then of phi, see :meth:`Supports.of_edges`.  images: nodes on a seam that
+    mirror others.  copies: how many such parts show the whole patch.  angles (N, 2), shape: the grid of the whole tyre,
+    psi slowest; node (N,), sign (N, 3): the part's node that each of its nodes is or mirrors, and the signs of x, y, z.
     """
 
     grid: Grid
-    planes: tuple[tuple[np.ndarray, int], ...]
+    edges: tuple[str, str, str, str]
     images: Images | None
     copies: int
     angles: np.ndarray
@@ -102,49 +102,40 @@ def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
     row, column = (index.ravel() for index in np.indices(shape))
     behind, below = angles[:, 1] < -1e-12, angles[:, 0] < -1e-12  # phi < 0, psi < 0
     sign = np.ones((len(angles), 3))
-    planes: list[tuple[np.ndarray, int]] = []
-    images = None
-    if model in ("mirror", "quarter"):
+    half_psi, half_phi = model in ("mirror", "quarter"), model in ("half", "quarter")
+    if half_psi:
         psi, row = psi[n1 // 2 :], np.abs(row - n1 // 2)
         sign[below, 2] = -1.0
-    if model in ("half", "quarter"):
+    if half_phi:
         phi, column = phi[n2 // 2 :], np.abs(column - n2 // 2)
+    grid = Grid.tensor(psi, phi, periodic=not half_phi)
+    images = None
     if model == "quarter":
         sign[behind, 1] = -1.0
     if model == "half":
         row = np.where(behind, n1 - row, row)
         sign[behind] = TURNED
-    grid = Grid.tensor(psi, phi, periodic=model in ("full", "mirror"))
-    if model in ("mirror", "quarter"):
-        planes.append((grid.on_line(0, 0.0), 0))
-    if model == "quarter":
-        planes += [(grid.on_line(1, end), 1) for end in (0.0, phi[-1])]
-    if model == "half":
-        images = _turned(grid, (0.0, float(phi[-1])))
-    copies = {"full": 1, "half": 2, "mirror": 2, "quarter": 4}[model]
-    return Part(grid, tuple(planes), images, copies, angles, shape, row * grid.node_shape[1] + column, sign)
+        images = _turned(grid)
+    middle, seam = "symmetric" if half_psi else "clamped", "symmetric" if model == "quarter" else "free"
+    copies, node = 2 ** (half_psi + half_phi), row * grid.node_shape[1] + column
+    return Part(grid, (middle, "clamped", seam, seam), images, copies, angles, shape, node, sign)
 
 
-def _turned(grid: Grid, seams: tuple[float, float]) -> Images:
+def _turned(grid: Grid) -> Images:
     """On the seams phi = 0 and pi, or the cut, the nodes with psi <= 0 mirror those with -psi."""
-    nodes = np.concatenate([grid.on_line(1, end) for end in seams])
+    nodes = np.concatenate([grid.on_line(1, end) for end in grid.lines[1][[0, -1]]])
     nodes = nodes[grid.nodes[nodes, 0] <= 1e-12]
     rows, columns = divmod(nodes, grid.node_shape[1])
     of = (grid.node_shape[0] - 1 - rows) * grid.node_shape[1] + columns
     return Images(nodes, of, np.broadcast_to(TURN_OF_FRAME, (len(nodes), 3)))
 
 
-def column_of(part: Part) -> tuple[Grid, Images]:
+def column_of(part: Part) -> Part:
     """One column of elements with the psi lines of the part, its two sides the same: a state that is equal all around.
 
     It is as wide as the elements at the crown.
     """
-    psi, phi = part.grid.nodes[:: part.grid.node_shape[1], 0], np.unique(np.abs(part.angles[:, 1]))
-    grid = Grid.tensor(psi, phi[:2])
-    return grid, sides_alike(grid)
-
-
-def sides_alike(column: Grid) -> Images:
-    """The second side of a column of elements has the displacements of the first, in the turning frame."""
-    nodes = np.arange(1, column.n_nodes, 2)
-    return Images(nodes, nodes - 1, np.ones((len(nodes), 3)))
+    grid = Grid.tensor(part.grid.lines[0], np.unique(np.abs(part.angles[:, 1]))[:2])
+    second = np.arange(1, grid.n_nodes, 2)  # its displacements are those of the first side, in the turning frame
+    images = Images(second, second - 1, np.ones((len(second), 3)))
+    return replace(part, grid=grid, edges=(*part.edges[:2], "free", "free"), images=images)

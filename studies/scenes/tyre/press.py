@@ -8,35 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Protocol, Self
+from functools import partial
 
 import numpy as np
 import pandas as pd
 
 from contact.obstacles.foundation import Candidates, Foundation, against
-from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome, without_contact
-from studies.scene import Observation, Stage, UsageError
+from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
+from formulations.shell import ShellModel
+from formulations.solid import SolidModel
+from studies.scene import Begun, Observation, Stage, UsageError
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
+from studies.scenes.tyre.parts import Part
 
 OVERLAP = 1e-6  # mm
 
 
-class Body(Protocol):
-    """A loaded body, shell or solid."""
-
-    @property
-    def ordered(self) -> bool:
-        """Whether its unknowns are numbered for elimination."""
-        ...
-
-    def scaled(self, factor: float) -> Self:
-        """The same under ``factor`` times its loads."""
-        ...
-
-    def linearise(self, u: np.ndarray, memory: object = None) -> Linearised:
-        """Residual, tangent and memory at u."""
-        ...
+Body = ShellModel | SolidModel
+Faces = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # u -> deformed inner and outer face (N, 3) [mm]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +42,19 @@ class Wall:
     shape: tuple[int, int]
     candidate: np.ndarray
     parts: int
-    faces: Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+    faces: Faces
+
+    @classmethod
+    def of(cls, part: Part, nodes: np.ndarray, faces: Faces) -> Wall:
+        """The tyre that a part stands for; nodes (m,): those of its grid that are candidates; faces: of that grid."""
+        candidate = np.full(part.grid.n_nodes, -1)
+        candidate[nodes] = np.arange(len(nodes))
+
+        def whole(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            inner, outer = faces(u)
+            return part.sign * inner[part.node], part.sign * outer[part.node]
+
+        return cls(part.angles, part.shape, candidate[part.merging()[part.node]], part.copies, whole)
 
     @property
     def crown(self) -> int:
@@ -95,28 +97,15 @@ class PressedTyre:
     def stages(self) -> Iterator[Stage]:
         """Inflation by a pressure factor, of a column first, then the foundation by delta [mm]."""
         if self.column is not None:
-            yield Stage("column", self._begin_column, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
+            begin = partial(_inflation, self.column.body, self.column.n)
+            yield Stage("column", begin, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
         yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
         yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
 
-    def _begin_inflation(
-        self, previous: ContactSolution | None
-    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
-        n = self.n_unknowns
-        start = ContactSolution.at_rest(n, 0) if previous is None else previous  # rest, or what a column has found
-        return lambda t: without_contact(self.body.scaled(t).linearise, n, ordered=self.body.ordered), start
+    def _begin_inflation(self, previous: ContactSolution | None) -> Begun:
+        return _inflation(self.body, self.n_unknowns, previous)
 
-    def _begin_column(
-        self, previous: ContactSolution | None
-    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
-        assert self.column is not None
-        body, n = self.column.body, self.column.n
-        start = ContactSolution.at_rest(n, 0)
-        return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
-
-    def _begin_press(
-        self, previous: ContactSolution | None
-    ) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+    def _begin_press(self, previous: ContactSolution | None) -> Begun:
         assert previous is not None
         m = len(self.candidates.reference)
         inflated = self.candidates.positions(previous.u)
@@ -179,6 +168,12 @@ class PressedTyre:
         for face, x in zip(("inner", "outer"), self.wall.faces(u), strict=True):
             columns |= {f"{face}_radial_mm": x[line, 0], f"{face}_axial_mm": x[line, 2]}
         return pd.DataFrame(columns)
+
+
+def _inflation(body: Body, n: int, previous: ContactSolution | None) -> Begun:
+    """From rest, or from what a column has found."""
+    start = ContactSolution.at_rest(n, 0) if previous is None else previous
+    return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
 
 
 def half_extent(coordinate: np.ndarray, active: np.ndarray) -> float:

@@ -22,18 +22,11 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
 from studies.request import Request, Settings
-from studies.scene import Observation, Setting, Stage, UsageError
+from studies.scene import Begun, Observation, Setting, Stage, UsageError
 from studies.scenes.tyre.parts import Part
 
-SECTOR = Setting(
-    "sector_deg",
-    None,
-    "cut angle of the model sector",
-    low=0,
-    high=180,
-    open_low=True,
-    open_high=True,
-    otherwise="sector 90",
+SECTOR = Setting.positive(
+    "sector_deg", None, "cut angle of the model sector", 180, open_high=True, otherwise="sector 90"
 )
 DEFAULT_DEG = 90.0
 NEAR = 0.9  # of the cut: the energy of the elements from there on stands for that at the cut
@@ -96,7 +89,7 @@ def sector_stage(
     """The stage that presses a tyre, with the error of the cut beside the force; pressure (N,) of a solution."""
     inflated: list[np.ndarray] = []
 
-    def begin(previous: ContactSolution | None) -> tuple[Callable[[float], ContactProblem], ContactSolution]:
+    def begin(previous: ContactSolution | None) -> Begun:
         problem_at, start = stage.begin(previous)
         inflated[:] = [start.u]
         return problem_at, start

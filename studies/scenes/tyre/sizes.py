@@ -11,9 +11,7 @@ The sizes of the passes are averaged: a coarse grid sees one position of the rim
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
@@ -22,40 +20,16 @@ from contact.problem import ContactSolution
 from formulations.element.strain_operator import CORNER_MASS
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
-from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import Stage, UsageError
+from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import LineSize, tyre_lines
-from studies.scenes.tyre.parts import Part
+from studies.scenes.tyre.model import TyreModel
 from studies.walk import walk
 
 COARSE = (20, 20)
 PASSES = 2
 SECANT = 0.1  # of the travel, for the rate of the displacements
 LARGEST = (np.pi / 8, np.pi / 8)  # rad, along psi and phi: what no estimate of a coarse grid may exceed
-
-
-class Pressed(Protocol):
-    """What is asked of the model of a tyre."""
-
-    @property
-    def shell(self) -> ShellModel:
-        """The inflated shell."""
-        ...
-
-    @property
-    def part(self) -> Part:
-        """What of the tyre is solved."""
-        ...
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Node of each candidate."""
-        ...
-
-    def stages(self) -> Iterator[Stage]:
-        """The stages."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +41,6 @@ class State:
     gap: np.ndarray
 
 
-Build = Callable[[Request, np.ndarray, np.ndarray], Pressed]
-
-
 @dataclass(frozen=True, eq=False)
 class TyreSizes:
     """Sizes along psi and phi."""
@@ -78,8 +49,8 @@ class TyreSizes:
     phi: LineSize
 
     @classmethod
-    def estimated(cls, request: Request, clamp_deg: float, build: Build, passes: int = PASSES) -> TyreSizes:
-        """From ``passes`` coarse solutions at the last travel of the request.
+    def estimated(cls, request: Request) -> TyreSizes:
+        """From PASSES coarse solutions at the last travel of the request.
 
         Raises UsageError when a coarse tyre cannot be pressed so far, or is not pressed at all.
         """
@@ -90,10 +61,10 @@ class TyreSizes:
             )
         settings = request.settings.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
         coarse = replace(request, settings=settings, mesh=COARSE, model="full")
-        lines = tyre_lines(COARSE, clamp_deg)
+        lines = tyre_lines(COARSE, request.number("clamp_deg"))
         found: list[TyreSizes] = []
-        for _ in range(passes):
-            found.append(cls(*_estimate(coarse, build, *lines)))
+        for _ in range(PASSES):
+            found.append(cls(*_estimate(coarse, *lines)))
             lines = found[-1].lines(found[-1].proportioned(COARSE[0] * COARSE[1]))
         return cls(LineSize.mean([f.psi for f in found]), LineSize.mean([f.phi for f in found]))
 
@@ -109,11 +80,11 @@ class TyreSizes:
         return n1, n2
 
 
-def _estimate(request: Request, build: Build, psi: np.ndarray, phi: np.ndarray) -> tuple[LineSize, LineSize]:
+def _estimate(request: Request, psi: np.ndarray, phi: np.ndarray) -> tuple[LineSize, LineSize]:
     """Sizes along psi and phi from the error of the force in each element, summed across the other direction."""
-    model = build(request, psi, phi)
+    model = TyreModel.on(request, psi, phi)
     before, state = pressed(request, model)
-    finer = (build(request, refined(psi), phi), build(request, psi, refined(phi)))
+    finer = (TyreModel.on(request, refined(psi), phi), TyreModel.on(request, psi, refined(phi)))
     rim = 0.5 * (rim_errors(model, before) + rim_errors(model, state))
     shape = (len(psi) - 1, len(phi) - 1)
     found = []
@@ -123,13 +94,13 @@ def _estimate(request: Request, build: Build, psi: np.ndarray, phi: np.ndarray) 
     return found[0], found[1]
 
 
-def strain_errors(model: Pressed, before: State, state: State, finer: Pressed, axis: int) -> np.ndarray:
+def strain_errors(model: TyreModel, before: State, state: State, finer: TyreModel, axis: int) -> np.ndarray:
     """(E,) [N]: what the size of each element along one coordinate adds to the error of the force, 2 |dE| |dE'|."""
     dE, dE_before = (recovery_errors(model.shell, s.solution.u, finer.shell, axis) for s in (state, before))
     return 2 * energy_products(model.shell, dE, (dE - dE_before) / (state.delta - before.delta))
 
 
-def rim_errors(model: Pressed, state: State) -> np.ndarray:
+def rim_errors(model: TyreModel, state: State) -> np.ndarray:
     """(E, 2) [N]: w = int p g dA of an element is lost or won each time the rim passes one more line of nodes.
 
     The rim a moves by a' = a/(2 delta), as that of a parabola cut by a plane does, past a'/h lines per travel: w a'/h,
@@ -148,7 +119,7 @@ def rim_errors(model: Pressed, state: State) -> np.ndarray:
     return w[:, None] * share * rim / (2 * state.delta) / (2 * grid.half)
 
 
-def pressed(request: Request, model: Pressed) -> list[State]:
+def pressed(request: Request, model: TyreModel) -> list[State]:
     """The states at the travels of the request; raises UsageError when one is not reached."""
     algorithm = Semismooth(
         epsilon=request.number("epsilon"), tolerance=request.number("tolerance"), solver=request.choice("solver")

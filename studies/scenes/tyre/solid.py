@@ -15,14 +15,15 @@ import numpy as np
 from contact.obstacles.foundation import Candidates
 from contact.problem import ContactSolution
 from formulations.geometry.surfaces import torus
-from formulations.solid import SolidMesh, SolidModel
+from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid_mesh import SolidMesh
 from studies.fields import write_solid_fields
 from studies.request import Request, Value
-from studies.scene import Reference, Setting, UsageError
+from studies.scene import Reference, Setting, UsageError, nodal_pressure
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre.foundation import foundation
 from studies.scenes.tyre.grid_lines import tyre_lines
-from studies.scenes.tyre.parts import mirrored
+from studies.scenes.tyre.parts import mirrored, part_of
 from studies.scenes.tyre.press import PressedTyre, Wall
 from studies.scenes.tyre.scene import Tyre
 from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflation
@@ -75,10 +76,8 @@ class SolidTyre:
         """The model of the request; raises UsageError on impossible geometry, plies or meshes."""
         settings = request.settings
         laminate, R1, R0, clamp = checked_wall(settings)
-        psi, phi = lines = tyre_lines(request.mesh, clamp)
         quarter = request.model == "quarter"
-        if quarter:
-            psi, phi = (line[len(line) // 2 :] for line in lines)
+        psi, phi = (line[len(line) // 2 :] if quarter else line for line in tyre_lines(request.mesh, clamp))
         per_ply = int(settings.number("per_ply"))
         mesh = SolidMesh.build(torus(R0 - R1, R1), psi, phi, laminate, per_ply=per_ply, periodic=not quarter)
         clamped = np.concatenate([mesh.on(0, side * np.deg2rad(clamp)) for side in (-1, 1)])
@@ -87,13 +86,13 @@ class SolidTyre:
         if quarter:
             fixed[mesh.on(0, 0.0), 2] = True
             fixed[np.concatenate([mesh.on(1, 0.0), mesh.on(1, np.pi)]), 1] = True
-        solid = SolidModel(mesh, laminate, fixed, inflation(settings))
+        solid = SolidDiscretisation.build(mesh, laminate, fixed)
         nodes = np.setdiff1d(np.unique(mesh.outer), clamped)
         coupling = mesh.face_mass(mesh.outer)[nodes][:, nodes] if settings["coupling"] == "consistent" else None
         weights = mesh.face_areas(mesh.outer)[nodes]
         candidates = Candidates(mesh.x[nodes], solid.displacement_operator(nodes), weights, coupling)
-        wall, ground = whole_wall(solid, nodes, quarter), foundation(settings)
-        return SolidTyreModel(solid, wall, candidates, settings.numbers("delta_mm"), ground, nodes)
+        body, wall = SolidModel(solid, inflation(settings)), whole_wall(solid, nodes, request.model)
+        return SolidTyreModel(body, wall, candidates, settings.numbers("delta_mm"), foundation(settings), nodes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,42 +104,30 @@ class SolidTyreModel(PressedTyre):
 
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """The hexahedra of the part that is solved."""
-        pressure = np.zeros(len(self.body.mesh.x))
-        if len(state.pressure):
-            pressure[self.nodes] = state.pressure
-        write_solid_fields(path, self.body, state.u, pressure)
+        solid = self.body.discretisation
+        write_solid_fields(path, solid, state.u, nodal_pressure(state, self.nodes, len(solid.mesh.x)))
 
 
-def whole_wall(solid: SolidModel, nodes: np.ndarray, quarter: bool) -> Wall:
-    """The faces of the whole tyre, mirrored at psi = 0 and phi = 0 from a quarter; ``nodes`` are the candidates."""
+def whole_wall(solid: SolidDiscretisation, nodes: np.ndarray, model: str) -> Wall:
+    """The faces of the whole tyre; ``nodes`` of the mesh are the candidates."""
     mesh = solid.mesh
-    levels = mesh.parameter[:, 2]
-    inner, outer = (_in_order(mesh, np.flatnonzero(np.isclose(levels, z))) for z in (levels.min(), levels.max()))
-    psi, phi = (np.unique(np.round(mesh.parameter[:, axis], 9)) for axis in (0, 1))
-    shape = len(psi), len(phi)
-    if quarter:
-        # psi from -clamp to clamp, phi from -pi to the last line before pi, as on the grid of the shell
-        rows = np.abs(np.arange(1 - len(psi), len(psi)))
-        columns = np.abs(np.arange(1 - len(phi), len(phi) - 1))
-        shape = len(rows), len(columns)
-        image = (rows[:, None] * len(phi) + columns).ravel()
+    inner, outer = (_in_order(mesh, np.unique(face)) for face in (mesh.inner, mesh.outer))
+    at = mesh.parameter[outer].reshape(len(np.unique(np.round(mesh.parameter[outer, 0], 9))), -1, 3)
+    psi, phi = at[:, 0, 0], at[0, :, 1]
+    if model == "quarter":
+        psi, phi = (np.concatenate([-half[:0:-1], half]) for half in (psi, phi))
     else:
-        image = np.arange(len(outer))
-    inner, outer = inner[image], outer[image]
-    signs = np.ones((*shape, 3))
-    if quarter:
-        signs[: len(psi) - 1, :, 2] = -1.0
-        signs[:, : len(phi) - 1, 1] = -1.0
-    sign = signs.reshape(-1, 3)
-    candidate = np.full(len(mesh.x), -1)
-    candidate[nodes] = np.arange(len(nodes))
+        phi = np.append(phi, np.pi)  # where the ring closes
+    part = part_of(model, psi, phi)
+    angles = mesh.parameter[outer, :2][part.node] * part.sign[:, [2, 1]]  # to the last digit
 
     def faces(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         x = mesh.x + solid.expand(u)
-        return sign * x[inner], sign * x[outer]
+        return x[inner], x[outer]
 
-    angles = mesh.parameter[outer, :2] * sign[:, [2, 1]]
-    return Wall(angles, shape, candidate[outer], 4 if quarter else 1, faces)
+    on_face = np.full(len(mesh.x), -1)
+    on_face[outer] = np.arange(len(outer))
+    return Wall.of(replace(part, angles=angles), on_face[nodes], faces)
 
 
 def _in_order(mesh: SolidMesh, face: np.ndarray) -> np.ndarray:

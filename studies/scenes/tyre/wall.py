@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from formulations.conditions.boundary import Supports
-from formulations.conditions.dof_map import Images
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
@@ -17,23 +13,17 @@ from studies.request import Request, Settings
 from studies.scene import UsageError
 from studies.scenes.element import discretise
 from studies.scenes.statics import loaded_shell
+from studies.scenes.tyre.parts import Part
 
 ORTHOTROPIC = {"E_L_MPa": 510.45, "E_T_MPa": 6.91, "G_LT_MPa": 2.33, "G_TT_MPa": 1.77, "nu_LT": 0.46, "nu_TT": 0.95}
 
 
-def inflated_shell(
-    request: Request, laminate: Laminate, grid: Grid, planes: Sequence[tuple[np.ndarray, int]], images: Images | None
-) -> ShellModel:
-    """The shell on the grid, clamped at its edges, under the pressure inside."""
+def inflated_shell(request: Request, part: Part) -> ShellModel:
+    """The shell on the grid of the part under the pressure inside."""
     settings = request.settings
-    _, R1, R0, clamp = checked_wall(settings)
-    supports = Supports.none(grid)
-    for nodes, axis in planes:
-        supports = supports.symmetric(nodes, axis)
-    for side in (-1, 1):
-        supports = supports.clamped(grid.on_line(0, side * np.deg2rad(clamp)))
-    fixed, _ = supports.masks
-    discretisation = discretise(request, torus(R0 - R1, R1), grid, laminate, fixed, images=images)
+    laminate, R1, R0, _ = checked_wall(settings)
+    supports = Supports.of_edges(part.grid, *part.edges)
+    discretisation = discretise(request, torus(R0 - R1, R1), part.grid, laminate, *supports.masks, images=part.images)
     return loaded_shell(discretisation, request, section=settings.choice("section"), pressure=inflation(settings))
 
 

@@ -13,7 +13,8 @@ from contact.problem import ContactSolution
 from contact.solvers.sparse import checked_solve, factorise
 from formulations.conditions.dof_map import DofMap, Images
 from formulations.geometry.nested_dissection import dissection
-from studies.scenes.tyre.scene import Tyre, TyreModel
+from studies.scenes.tyre.model import TyreModel
+from studies.scenes.tyre.scene import Tyre
 from studies.solving import resolve
 from support.shells import make_shell
 
