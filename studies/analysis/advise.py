@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.analysis.fronts import COSTS, WRONG
+from studies.analysis.fronts import COSTS, WRONG, beyond_reference, priced
 from studies.analysis.rows import keys
 from studies.analysis.verify import REFERENCE, choices, headline
 from studies.complete import complete
@@ -84,12 +84,10 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     Cells with a reference come before cells with a limit: where some have one, the others have solved another problem.
     """
     own = verified[(verified["scene"] == scene) & (verified["quantity"] == quantity) & verified["error"].notna()]
-    beyond = verified.groupby("label")["formulation_error"].max()
-    own = own[~(own["label"].map(beyond) > WRONG)]
+    own = own[~(own["label"].map(beyond_reference(verified)) > WRONG)]
     own = own.assign(error=own[["error", "formulation_error"]].max(axis=1))
-    facts = own.set_index("label")[["value", "error", "uncertainty", "against", "reference"]]
-    cells = table[(table["scene"] == scene) & (table["outcome"] == "converged")].join(facts, on="label", how="inner")
-    cells = cells.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
+    facts = own[["label", "value", "error", "uncertainty", "against", "reference"]]
+    cells = priced(table[(table["scene"] == scene) & (table["outcome"] == "converged")]).merge(facts, on="label")
     if cells.empty:
         return []
     cells["bound"] = cells["error"] + cells["uncertainty"]

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.fronts import COSTS
+from studies.analysis.rows import mesh_ranks
 
 FACTORS = ("measure", "contact", "newton", "element", "mesh", "tolerance", "load", "section", "model")
 INTERACTIONS, REST = "interactions", "rest"
@@ -42,9 +43,8 @@ def attribution(table: pd.DataFrame, fronts: pd.DataFrame) -> pd.DataFrame:
                 there = own[solved]
                 factors = {each: there[each].astype(str) for each in FACTORS if each in own}
                 if scope == "family":
-                    factors["mesh"] = _rung(there)
-                    centre = values.groupby(own["scene"]).transform("mean")
-                    values = values - centre
+                    factors["mesh"] = mesh_ranks(there).astype(str)
+                    values = values - values.groupby(own["scene"]).transform("mean")
                 found += [(scope, name, response, *row) for row in shares(values[solved].to_numpy(float), factors)]
     return pd.DataFrame(found, columns=list(COLUMNS))
 
@@ -56,12 +56,6 @@ def _responses(rows: pd.DataFrame) -> dict[str, pd.Series]:
     values["error"] = values["error"].clip(lower=LEAST_ERROR)
     logs = pd.DataFrame(np.log10(values.where(values > 0)))
     return {name: logs[name] for name in columns}
-
-
-def _rung(rows: pd.DataFrame) -> pd.Series:
-    """The number of the mesh in its scene, coarse to fine."""
-    sides = rows["mesh"].str.split("x", expand=True).astype(float)
-    return (sides[0] * sides[1]).groupby(rows["scene"]).rank(method="dense").astype(str)
 
 
 def shares(values: np.ndarray, factors: Mapping[str, pd.Series]) -> list[tuple[str, int, int, float, float, float]]:

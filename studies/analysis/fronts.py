@@ -10,24 +10,17 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from studies.analysis.verify import CLAIMED, family_of, headline, main_questions, questions
+from studies.analysis.rows import mesh_ranks
+from studies.analysis.verify import CLAIMED, family_of, headline, questions
+from studies.solving import UNSUPPORTED
 
 WRONG = 0.1  # relative error from which an answer is none
 SAME = 0.01  # errors that differ by less of themselves are one: what is left is the solver's noise
 COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.seconds"}
 NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
 SCENE_COLUMNS = (
-    "label",
-    "scene",
-    "family",
-    "main",
-    *NAMES,
-    "mesh",
-    "outcome",
-    "quantity",
-    "error",
-    "uncertainty",
-    "against",
+    *("label", "scene", "family", "main", *NAMES, "mesh", "outcome"),
+    *("quantity", "error", "uncertainty", "against"),
 )
 
 
@@ -55,32 +48,34 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     """
     named = {scene: headline(table, scene) for scene in table["scene"].unique()}
     own = verified[verified["quantity"] == verified["scene"].map(named)]
-    facts = own.set_index("label")[["quantity", "error", "uncertainty", "against"]]
-    rows = table.join(facts, on="label")
-    rows["family"], rows["main"] = rows["scene"].map(family_of), main_questions(table)
+    rows = priced(table).join(own.set_index("label")[["quantity", "error", "uncertainty", "against"]], on="label")
     asked = questions(table)
-    costs = [column for column in COSTS.values() if column in table]
-    rows = rows.reindex(columns=[*SCENE_COLUMNS, *costs, "command", "request"])
-    off = rows["label"].map(verified.groupby("label")["formulation_error"].max()).fillna(0.0)
-    rows["flag"] = [
-        _flag(str(outcome), error, max(error - uncertainty, beyond))
-        for outcome, error, uncertainty, beyond in zip(
-            rows["outcome"], rows["error"], rows["uncertainty"], off, strict=True
-        )
-    ]
+    most_often = asked.groupby(table["scene"]).transform(lambda own: own.value_counts().index[0])
+    rows = rows.assign(family=rows["scene"].map(family_of), main=asked == most_often)
+    kinds = [name for name in COSTS if f"cost.{name}" in rows]
+    rows = rows.reindex(columns=[*SCENE_COLUMNS, *(f"cost.{kind}" for kind in kinds), "command", "request"])
+    beyond = np.maximum(rows["error"] - rows["uncertainty"], rows["label"].map(beyond_reference(verified)).fillna(0.0))
+    flags = {
+        "unsupported": rows["outcome"] == UNSUPPORTED,
+        "failed": ~rows["outcome"].isin(CLAIMED),
+        "wrong": (rows["outcome"] == "wrong") | (beyond > WRONG),
+        "unverified": rows["error"].isna(),
+    }
+    rows["flag"] = np.select(list(flags.values()), list(flags), "")
     shown = np.where(rows["flag"] == "", np.maximum(rows["error"], rows["uncertainty"]), np.nan)
-    for name, column in COSTS.items():
-        if column in rows:
-            rows[f"front.{name}"] = _fronts_of(asked, rows[column], shown)
-    return rows.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
+    for kind in kinds:
+        rows[f"front.{kind}"] = _fronts_of(asked, rows[f"cost.{kind}"], shown)
+    return rows
 
 
-def _flag(outcome: str, error: float, beyond: float) -> str:
-    if outcome not in CLAIMED:
-        return "unsupported" if outcome == "unsupported" else "failed"
-    if outcome == "wrong" or beyond > WRONG:
-        return "wrong"
-    return "unverified" if np.isnan(error) else ""
+def priced(table: pd.DataFrame) -> pd.DataFrame:
+    """A collected table whose costs have the names of COSTS: ``cost.NAME``."""
+    return table.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
+
+
+def beyond_reference(verified: pd.DataFrame) -> pd.Series:
+    """By label, how far off the formulation is in any quantity of the scene; NaN where that is not known."""
+    return verified.groupby("label")["formulation_error"].max()
 
 
 def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
@@ -93,7 +88,7 @@ def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
     kinds = [name for name in COSTS if f"cost.{name}" in scenes]
     good = scenes[(scenes["flag"] == "") & scenes["main"]].copy()
     good["shown"] = np.maximum(good["error"], good["uncertainty"])
-    good["rung"] = _rungs(good)
+    good["rung"] = mesh_ranks(good)
     for kind in kinds:
         good[f"cost.{kind}"] /= good.groupby("scene")[f"cost.{kind}"].transform("min")
     keys = ["family", *(name for name in NAMES if good[name].notna().any()), "rung"]
@@ -114,16 +109,7 @@ def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
 
 def _fronts_of(group: pd.Series, cost: pd.Series, error: np.ndarray) -> np.ndarray:
     """Who is on the front of its own group."""
-    names, values = group.to_numpy(), cost.to_numpy(float)
-    front = np.zeros(len(values), bool)
-    for name in group.unique():
-        own = np.flatnonzero(names == name)
+    values, front = cost.to_numpy(float), np.zeros(len(cost), bool)
+    for own in cost.groupby(group.to_numpy()).indices.values():
         front[own] = on_front(values[own], error[own])
     return front
-
-
-def _rungs(cells: pd.DataFrame) -> pd.Series:
-    """The number of the mesh among those of its scene, 0 the coarsest."""
-    sides = cells["mesh"].str.split("x", expand=True).astype(float)
-    elements = sides[0] * sides[1]
-    return elements.groupby(cells["scene"]).rank(method="dense").astype(int) - 1

@@ -24,7 +24,7 @@ import pandas as pd
 
 from studies.analysis.advise import COST, Question, questions
 from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
-from studies.analysis.rows import keys
+from studies.analysis.rows import keys, sizes
 from studies.analysis.verify import EXACT, headline, judged
 
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)
@@ -104,20 +104,15 @@ def _advised(cells: pd.DataFrame, factor: float, cost: str) -> Iterator[list[obj
 
 def estimated(question: Question) -> pd.DataFrame:
     """The question's cells, in their order, with ``estimate`` of the relative error, from values only; NaN: unknown."""
-    cells = question.cells
-    refined = cells["n1"] if cells["n1"].nunique() > 1 else cells["n2"]
-    cells = cells.assign(size=1 / refined.astype(float))
-    sizes = sorted(cells["size"].unique(), reverse=True)
-    probe = cells[cells["size"] == sizes[min(1, len(sizes) - 1)]]
+    cells = question.cells.assign(size=sizes(question.cells))
+    coarse = sorted(cells["size"].unique(), reverse=True)[:2]
+    probe = cells[cells["size"] == coarse[-1]]
+    ordered = cells.sort_values("size", ascending=False, kind="stable")
+    ladders = ordered.groupby(keys(ordered, "mesh"), sort=False)
+    mesh = {label: left for _, rows in ladders for label, left in _mesh_parts(rows)}
     by_measure, by_tolerance = _measures(probe), _tolerances(probe)
-    mesh = {label: left for _, rows in _by_ladder(cells) for label, left in _mesh_parts(rows)}
     estimate = cells["label"].map(mesh) + cells["measure"].map(by_measure) + keys(cells, "mesh").map(by_tolerance)
     return cells.assign(estimate=estimate)
-
-
-def _by_ladder(cells: pd.DataFrame) -> Iterator[tuple[object, pd.DataFrame]]:
-    ordered = cells.sort_values("size", ascending=False, kind="stable")
-    yield from ordered.groupby(keys(ordered, "mesh"), sort=False)
 
 
 def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float]]:

@@ -149,7 +149,7 @@ def within(matrix: pd.DataFrame, factors: tuple[float, ...]) -> pd.DataFrame:
     """Share of the problems in which each competitor needs at most so many times what the best one needs."""
     best = matrix.min(axis=1)
     ratios = matrix.div(best.where(best > 0, 1.0), axis=0)  # a cost of nothing is its own best
-    return pd.DataFrame({name: [(ratios[name] <= factor).mean() for factor in factors] for name in matrix})
+    return pd.DataFrame([(ratios <= factor).mean() for factor in factors])
 
 
 def ranking(matrix: pd.DataFrame) -> dict[str, float]:

@@ -25,7 +25,7 @@ def keys(table: pd.DataFrame, *without: str) -> pd.Series:
 def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
     """Converged rows that differ in the mesh only, coarse to fine, with their sizes in the column ``size``.
 
-    The size is 1/n1, or 1/n2 where only that one changes. Meshes that are hardly coarser than the next are left out.
+    Meshes that are hardly coarser than the next are left out.
     """
     solved = table[table["outcome"] == "converged"]
     if solved.empty:
@@ -33,12 +33,22 @@ def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
     for _, rows in solved.groupby(keys(solved, "mesh"), sort=False):
         if len(rows) < fewest:
             continue
-        refined = rows["n1"] if rows["n1"].nunique() > 1 else rows["n2"]
-        rungs = rows.assign(size=1 / refined.astype(float)).sort_values("size", ascending=False)
+        rungs = rows.assign(size=sizes(rows)).sort_values("size", ascending=False)
         rungs = rungs.drop_duplicates("size", keep="last")
         rungs = rungs[_apart(rungs["size"].tolist())]
         if len(rungs) >= fewest:
             yield rungs
+
+
+def sizes(rows: pd.DataFrame) -> pd.Series:
+    """Of the elements: 1/n1, or 1/n2 where only that one changes."""
+    return 1 / (rows["n1"] if rows["n1"].nunique() > 1 else rows["n2"]).astype(float)
+
+
+def mesh_ranks(rows: pd.DataFrame) -> pd.Series:
+    """The number of the mesh among those of its scene, 0 the coarsest."""
+    sides = rows["mesh"].str.split("x", expand=True).astype(float)
+    return (sides[0] * sides[1]).groupby(rows["scene"]).rank(method="dense").astype(int) - 1
 
 
 def _apart(sizes: Sequence[float]) -> list[bool]:

@@ -71,13 +71,6 @@ def questions(table: pd.DataFrame) -> pd.Series:
     return keys(table, *choices())
 
 
-def main_questions(table: pd.DataFrame) -> pd.Series:
-    """Whether a cell belongs to the question that its scene was asked most often."""
-    asked = questions(table)
-    most = {scene: own.value_counts().index[0] for scene, own in asked.groupby(table["scene"], sort=False)}
-    return asked == table["scene"].map(most)
-
-
 def family_of(scene: str) -> str:
     """The family of a scene, as on the page of convergence."""
     return next((ladder.family for ladder in LADDERS if ladder.scene == scene), scene)
@@ -90,6 +83,7 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
     """
     rows = _claims(table)
     limit, known = limits(table), reference_rows(table) if references is None else references
+    # of ladders that were asked the same: the finest mesh, then the tightest tolerance, then the stiffest contact
     ranked = limit.sort_values(
         ["size", "tolerance", "epsilon"], ascending=[True, True, False], na_position="first", kind="stable"
     )
@@ -152,8 +146,8 @@ def _beside(rows: pd.DataFrame, other: pd.DataFrame, *by: str) -> pd.DataFrame:
 def limits(table: pd.DataFrame) -> pd.DataFrame:
     """One row a judged quantity of a ladder, with LIMIT_NAMES and LIMIT_NUMBERS: its limit, and who climbs it how far.
 
-    label, finest: the cell on the finest mesh, and its value.  Of ladders that were asked the same, the one with the
-    finest mesh counts; of those the one with the tightest tolerance, and of those the stiffest contact.
+    label, finest: the cell on the finest mesh, and its value.  ladder, asked: the keys of what it was asked, the second
+    one without all that may be chosen to answer, but the measure.
     """
     rows: list[tuple[object, ...]] = []
     names = {scene: judged(table, scene) for scene in table["scene"].unique()}
