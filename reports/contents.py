@@ -12,10 +12,6 @@ from reports.chapters.shells import benchmarks, convergence, locking, measures, 
 from reports.chapters.trade import advice, cost, tradeoff
 from reports.chapters.tyre import page as tyre
 
-CHAPTERS: list[Chapter] = [
-    each.CHAPTER
-    for each in (
-        *(tyre, benchmarks, convergence, measures, rigid_body, locking, symmetry, extremes),
-        *(agreement, algorithms, epsilon, tradeoff, advice, cost),
-    )
-]
+MECHANICS = (tyre, benchmarks, convergence, measures, rigid_body, locking, symmetry, extremes)
+SOLVING = (agreement, algorithms, epsilon, tradeoff, advice, cost)
+CHAPTERS: list[Chapter] = [each.CHAPTER for each in (*MECHANICS, *SOLVING)]

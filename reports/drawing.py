@@ -6,32 +6,31 @@ What is drawn is not known here.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Any
+from functools import wraps
+from typing import Any, ParamSpec
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+P = ParamSpec("P")
 # Okabe and Ito's colours, told apart with every common colour blindness
-BLACK, ORANGE, SKY, GREEN, YELLOW, BLUE, VERMILION, PURPLE = (
-    *("#000000", "#E69F00", "#56B4E9", "#009E73"),
-    *("#F0E442", "#0072B2", "#D55E00", "#CC79A7"),
-)
+BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
+YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 WINE, OLIVE = "#661100", "#999933"  # Tol's, told apart from those
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, WINE, YELLOW, OLIVE)
 MARKERS = ("o", "s", "^", "D", "v", "P", "x")
 LINES = ("-", "--", ":", "-.")
-KNOWN = (  # names whose look is fixed; those of one line never stand for the same thing as those of the other
-    (
-        *("exact", "linear", "von-karman", "donnell", "sanders", "novozhilov"),
-        *("moderate-rotation", "thin-green-lagrange", "elongation"),
-    ),
-    ("trial-and-error", "semismooth", "regularised", "augmented-lagrangian", "qp", "lcp"),
-)
+CLASSICAL = ("exact", "linear", "von-karman", "donnell", "sanders", "novozhilov")
+FURTHER = ("moderate-rotation", "thin-green-lagrange", "elongation")
+ALGORITHMS = ("trial-and-error", "semismooth", "regularised", "augmented-lagrangian", "qp", "lcp")
+# names whose look is fixed; those of one line never stand for the same thing as those of the other
+KNOWN = ((*CLASSICAL, *FURTHER), ALGORITHMS)
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",  # letters as shapes: the same on every reader's machine
     "svg.hashsalt": "footprint",
@@ -86,15 +85,49 @@ def looks(names: Iterable[Any]) -> dict[Any, Look]:
     return {name: look(order.index(name)) for name in unique}
 
 
-def style() -> AbstractContextManager[None]:
-    """The settings inside which a picture must be built and turned to SVG."""
-    return mpl.rc_context(STYLE)
+def svg(draw: Callable[P, Figure]) -> Callable[P, str]:
+    """Makes of a function that draws one that returns its picture as SVG text, in the look of all pictures."""
+
+    @wraps(draw)
+    def drawn_as_text(*args: P.args, **options: P.kwargs) -> str:
+        with mpl.rc_context(STYLE):
+            return to_svg(draw(*args, **options))
+
+    return drawn_as_text
 
 
-def canvas(columns: int = 1, width: float = 7.0, height: float = 4.5, rows: int = 1) -> tuple[Figure, list[Axes]]:
-    """A figure with axes side by side, row after row."""
-    figure = Figure(figsize=(width, height), layout="constrained")
-    return figure, list(figure.subplots(rows, columns, squeeze=False).flat)
+def canvas(
+    panels: int = 1, columns: int = 0, width: float = 7.0, height: float = 4.5, head: float = 0.0, sharey: bool = False
+) -> tuple[Figure, list[Axes]]:
+    """A figure with its panels, ``columns`` side by side (all of them, if none are said), row after row.
+
+    height: of a row [inch]. head: what the figure has above that.
+    """
+    columns = columns or panels
+    rows = math.ceil(panels / columns)
+    figure = Figure(figsize=(width, head + height * rows), layout="constrained")
+    every = list(figure.subplots(rows, columns, squeeze=False, sharey=sharey).flat)
+    for axes in every[panels:]:
+        axes.set_visible(False)
+    return figure, every[:panels]
+
+
+def lines(axes: Axes, curves: Mapping[Any, tuple[Any, Any]], **how: Any) -> None:
+    """Lines of x and y by name, with their markers."""
+    for name, each in looks(curves).items():
+        axes.plot(*curves[name], **{**each.points, **how}, label=name)
+
+
+def legend_above(figure: Figure, axes: Axes, columns: int = 4) -> None:
+    """One legend for all panels, of the names in one of them."""
+    handles, names = axes.get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside upper center", ncols=columns)
+
+
+def ticks(axes: Axes, places: Iterable[float], names: Iterable[str]) -> None:
+    """Ticks along x at these places and at no others."""
+    axes.set_xticks(list(places), list(names))
+    axes.set_xticks([], minor=True)
 
 
 _drawn: ContextVar[list[Figure] | None] = ContextVar("drawn", default=None)

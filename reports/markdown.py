@@ -1,17 +1,20 @@
-"""Words and numbers as Markdown: number formats without negative zeros, tables under a title, fenced commands.
+"""The pieces of a page as Markdown: prose, tables under a title, pictures, folds, fenced commands.
 
-What the numbers mean is not known here.
+What they mean is not known here.
 """
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
+
+import pandas as pd
 
 MACHINE, END_MACHINE = "<!-- machine -->", "<!-- /machine -->"
-NOTHING = "–"  # for a number that does not exist: None or NaN
+Column = str | tuple[Any, ...] | Callable[[Any], object]
+Columns = Mapping[str, Column]  # by head
 
 
 @dataclass(frozen=True)
@@ -22,47 +25,34 @@ class Part:
     pictures: Mapping[str, str] = field(default_factory=dict)
 
 
-def joined(parts: Iterable[Part]) -> Part:
-    """Parts below one another."""
-    parts = list(parts)
+def joined(*blocks: Part | str) -> Part:
+    """Pieces below one another; one without text leaves no trace."""
+    parts = [block if isinstance(block, Part) else Part(block) for block in blocks]
     pictures = {name: svg for part in parts for name, svg in part.pictures.items()}
-    return Part("\n\n".join(part.text.strip("\n") for part in parts) + "\n", pictures)
-
-
-def fixed(value: float | None, decimals: int, sign: bool = False) -> str:
-    """``decimals`` places; a value that rounds to zero has no sign."""
-    if value is None or math.isnan(value):
-        return NOTHING
-    text = f"{value:+.{decimals}f}" if sign else f"{value:.{decimals}f}"
-    return text.lstrip("+-") if float(text) == 0.0 else text
-
-
-def percent(fraction: float | None, decimals: int = 2, sign: bool = True) -> str:
-    """A fraction in per cent: a change with its sign, a size without."""
-    return NOTHING if fraction is None or math.isnan(fraction) else fixed(100 * fraction, decimals, sign) + " %"
-
-
-def digits(value: float, count: int) -> str:
-    """``count`` significant digits, trailing zeros kept."""
-    return NOTHING if math.isnan(value) else f"{value + 0.0:#.{count}g}"
-
-
-def number(value: float) -> str:
-    """Six significant digits at most."""
-    return NOTHING if math.isnan(value) else f"{value:.6g}"
-
-
-def scientific(value: float | None, decimals: int = 1) -> str:
-    """Mantissa and exponent; exact zero is 0."""
-    if value is None or math.isnan(value):
-        return NOTHING
-    return "0" if value == 0.0 else f"{value:.{decimals}e}"
+    return Part("\n\n".join(part.text.strip("\n") for part in parts if part.text) + "\n", pictures)
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[object]], words: int = 1) -> str:
     """A table under its title line; the first columns are words, the others are numbers."""
     lines = [f"**{title}**", "", _line(header), _line([*[":--"] * words, *["--:"] * (len(header) - words)])]
     return "\n".join([*lines, *(_line(row) for row in rows)])
+
+
+def listing(title: str, records: pd.DataFrame | Iterable[Any], columns: Columns, words: int = 1) -> str:
+    """A table with a line a record, whose ``columns`` are heads with what stands below them.
+
+    That is a name, whose value is printed as it is; a name, a format and what else the format takes; or a function of
+    the record.
+    """
+    lines = records.to_dict("records") if isinstance(records, pd.DataFrame) else records
+    return table(title, list(columns), ([_entry(each, line) for each in columns.values()] for line in lines), words)
+
+
+def _entry(column: Column, record: Any) -> object:
+    if callable(column):
+        return column(record)
+    name, form, *more = (column, str) if isinstance(column, str) else column
+    return form(record[name], *more)
 
 
 def _line(entries: Sequence[object]) -> str:
@@ -75,9 +65,9 @@ def prose(text: str) -> str:
     return "\n\n".join(paragraphs)
 
 
-def picture(name: str, words: str) -> str:
+def picture(name: str, words: str, svg: str) -> Part:
     """A picture of the folder ``figures`` with the words that replace it where it cannot be shown."""
-    return f"![{words}](figures/{name})"
+    return Part(f"![{words}](figures/{name})", {name: svg})
 
 
 def folded(summary: str, text: str) -> str:
@@ -87,11 +77,10 @@ def folded(summary: str, text: str) -> str:
 
 def commands(lines: Iterable[str]) -> str:
     """Shell commands in a fold."""
-    unique = dict.fromkeys(lines)
-    block = "\n".join(["```sh", *unique, "```"])
+    block = "\n".join(["```sh", *dict.fromkeys(lines), "```"])
     return folded("Commands that reproduce these numbers", block)
 
 
-def machine(text: str) -> str:
+def machine(*blocks: str) -> str:
     """Text that depends on the machine, so that a comparison of pages skips it."""
-    return f"{MACHINE}\n\n{text}\n\n{END_MACHINE}"
+    return "\n\n".join([MACHINE, *blocks, END_MACHINE])

@@ -1,4 +1,4 @@
-"""The store as the reports see it: cells by label, their results and tables, the references; all checked on entry.
+"""The store as the reports see it: planned cells, their results and tables, the references; all checked on entry.
 
 Nothing is computed here beyond looking things up. Whatever is wrong with a store ends in one StoreError of one line.
 """
@@ -8,67 +8,46 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-SCHEMA = 2
-RESULT_KEYS = (
-    *("scene", "measure", "contact", "newton", "mesh", "model", "settings", "outcome", "class", "reason"),
-    *("quantities", "steps", "cuts", "counters", "timing_s", "provenance"),
-)
-RECORD_KEYS = ("schema", "id", *RESULT_KEYS)
-FAILURE_KEYS = ("schema", "id", "class", "reason")
+from reports.reading import SCHEMA, StoreError, read_record, read_table, read_versioned, require
+
+REQUEST_KEYS = ("scene", "measure", "contact", "newton", "mesh", "model", "settings")
+ENDING_KEYS = ("class", "reason")
+ANSWER_KEYS = ("outcome", "quantities", "steps", "cuts", "counters", "timing_s", "provenance")
+RESULT_KEYS = (*REQUEST_KEYS, *ENDING_KEYS, *ANSWER_KEYS)
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
 CELL_KEYS = ("label", "id", "scene", "command", "options", "settings", "files", "request", "reason")
 CLASSES = ("converged", "wrong", "not-converged", "cap-hit", "time", "memory", "crash", "unsupported", "missing")
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
 TYRES = ("tyre", "tyre-solid")
-TYRE_STEP_KEYS = (
-    *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm", "kkt"),
-    *("failures", "substeps"),
-    *("newton_iterations", "central_asymmetry", "mirror_asymmetry"),
-)
-STEP_KEYS = ("kkt", "failures", "rounding", "newton_iterations", "substeps")  # of every other scene
+SOLVED_KEYS = ("kkt", "failures", "newton_iterations", "substeps")
+STEP_KEYS = (*SOLVED_KEYS, "rounding")  # of every other scene
+PATCH = ("force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm")
+TYRE_STEP_KEYS = (*SOLVED_KEYS, "delta_mm", *PATCH, "central_asymmetry", "mirror_asymmetry")
+FACES = tuple(f"{face}_{along}_mm" for face in ("inner", "outer") for along in ("radial", "axial"))
 TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
-    "profile": (
-        *("state", "delta_mm", "psi_deg"),
-        *("inner_radial_mm", "inner_axial_mm", "outer_radial_mm", "outer_axial_mm"),
-    ),
+    "profile": ("state", "delta_mm", "psi_deg", *FACES),
     "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
-WORDS = {  # columns of the analysis that may be empty
-    *("flag", "against", "largest", "removed", "flips", "label", "configuration", "runner_up", "command"),
-    *(
-        "ladder",
-        "family",
-        "at",
-        "advised",
-        "best",
-        "measure",
-        "contact",
-        "newton",
-        "element",
-        "model",
-        "scene",
-        "ranking",
-        "ended",
-    ),
-}
-
-
-class StoreError(ValueError):
-    """A store that cannot be reported; its message is the one line the user reads."""
+OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}
+OF_A_LADDER = {"ladder", "family", "at", "against", "largest"}
+OF_A_COMPARISON = {"flag", "removed", "flips", "ranking", "ended", "advised", "best", "runner_up"}
+WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON  # columns of the analysis that may be empty
 
 
 @dataclass(frozen=True, eq=False)
 class Cell:
-    """One solved request: ``result`` is result.json, the tables are read when asked for.
+    """One request of a campaign, and what became of it: ``ended`` is one of CLASSES.
 
-    expected: why it is expected not to go as asked, if so. group: the list of the campaign that it is of.
+    result: result.json, empty where there is none; the tables beside it are read when asked for. asked: the request, as
+    far as it went. expected: why it is expected not to go as asked, if so. group: the list of the campaign that it is
+    of. shown: is it one of the cells behind the pages?
     """
 
     label: str
@@ -76,8 +55,12 @@ class Cell:
     command: str
     directory: Path
     result: Mapping[str, Any]
+    ended: str
+    reason: str
+    asked: Mapping[str, Any] = field(default_factory=dict)
     expected: str = ""
     group: str = ""
+    shown: bool = False
 
     @property
     def converged(self) -> bool:
@@ -90,9 +73,19 @@ class Cell:
         return bool(self.result["outcome"] == "unsupported")
 
     @property
+    def settings(self) -> Mapping[str, Any]:
+        """Every resolved setting."""
+        return self.result["settings"]
+
+    @property
     def steps(self) -> list[dict[str, Any]]:
         """One record per load that was reached."""
         return list(self.result["steps"])
+
+    @property
+    def cuts(self) -> list[str]:
+        """The events of rejected attempts, in order; empty when every step was taken as asked."""
+        return [str(event) for event in self.result["cuts"]]
 
     def find_step(self, **at: float) -> dict[str, Any] | None:
         """The step with these values, e.g. ``delta_mm=20``, or None when the path did not get there."""
@@ -113,103 +106,68 @@ class Cell:
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the cell (contact, profile or history); raises StoreError when it is missing or damaged."""
-        return _read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
-
-    def cuts(self) -> list[str]:
-        """The events of rejected attempts, in order; empty when every step was taken as asked."""
-        return [str(event) for event in self.result["cuts"]]
-
-
-@dataclass(frozen=True, eq=False)
-class Planned:
-    """A cell of the plan, and what became of it: ``ended`` is one of CLASSES; asked: the request, as far as it went.
-
-    result: its record, or None where there is none. shown: is it one of the cells behind the pages?
-    """
-
-    label: str
-    id: str | None
-    scene: str
-    command: str
-    asked: Mapping[str, Any]
-    ended: str
-    reason: str
-    result: Mapping[str, Any] | None
-    shown: bool = False
+        return read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
 
     def matches(self, wanted: Mapping[str, Any]) -> bool:
         """Has the resolved request all these values? A number matches a path of one value, "8x4" a mesh."""
-        settings = self.asked.get("settings", {})
-        return all(_same(self.asked.get(key, settings.get(key)), value) for key, value in wanted.items())
+        known = {"group": self.group, **self.asked.get("settings", {}), **self.asked}
+        return all(_same(known.get(key), value) for key, value in wanted.items())
 
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """A campaign of a store: ``planned`` is everything it asks for, in order; ``cells`` by label those with records.
+    """A campaign of a store: ``planned`` is everything it asks for, in order.
 
     references: as written by the scenes.  pages: which of them the campaign is made for.
     """
 
     path: Path
     campaign: str
-    cells: Mapping[str, Cell]
     references: tuple[Mapping[str, Any], ...]
-    planned: tuple[Planned, ...] = ()
+    planned: tuple[Cell, ...] = ()
     title: str = ""
     pages: str = ""
 
-    def cell(self, label: str) -> Cell:
-        """The cell of a label; raises StoreError when the campaign has none."""
-        if label not in self.cells:
-            ended = next((f"{each.ended}: {each.reason}" for each in self.planned if each.label == label), "")
-            lacks = f"no record of cell {label!r} ({ended})" if ended else f"no cell {label!r}"
-            raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
-        return self.cells[label]
+    @property
+    def cells(self) -> list[Cell]:
+        """The cells behind the pages, those that have records."""
+        return [each for each in self.planned if each.shown and each.result]
 
     def select(self, **wanted: Any) -> list[Cell]:
         """The cells behind the pages whose resolved request has all these values, in the order of the campaign.
 
-        wanted: scene, measure, contact, newton, mesh, model, steps, or any setting. Of equal requests the first one;
-        none that was refused before it was solved. Raises StoreError for another cell without a record.
+        wanted: scene, measure, contact, newton, mesh, model, steps, any setting, or the group. Of equal requests the
+        first one; none that was refused before it was solved. Raises StoreError for another cell without a record.
         """
-        matching = [
-            each
-            for each in self.planned
-            if each.shown and (each.result or each.ended != "unsupported") and each.matches(wanted)
-        ]
-        unique: dict[str, Planned] = {}
-        for each in matching:
-            unique.setdefault(json.dumps(each.asked, sort_keys=True), each)
-        return [self.cell(each.label) for each in unique.values()]
+        unique: dict[str, Cell] = {}
+        for each in self.planned:
+            if each.shown and (each.result or each.ended != "unsupported") and each.matches(wanted):
+                unique.setdefault(json.dumps(each.asked, sort_keys=True), each)
+        for each in unique.values():
+            if not each.result:
+                lacks = f"no record of cell {each.label!r} ({each.ended}: {each.reason})"
+                raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
+        return list(unique.values())
 
     def find(self, **wanted: Any) -> Cell:
         """The one cell of ``select``; raises StoreError when there is none, or more than one."""
         found = self.select(**wanted)
         if len(found) != 1:
             asked = ", ".join(f"{key} {value}" for key, value in wanted.items())
-            names = (
-                f" ({', '.join(repr(cell.label) for cell in found[:3])}{', ...' * (len(found) > 3)})" if found else ""
-            )
-            count = f"{len(found)} cells" if found else "no cell"
-            raise StoreError(
-                f"{self.path}: campaign {self.campaign!r} has {count}{names} with {asked}; the pages need one"
-            )
+            names = ", ".join([repr(cell.label) for cell in found[:3]] + ["..."] * (len(found) > 3))
+            has = f"{len(found)} cells ({names})" if found else "no cell"
+            raise StoreError(f"{self.path}: campaign {self.campaign!r} has {has} with {asked}; the pages need one")
         return found[0]
 
-    def references_of(self, scene: str, quantity: str, kind: str) -> list[Mapping[str, Any]]:
-        """The references of a quantity; raises StoreError when there is none."""
-        wanted = {"scene": scene, "quantity": quantity, "kind": kind}
-        found = [row for row in self.references if all(row[key] == value for key, value in wanted.items())]
-        if not found:
-            raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene}")
-        return found
-
     def reference(self, scene: str, quantity: str, kind: str, **at: float) -> Mapping[str, Any]:
-        """The one reference of a quantity at a load; raises StoreError when there is none."""
-        for row in self.references_of(scene, quantity, kind):
-            if all(row["at"].get(key) == value for key, value in at.items()):
-                return row
-        raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene} at {at}")
+        """The first reference of a quantity, at a load where one is given; raises StoreError when there is none."""
+        wanted = {"scene": scene, "quantity": quantity, "kind": kind}
+        known = [row for row in self.references if all(row[key] == value for key, value in wanted.items())]
+        found = [row for row in known if all(row["at"].get(key) == value for key, value in at.items())]
+        if not found:
+            where = f" at {at}" if known else ""
+            raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene}{where}")
+        return found[0]
 
     def has_table(self, name: str) -> bool:
         """True when a table that no campaign makes by itself has been put there."""
@@ -217,7 +175,7 @@ class Store:
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
-        return _read_table(self.path / "tables" / f"{name}.csv")
+        return read_table(self.path / "tables" / f"{name}.csv")
 
     def has_analysis(self, name: str) -> bool:
         """True when a table is there that is of this campaign, or of none."""
@@ -241,7 +199,7 @@ class Store:
 
     def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
         """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""
-        return _read_table(self.path / "references" / name, columns, comment="#")
+        return read_table(self.path / "references" / name, columns, comment="#")
 
 
 def load_store(path: Path, campaign: str | None = None) -> Store:
@@ -252,20 +210,14 @@ def load_store(path: Path, campaign: str | None = None) -> Store:
     if not path.is_dir():
         raise StoreError(f"{path}: no such directory")
     index_path = path / "campaigns" / f"{campaign or _only(path)}.json"
-    index = _checked(index_path, INDEX_KEYS)
-    references = _checked(path / "references.json", ("schema", "references"))["references"]
+    index = read_versioned(index_path, INDEX_KEYS)
+    references = read_versioned(path / "references.json", ("schema", "references"))["references"]
     for row in references:
-        _require(row, REFERENCE_KEYS, path / "references.json")
-    planned = tuple(_planned(path, index_path, row) for row in index["cells"])
-    cells = {
-        row["label"]: Cell(
-            *(each.label, each.scene, each.command, path / "cells" / str(each.id), each.result),
-            *(row.get("expected", ""), row.get("group", "")),
-        )
-        for row, each in zip(index["cells"], planned, strict=True)
-        if row["files"] and each.result is not None
-    }
-    return Store(path, index["campaign"], cells, tuple(references), planned, index["title"], index["pages"])
+        require(row, REFERENCE_KEYS, path / "references.json")
+    for row in index["cells"]:
+        require(row, CELL_KEYS, index_path)
+    planned = tuple(_planned(path, row) for row in index["cells"])
+    return Store(path, index["campaign"], tuple(references), planned, index["title"], index["pages"])
 
 
 def _only(path: Path) -> str:
@@ -275,31 +227,41 @@ def _only(path: Path) -> str:
         raise StoreError(f"{path}: has the campaigns {', '.join(names)}; choose one by --campaign")
     if not names:
         old = path / "campaign.json"
-        raise StoreError(
-            f"{old}: schema 1, but this program reads {SCHEMA}" if old.exists() else f"{path}: no campaign"
-        )
+        lacks = f"{old}: schema 1, but this program reads {SCHEMA}" if old.exists() else f"{path}: no campaign"
+        raise StoreError(lacks)
     return names[0]
 
 
-def _planned(path: Path, index_path: Path, row: Mapping[str, Any]) -> Planned:
+def _planned(path: Path, row: Mapping[str, Any]) -> Cell:
     """A row of the index with its record, its failure, or neither; raises StoreError for what cannot be read."""
-    _require(row, CELL_KEYS, index_path)
-    asked = row["request"] or {**row["options"], "settings": row["settings"]}
-    head = (row["label"], row["id"], row["scene"], row["command"], asked)
+    record, failure = (path / folder / f"{row['id']}.json" for folder in ("cells", "failures"))
+    result: Mapping[str, Any] = {}
+    ending: Mapping[str, Any] = {"class": "missing", "reason": "not solved yet"}
     if row["id"] is None:
-        return Planned(*head, "unsupported", row["reason"], None, bool(row["files"]))
-    record = path / "cells" / f"{row['id']}.json"
-    if record.exists():
-        result = _checked(record, RECORD_KEYS)
+        ending = {"class": "unsupported", "reason": row["reason"]}
+    elif record.exists():
+        ending = result = read_versioned(record, ("schema", "id", *RESULT_KEYS))
         if result["id"] != row["id"] or result["scene"] != row["scene"]:
             raise StoreError(f"{record}: of cell {result['id']!r} of {result['scene']}, not of {row['label']!r}")
         _require_steps(result, record)
-        return Planned(*head, result["class"], result["reason"], result, bool(row["files"]))
-    failure = path / "failures" / f"{row['id']}.json"
-    if failure.exists():
-        found = _checked(failure, FAILURE_KEYS)
-        return Planned(*head, found["class"], found["reason"], None, bool(row["files"]))
-    return Planned(*head, "missing", "not solved yet", None, bool(row["files"]))
+    elif failure.exists():
+        ending = read_versioned(failure, ("schema", "id", *ENDING_KEYS))
+    asked = row["request"] or {**row["options"], "settings": row["settings"]}
+    about = {"expected": row.get("expected", ""), "group": row.get("group", ""), "shown": bool(row["files"])}
+    named = (row["label"], row["scene"], row["command"], path / "cells" / str(row["id"]))
+    return Cell(*named, result, ending["class"], ending["reason"], asked, **about)
+
+
+def load_cell(directory: Path, label: str, command: str = "") -> Cell:
+    """Read and check one solved request; raises StoreError."""
+    result = read_record(directory / "result.json", RESULT_KEYS)
+    _require_steps(result, directory / "result.json")
+    return Cell(label, result["scene"], command, directory, result, result["class"], result["reason"])
+
+
+def _require_steps(result: Mapping[str, Any], path: Path) -> None:
+    for step in result["steps"]:
+        require(step, TYRE_STEP_KEYS if result["scene"] in TYRES else STEP_KEYS, path)
 
 
 def _same(there: Any, wanted: Any) -> bool:
@@ -309,60 +271,3 @@ def _same(there: Any, wanted: Any) -> bool:
             return "x".join(map(str, there)) == wanted
         return there == (list(wanted) if isinstance(wanted, list | tuple) else [wanted])
     return bool(there == ("inf" if wanted == math.inf else wanted))
-
-
-def load_cell(directory: Path, label: str, command: str = "") -> Cell:
-    """Read and check one solved request; raises StoreError."""
-    result = _read_json(directory / "result.json", RESULT_KEYS)
-    _require_steps(result, directory / "result.json")
-    return Cell(label, result["scene"], command, directory, result)
-
-
-def _require_steps(result: Mapping[str, Any], path: Path) -> None:
-    for step in result["steps"]:
-        _require(step, TYRE_STEP_KEYS if result["scene"] in TYRES else STEP_KEYS, path)
-
-
-def _checked(path: Path, keys: Iterable[str]) -> dict[str, Any]:
-    """As _read_json, of this schema."""
-    data = _read_json(path, ("schema",))
-    if data["schema"] != SCHEMA:
-        raise StoreError(f"{path}: schema {data['schema']!r}, but this program reads {SCHEMA}")
-    _require(data, keys, path)
-    return data
-
-
-def _read_json(path: Path, keys: Iterable[str]) -> dict[str, Any]:
-    try:
-        data = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        raise StoreError(f"{path}: missing") from None
-    except (OSError, ValueError) as error:
-        raise StoreError(f"{path}: cannot be read: {_one_line(error)}") from None
-    _require(data, keys, path)
-    return dict(data)
-
-
-def _require(data: object, keys: Iterable[str], path: Path) -> None:
-    if not isinstance(data, Mapping):
-        raise StoreError(f"{path}: expected a record, found {type(data).__name__}")
-    missing = [key for key in keys if key not in data]
-    if missing:
-        raise StoreError(f"{path}: lacks {', '.join(missing)}")
-
-
-def _read_table(path: Path, columns: Iterable[str] = (), comment: str | None = None) -> pd.DataFrame:
-    try:
-        table = pd.read_csv(path, comment=comment)
-    except FileNotFoundError:
-        raise StoreError(f"{path}: missing") from None
-    except (OSError, ValueError) as error:
-        raise StoreError(f"{path}: cannot be read: {_one_line(error)}") from None
-    missing = [column for column in columns if column not in table]
-    if missing:
-        raise StoreError(f"{path}: lacks the columns {', '.join(missing)}")
-    return table
-
-
-def _one_line(error: Exception) -> str:
-    return " ".join(str(error).split())

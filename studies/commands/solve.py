@@ -71,8 +71,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _draw(out: Path) -> None:
+    from reports.reading import StoreError
     from reports.result_figures import draw_result
-    from reports.tables import StoreError
 
     try:
         draw_result(out)

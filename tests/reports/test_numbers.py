@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from reports.compare import differences, same_number
-from reports.markdown import digits, fixed, machine, percent, prose, scientific
+from reports.formats import digits, fixed, percent, scientific
+from reports.markdown import machine, prose
 
 
 @pytest.mark.parametrize(

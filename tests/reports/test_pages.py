@@ -254,7 +254,7 @@ def test_comparing_no_page_at_all_is_a_difference(files: dict[str, str], tmp_pat
 
 @pytest.mark.parametrize(("label", "count"), [("exact semismooth mixed exact", 4), ("hemisphere 16", 1)])
 def test_pictures_of_one_result(own_store: Path, label: str, count: int) -> None:
-    directory = as_solved(load_store(own_store).cell(label).directory)
+    directory = as_solved(next(cell for cell in load_store(own_store).cells if cell.label == label).directory)
     drawn = draw_result(directory)
     assert len(drawn) == count
     assert all(path.parent == directory / "figures" and path.read_text().startswith("<?xml") for path in drawn)

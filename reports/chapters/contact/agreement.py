@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from reports.chapter import Chapter
-from reports.chapters.contact import figures as figures_contact
-from reports.chapters.contact.agreement_cases import SAME, Entry, entries
-from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, machine, picture, prose, scientific, table
+from reports.chapters.contact.agreement_cases import CASE, SAME, Entry, entries, outcome, refusals
+from reports.chapters.tyre.figures import load_deflection
+from reports.formats import digits, fixed, scientific
+from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
-
-NAME = "contact-forces.svg"
 
 
 def agreement_page(store: Store) -> Part:
@@ -28,13 +27,18 @@ reference of a case is `semismooth` with the exact condition, and two algorithms
 set only and the forces differ by at most {scientific(SAME, 0)} of their value, at every travel. That holds for {same}
 of {len(others)} other solves with the exact condition; {len(refused)} of {len(found)} requests were refused by the
 algorithm. A finite ε solves other equations, and its difference is that of the [regularisation](epsilon.md).""")
-    worst = _disagreements(others)
-    parts = [introduction, _forces(found), _exact(exact), worst, _finite(found), _refusals(refused)]
-    shown = picture(NAME, "Force over the travel of the plane, by load and section")
-    lines = commands(entry.cell.command for entry in found)
-    text = "\n\n".join([*(part for part in parts[:2]), shown, *(part for part in parts[2:] if part), lines])
     curves = {", ".join(e.case): _curve(e) for e in exact if e.cell is e.reference}
-    return joined([Part(text, {NAME: figures_contact.forces(curves)})])
+    drawn = load_deflection(curves, "travel of the plane [mm]", "force [N]", loc="upper left")
+    return joined(
+        introduction,
+        _forces(found),
+        picture("contact-forces.svg", "Force over the travel of the plane, by load and section", drawn),
+        _exact(others, exact[0].travels if exact else []),
+        _disagreements(others),
+        _finite(found),
+        refusals(refused) if refused else "No algorithm refuses any of the cases.",
+        commands(entry.cell.command for entry in found),
+    )
 
 
 def _curve(entry: Entry) -> tuple[list[float], list[float]]:
@@ -43,67 +47,52 @@ def _curve(entry: Entry) -> tuple[list[float], list[float]]:
 
 def _forces(found: list[Entry]) -> str:
     """The reference of every case."""
-    rows = []
-    for entry in found:
-        if entry.cell is entry.reference:
-            steps = entry.cell.steps
-            rows.append([*entry.case, *(f"{digits(s['force_N'], 9)} ({s['contact_nodes']})" for s in steps)])
-    travels = next(entry.travels for entry in found)
-    header = ["load", "section", *(f"{delta:g} mm" for delta in travels)]
+    rows = [
+        [*entry.case, *(f"{digits(step['force_N'], 9)} ({step['contact_nodes']})" for step in entry.cell.steps)]
+        for entry in found
+        if entry.cell is entry.reference
+    ]
+    header = ["load", "section", *(f"{delta:g} mm" for delta in found[0].travels)]
     return table("Force [N] and nodes in contact, by the reference", header, rows, words=2)
 
 
-def _exact(exact: list[Entry]) -> str:
-    """Every solve with the exact condition."""
-    rows = []
-    for entry in exact:
-        if entry.cell is not entry.reference:
-            unlike = [fixed(entry.nodes_unlike(delta), 0) for delta in entry.travels]
-            off = [scientific(abs(entry.force_difference(delta))) for delta in entry.travels]
-            rows.append([entry.way, *entry.case, *unlike, *off, "yes" if entry.agrees else "no"])
-    travels = exact[0].travels if exact else []
+def _exact(others: list[Entry], travels: list[float]) -> str:
+    """Every other solve with the exact condition."""
+    rows = [
+        [entry.way, *entry.case, *map(fixed, entry.unlike), *map(scientific, entry.differences), _word(entry.agrees)]
+        for entry in others
+    ]
     header = ["algorithm", "load", "section", *(f"nodes unlike, {delta:g} mm" for delta in travels)]
     header += [*(f"force off, {delta:g} mm" for delta in travels), "agrees"]
     # the differences are rounding
     return machine(table("Against the reference, the exact condition", header, rows, words=3))
 
 
+def _word(agrees: bool) -> str:
+    return "yes" if agrees else "no"
+
+
 def _disagreements(others: list[Entry]) -> str:
     """Who does not agree, and how it ended."""
-    rows = [
-        [entry.way, *entry.case, str(entry.cell.result["outcome"]), str(entry.cell.result["reason"])]
-        for entry in others
-        if not entry.agrees
-    ]
-    if not rows:
+    odd = [entry for entry in others if not entry.agrees]
+    columns: Columns = {**CASE, "outcome": outcome("outcome"), "reason": outcome("reason")}
+    if not odd:
         return "No solve with the exact condition disagrees."
-    return table("Solves that do not agree", ["algorithm", "load", "section", "outcome", "reason"], rows, words=5)
+    return listing("Solves that do not agree", odd, columns, words=5)
 
 
 def _finite(found: list[Entry]) -> str:
     """What a finite epsilon, the default of some algorithms, changes."""
-    rows = [
-        [
-            *(entry.way, *entry.case),
-            scientific(entry.largest_difference),
-            NOTHING if entry.most_nodes_unlike is None else str(entry.most_nodes_unlike),
-            scientific(max((step["kkt"]["penetration"] for step in entry.cell.steps), default=None)),
-        ]
-        for entry in found
-        if not entry.exact and not entry.cell.unsupported
-    ]
-    if not rows:
-        return ""
-    header = ["algorithm", "load", "section", "force off, at most", "nodes unlike, at most", "penetration [mm]"]
-    return table("Against the reference, a finite ε", header, rows, words=3)
-
-
-def _refusals(refused: list[Entry]) -> str:
-    """What an algorithm does not do, and why."""
-    if not refused:
-        return "No algorithm refuses any of the cases."
-    rows = [[entry.way, *entry.case, str(entry.cell.result["reason"])] for entry in refused]
-    return table("Refused", ["algorithm", "load", "section", "reason"], rows, words=4)
+    soft = [entry for entry in found if not entry.exact and not entry.cell.unsupported]
+    columns: Columns = {
+        **CASE,
+        "force off, at most": lambda entry: scientific(entry.largest_difference),
+        "nodes unlike, at most": lambda entry: fixed(entry.most_nodes_unlike),
+        "penetration [mm]": lambda entry: scientific(
+            max((step["kkt"]["penetration"] for step in entry.cell.steps), default=None)
+        ),
+    }
+    return listing("Against the reference, a finite ε", soft, columns, words=3) if soft else ""
 
 
 CHAPTER = Chapter(

@@ -6,8 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from reports.maps import at_delta, different_nodes
-from reports.tables import Cell, Store, StoreError
+from reports.chapters.tyre.cells import change, nodes_unlike
+from reports.formats import code
+from reports.markdown import Column, Columns, listing
+from reports.reading import StoreError
+from reports.tables import Cell, Store
 
 SAME = 1e-7  # relative difference of forces below which two algorithms agree
 
@@ -20,7 +23,7 @@ class Entry:
 
     cell: Cell
     reference: Cell
-    own: tuple[str, ...]  # what of its settings is not its default
+    own: tuple[str, ...]  # what of its settings, other than epsilon, is not its default
 
     @property
     def contact(self) -> str:
@@ -30,52 +33,45 @@ class Entry:
     @property
     def case(self) -> tuple[str, str]:
         """Load and section."""
-        settings = self.cell.result["settings"]
-        return str(settings["load"]), str(settings["section"])
+        return str(self.cell.settings["load"]), str(self.cell.settings["section"])
 
     @property
     def exact(self) -> bool:
         """Was the contact condition itself asked for, and not its regularisation?"""
-        return bool(self.cell.result["settings"]["epsilon"] == "inf")
+        return bool(self.cell.settings["epsilon"] == "inf")
 
     @property
     def way(self) -> str:
         """The algorithm with what distinguishes it from its defaults, for a table."""
-        finite = () if self.exact else (f"ε = {self.cell.result['settings']['epsilon']:g}",)
-        return ", ".join([f"`{self.contact}`", *self.own, *finite])
-
-    @property
-    def as_it_is(self) -> bool:
-        """Has the algorithm its own settings, but for epsilon?"""
-        return not self.own
+        finite = () if self.exact else (f"ε = {self.cell.settings['epsilon']:g}",)
+        return ", ".join([code(self.contact), *self.own, *finite])
 
     @property
     def travels(self) -> list[float]:
         """Those of the reference [mm]."""
         return [float(step["delta_mm"]) for step in self.reference.steps]
 
-    def force_difference(self, delta: float) -> float:
-        """Relative to the reference; NaN when one of both did not get there."""
-        return self.cell.value("force_N", delta_mm=delta) / self.reference.value("force_N", delta_mm=delta) - 1.0
+    @property
+    def differences(self) -> list[float]:
+        """Of the forces at each travel, relative to the reference; NaN where one of both did not get there."""
+        return [abs(change(self.cell, self.reference, delta=delta)) for delta in self.travels]
 
-    def nodes_unlike(self, delta: float) -> int | None:
-        """Contact nodes in only one of both sets; None when one did not get there."""
-        if self.cell.find_step(delta_mm=delta) is None or self.reference.find_step(delta_mm=delta) is None:
-            return None
-        return different_nodes(*(at_delta(cell.table("contact"), delta) for cell in (self.cell, self.reference)))
+    @property
+    def unlike(self) -> list[int | None]:
+        """Contact nodes in only one of both sets at each travel; None where one did not get there."""
+        return [nodes_unlike(self.cell, self.reference, delta) for delta in self.travels]
 
     @property
     def largest_difference(self) -> float:
         """Of the forces over all travels; NaN when a travel is missing, or there is none."""
-        found = [abs(self.force_difference(delta)) for delta in self.travels]
-        return float("nan") if not found or any(map(math.isnan, found)) else max(found)
+        found = self.differences
+        return float("nan") if any(map(math.isnan, found)) else max(found, default=float("nan"))
 
     @property
     def most_nodes_unlike(self) -> int | None:
         """Over all travels; None when one is missing, or there is none."""
-        found = [self.nodes_unlike(delta) for delta in self.travels]
-        known = [n for n in found if n is not None]
-        return max(known) if known and len(known) == len(found) else None
+        known = [n for n in self.unlike if n is not None]
+        return max(known) if known and len(known) == len(self.travels) else None
 
     @property
     def agrees(self) -> bool:
@@ -83,13 +79,28 @@ class Entry:
         return self.most_nodes_unlike == 0 and self.largest_difference <= SAME
 
 
+CASE: Columns = {
+    "algorithm": lambda entry: entry.way,
+    "load": lambda entry: entry.case[0],
+    "section": lambda entry: entry.case[1],
+}
+
+
+def outcome(name: str) -> Column:
+    """A column of how a cell ended: its "outcome" or "reason"."""
+    return lambda entry: entry.cell.result[name]
+
+
+def refusals(refused: list[Entry]) -> str:
+    """What an algorithm does not do, and why."""
+    return listing("Refused", refused, {**CASE, "reason": outcome("reason")}, words=4)
+
+
 def unusual(cell: Cell, usual: Cell) -> tuple[str, ...]:
     """The settings of a cell, other than epsilon, that another one has otherwise: "settle 1"."""
-    there = usual.result["settings"]
-    own = (
-        (key, value) for key, value in cell.result["settings"].items() if key != "epsilon" and there.get(key) != value
-    )
-    return tuple(f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}" for key, value in own)
+    own = {key: value for key, value in cell.settings.items() if usual.settings.get(key) != value}
+    own.pop("epsilon", None)
+    return tuple(f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}" for key, value in own.items())
 
 
 def entries(store: Store) -> Iterator[Entry]:
@@ -98,7 +109,7 @@ def entries(store: Store) -> Iterator[Entry]:
     The first cell of an algorithm on a case is that with its defaults.
     """
     for cell in store.select(**STUDY):
-        case = {key: cell.result["settings"][key] for key in ("load", "section")}
+        case = {key: cell.settings[key] for key in ("load", "section")}
         usual = store.select(**STUDY, **case, contact=cell.result["contact"])[0]
         references = store.select(**STUDY, **case, contact="semismooth", epsilon=math.inf)
         if not references:

@@ -4,18 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import product
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.chapters.contact import figures as figures_contact
-from reports.chapters.contact.figures import PAPER
-from reports.markdown import NOTHING, Part, fixed, joined, machine, percent, picture, prose, scientific, table
+from reports.drawing import BLACK, canvas, legend_above, looks, svg
+from reports.formats import NOTHING, fixed, number, scientific, share
+from reports.markdown import Columns, Part, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
-NAME = "epsilon.svg"
+PAPER = 1e4  # MPa/mm
+FORMS = {"multiplier": "-", "displacement": "--"}  # and how they are drawn
+PANELS = (  # column, words, what is drawn of it
+    ("penetration_mm", "penetration [mm]", (1e-15, 1e2)),
+    ("force_error", "relative error of the force", (1e-17, 1e1)),
+    ("condition", "condition (1-norm)", (1e4, 1e18)),
+)
 SIZE = {"tyre": "the tyre at 20 mm", "strip": "the clamped strip at five times its touching pressure"}
 
 
@@ -34,23 +42,51 @@ The paper replaces the contact condition by p = ε <-g>: a pressure proportional
 the exact multiplier: {" and ".join(SIZE.get(case, case) for case in cases)}. Two forms of one equation: the
 *multiplier* form keeps the pressure as an unknown; the *displacement* form eliminates it, K + ε GᵀWG, as penalty
 methods do. The error of the force is that of the sum of the contact forces.""")
-    shown = picture(NAME, "Penetration, error of the force and condition over ε, two cases in two forms")
     laws, rule = store.analysis("epsilon_laws").set_index("case").to_dict("index"), store.rules()
-    parts = [Part(f"{text}\n\n{shown}", {NAME: figures_contact.epsilon(data)}), Part(_laws(laws, rule))]
-    level, own = rule["epsilon_level"], {case: data[data["case"] == case] for case in cases}
-    parts += [Part(_paper(data, laws)), *(Part(_case(own[case], case, level)) for case in cases)]
-    return joined([*parts, Part("The table is part of the campaigns `agreement` and `report`: `footprint run`.")])
+    words = "Penetration, error of the force and condition over ε, two cases in two forms"
+    return joined(
+        text,
+        picture("epsilon.svg", words, draw_epsilon(data)),
+        *_laws(laws, rule),
+        _paper(data, laws),
+        *(_case(data[data["case"] == case], case, rule["epsilon_level"]) for case in cases),
+        "The table is part of the campaigns `agreement` and `report`: `footprint run`.",
+    )
 
 
-def _laws(laws: Laws, rule: Mapping[str, float]) -> str:
+@svg
+def draw_epsilon(table: pd.DataFrame) -> Figure:
+    """Penetration, force error and condition over epsilon: a colour a case, solid and dashed the two forms.
+
+    Hollow markers: not converged; what is not even of the size of the answer is left out. Dotted: the paper's epsilon.
+    """
+    table = table[np.isfinite(table["epsilon"]) & (table["force_error"].abs() < 1)]
+    drawn, (figure, every) = looks(table["case"]), canvas(3, width=12.0, height=4.4)
+    for axes, (column, label, limits) in zip(every, PANELS, strict=True):
+        for case, form in product(drawn, FORMS):
+            rows = table[(table["case"] == case) & (table["form"] == form)]
+            value, converged = rows[column].abs(), rows["outcome"] == "converged"
+            value = value.where(value.between(*limits))
+            colour, marker = drawn[case].colour, drawn[case].marker
+            axes.loglog(rows["epsilon"], value, color=colour, linestyle=FORMS[form], label=f"{case}, {form} form")
+            for fill, chosen in (("full", converged), ("none", ~converged)):
+                dots = {"color": colour, "marker": marker, "linestyle": "none", "fillstyle": fill}
+                axes.loglog(rows["epsilon"], value.where(chosen), **dots)
+        axes.axvline(PAPER, color=BLACK, linestyle=":", linewidth=1)
+        axes.set(xlabel="ε [MPa/mm]", ylabel=label, ylim=limits, xlim=(3e-3, 3e14))
+    legend_above(figure, every[0])
+    return figure
+
+
+def _laws(laws: Laws, rule: Mapping[str, float]) -> tuple[str, str, str]:
     rows, ends = [], []
     for case, law in laws.items():
         slopes = [w for name in ("penetration", "force") for w in (fixed(law[f"{name}_slope"], 3), _range(law, name))]
-        rows.append([case, *slopes, _epsilon(law["soft_until"]), _epsilon(law["level_from"])])
-        ends.append([case, _epsilon(law["breaks_at"]), scientific(law["best_error"]), f"{law['best']:g}"])
+        rows.append([case, *slopes, number(law["soft_until"]), number(law["level_from"])])
+        ends.append([case, number(law["breaks_at"]), scientific(law["best_error"]), number(law["best"])])
     header = ["case", "slope of the penetration", "over ε", "slope of the force error", "over ε"]
     header += [
-        f"error above {percent(rule['epsilon_soft'], 0, False)} up to",
+        f"error above {share(rule['epsilon_soft'], 0)} up to",
         f"error below {scientific(rule['epsilon_level'], 0)} from",
     ]
     text = prose("""## Slopes, plateau, break-down
@@ -61,9 +97,9 @@ where ε times the rounding of a gap exceeds what the forces may be out of balan
 the condition of its matrix takes. How far ε may go depends on the problem, since the stiffness of the body and the
 size of its pressures stand beside it: the thin strip breaks down first.""")
     broken = ["case", "does not converge from", "smallest error of a converged force", "at ε"]
-    blocks = [text, table("Laws and limits, ε in MPa/mm", header, rows)]
+    laws_table = table("Laws and limits, ε in MPa/mm", header, rows)
     # one decade more or less is a matter of rounding
-    return "\n\n".join([*blocks, machine(table("Break-down of the displacement form, ε in MPa/mm", broken, ends))])
+    return text, laws_table, machine(table("Break-down of the displacement form, ε in MPa/mm", broken, ends))
 
 
 def _range(law: Mapping[Any, Any], name: str) -> str:
@@ -71,11 +107,7 @@ def _range(law: Mapping[Any, Any], name: str) -> str:
     return NOTHING if math.isnan(low) else f"{low:g} … {high:g}"
 
 
-def _epsilon(value: float) -> str:
-    return NOTHING if math.isnan(value) else f"{value:g}"
-
-
-def _paper(data: pd.DataFrame, laws: Laws) -> str:
+def _paper(data: pd.DataFrame, laws: Laws) -> Part:
     """The paper's epsilon on the tyre, and how far it is from either end."""
     lines, ends = [], []
     for case, law in laws.items():
@@ -93,8 +125,7 @@ def _paper(data: pd.DataFrame, laws: Laws) -> str:
         )
     text = prose("""With the multiplier form nothing speaks against a larger ε, or against the exact condition, which
 takes no more iterations. Eliminated, the pressure leaves this room for a harder one:""")
-    heading = f"## The paper's ε = {PAPER:g}"
-    return "\n\n".join([heading, "\n".join(lines), text, machine("\n".join(ends))])
+    return joined(f"## The paper's ε = {PAPER:g}", "\n".join(lines), text, machine("\n".join(ends)))
 
 
 def _room(breaks_at: float) -> str:
@@ -102,7 +133,7 @@ def _room(breaks_at: float) -> str:
     if math.isnan(breaks_at):
         return "every tested ε converges"
     decades = math.log10(breaks_at / PAPER)
-    return f"the break-down is {fixed(decades, 0)} decades away" if decades > 0 else "this ε does not converge any more"
+    return f"the break-down is {fixed(decades)} decades away" if decades > 0 else "this ε does not converge any more"
 
 
 def digits_of(value: float) -> str:
@@ -110,27 +141,27 @@ def digits_of(value: float) -> str:
     return f"{value:.2g}" if value < 1e3 else scientific(value)
 
 
-def _case(own: pd.DataFrame, case: str, level: float) -> str:
+def _case(own: pd.DataFrame, case: str, level: float) -> Part:
     """All rows; those of the displacement form are decided by rounding."""
-    header = ["ε [MPa/mm]", "outcome", "iterations", "penetration [mm]", "force [N]", "error of the force"]
-    header += ["nodes unlike", "condition"]
+
+    def size(value: float) -> str:
+        return scientific(abs(value), 2) if abs(value) > level else f"< {level:g}"
+
+    columns: Columns = {
+        "ε [MPa/mm]": ("epsilon", number),
+        "outcome": "outcome",
+        "iterations": "iterations",
+        "penetration [mm]": ("penetration_mm", size),
+        "force [N]": ("force_N", "{:.7g}".format),
+        "error of the force": ("force_error", size),
+        "nodes unlike": "nodes_unlike",
+        "condition": ("condition", scientific),
+    }
     blocks = [f"## {case.capitalize()}: all solves"]
-    for form in dict.fromkeys(own["form"]):
-        rows = [_row(row, level) for _, row in own[own["form"] == form].iterrows()]
-        body = table(f"The {form} form", header, rows, words=2)
+    for form, rows in own.groupby("form", sort=False):
+        body = listing(f"The {form} form", rows, columns, words=2)
         blocks.append(body if form == "multiplier" else machine(body))
-    return "\n\n".join(blocks)
-
-
-def _row(row: pd.Series, level: float) -> list[str]:
-    error, penetration = abs(float(row["force_error"])), float(row["penetration_mm"])
-    return [
-        *(f"{float(row['epsilon']):g}", str(row["outcome"]), str(row["iterations"])),
-        scientific(penetration, 2) if penetration > level else f"< {level:g}",
-        f"{float(row['force_N']):.7g}",
-        scientific(error, 2) if error > level else f"< {level:g}",
-        *(str(row["nodes_unlike"]), scientific(float(row["condition"]))),
-    ]
+    return joined(*blocks)
 
 
 CHAPTER = Chapter(

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from reports.chapters.contact.agreement_cases import unusual
 from reports.chapters.tyre.cells import DELTA, FAR, ONE_STEP
-from reports.markdown import Part, commands, fixed, joined, machine, prose, scientific, table
+from reports.formats import fixed, number, scientific
+from reports.markdown import Columns, Part, commands, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 SETTLE, MESHES = (0.05, 1.0), ("28x26", "42x40", "84x80")  # the algorithm's own, and the textbook's
@@ -13,7 +14,7 @@ EXACT = 1e-9  # an error below it is no error
 
 def robustness(store: Store) -> Part:
     """All of it, for the page of algorithms."""
-    return joined([_one_step(store), _far(store), _cycles(store), _claims(store)])
+    return joined(_one_step(store), _far(store), _cycles(store), _claims(store))
 
 
 def _one_step(store: Store) -> Part:
@@ -32,18 +33,18 @@ From the inflated tyre {DELTA:g} mm in one step. An algorithm that gives every s
 factorisations, but few iterations. From the second mesh to the last the iterations grow: {found}.""")
     header = ["algorithm", "mesh", "outcome", "iterations", "factorisations", "set changes", "steps cut"]
     told = commands(cell.command for cells in ways.values() for cell in cells)
-    return Part(f"{text}\n\n{table('One step of 20 mm', header, rows, words=3)}\n\n{told}")
+    return joined(text, table("One step of 20 mm", header, rows, words=3), told)
 
 
 def _press(cell: Cell) -> list[str]:
     step = cell.steps[-1] if cell.steps else {}
-    counts = [fixed(step.get(name), 0) for name in ("newton_iterations", "factorisations", "set_changes")]
-    return [str(cell.result["outcome"]), *counts, str(len(cell.cuts()))]
+    counts = [fixed(step.get(name)) for name in ("newton_iterations", "factorisations", "set_changes")]
+    return [str(cell.result["outcome"]), *counts, str(len(cell.cuts))]
 
 
 def _growth(cells: list[Cell]) -> str:
     before, after = cells[-2:]
-    if not (before.converged and after.converged) or before.cuts() or after.cuts():
+    if not (before.converged and after.converged) or before.cuts or after.cuts:
         return "is lost: its step has to be cut"
     pair = [cell.steps[-1]["newton_iterations"] for cell in (before, after)]
     return f"from {pair[0]} to {pair[1]}"
@@ -52,32 +53,33 @@ def _growth(cells: list[Cell]) -> str:
 def _far(store: Store) -> Part:
     """As far as the path goes, and why it ends."""
     cell = store.find(**FAR)
-    rows = [
-        [f"{step['delta_mm']:g}", fixed(step["force_N"], 1), *(fixed(step[k], 0) for k in ("contact_nodes", *COUNTS))]
-        for step in cell.steps
-    ]
+    columns: Columns = {
+        "travel [mm]": ("delta_mm", number),
+        "force [N]": ("force_N", fixed, 1),
+        "contact nodes": ("contact_nodes", fixed),
+        "iterations": ("newton_iterations", fixed),
+        "sub-steps": ("substeps", fixed),
+    }
     end = "The path reached all that was asked." if cell.converged else f"The end: {cell.result['reason']}."
-    header = ["travel [mm]", "force [N]", "contact nodes", "iterations", "sub-steps"]
-    shown = table(f"`{cell.result['contact']}` on {cell.result['mesh']}, as far as it goes", header, rows)
-    return Part(f"{shown}\n\n{machine(end)}\n\n{commands([cell.command])}")
-
-
-COUNTS = ("newton_iterations", "substeps")
+    title = f"`{cell.result['contact']}` on {cell.result['mesh']}, as far as it goes"
+    return joined(listing(title, cell.steps, columns), machine(end), commands([cell.command]))
 
 
 def _cycles(store: Store) -> Part:
     """Sets that repeat themselves."""
     found = store.table("cycles")
     ways = list(found.columns[2:])
-    lines = found.to_dict("records")
-    rows = [[line["problem"], _period(line["plain_period"]), *(line[way] for way in ways)] for line in lines]
     text = prose("""## Cycles
 
 The textbook's active set swaps all violators at once, with both bounds of an unknown as one set; on published problems
 it comes back to a set it has had. Here every bound is a candidate of its own, which alone settles the two-sided ones;
 where sets still repeat, the algorithm says so and swaps only the first violator from then on (Murty's rule).""")
-    header = ["problem", "textbook", *(_quoted(way) for way in ways)]
-    return Part(f"{text}\n\n{table('From the set that the textbook begins with', header, rows, words=len(header))}")
+    columns: Columns = {
+        "problem": "problem",
+        "textbook": ("plain_period", _period),
+        **{_quoted(way): way for way in ways},
+    }
+    return joined(text, listing("From the set that the textbook begins with", found, columns, words=len(columns)))
 
 
 def _period(period: int) -> str:
@@ -88,8 +90,8 @@ def _claims(store: Store) -> Part:
     """Who says that it has solved a problem, and has not."""
     found = store.table("false_success")
     wrong = found[found["false"] > 0]
-    counts = ["contender", "problems", "refused", "claimed", "false"]
-    rows = [[*(line[name] for name in counts), _error(line["largest_error"])] for line in found.to_dict("records")]
+    counts = {name: name for name in ("problems", "refused", "claimed", "false")}
+    columns: Columns = {"who": "contender", **counts, "largest error": ("largest_error", _error)}
     ours = found[~found["contender"].str.contains("alone")]
     told = ", ".join(f"{row['contender']} {row['false']} of {row['claimed']}" for _, row in wrong.iterrows())
     text = prose(f"""## Who says that it has solved it
@@ -99,8 +101,7 @@ obstacle problems, classics of linear complementarity and linearised steps of sh
 each answer that is called solved; *false* is one that it does not accept, *largest error* that of a displacement so
 called, over the largest displacement. Of our own {int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are
 false; false are: {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
-    header = ["who", "problems", "refused", "claimed", "false", "largest error"]
-    return Part(f"{text}\n\n{table('Claims of success, judged', header, rows)}")
+    return joined(text, listing("Claims of success, judged", found, columns))
 
 
 def _error(error: float) -> str:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.limits import figures_extremes
-from reports.markdown import Part, commands, fixed, joined, machine, percent, picture, prose, table
+from reports.formats import fixed, share
+from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Extremes
@@ -34,8 +34,8 @@ TANGENT = {  # what the end of a reason begins with, and what it says in short
 def extremes_page(store: Store) -> Part:
     """The whole page."""
     points, maps = store.table("extremes"), store.table("extremes_maps")
-    each = [_map(points[points["map"] == labels["map"]], labels) for _, labels in maps.iterrows()]
-    return joined([Part(INTRODUCTION), _overview(store), *each])
+    each = (_map(points[points["map"] == labels["map"]], labels) for _, labels in maps.iterrows())
+    return joined(INTRODUCTION, _overview(store), *each)
 
 
 def faults(store: Store) -> dict[str, int]:
@@ -48,55 +48,45 @@ def faults(store: Store) -> dict[str, int]:
 def _overview(store: Store) -> Part:
     """What was found, and at what share of the points."""
     points = store.table("extremes")
-    titles = _titles(store)
+    titles = store.table("extremes_maps").astype(str).set_index("map")["title"].to_dict()
     rows = []
     for name, own in points.groupby("map", sort=False):
-        counts = [int((own["class"] == kind).sum()) for kind in figures_extremes.LOOKS]
-        share = percent(float(own["asked"].mean()), 0, False)
+        counts = own["class"].value_counts().reindex(list(figures_extremes.LOOKS), fill_value=0)
         spent = "" if own["complete"].all() else " (budget spent)"
         title = titles[str(name)]
-        rows.append([f"[{title}](#{_anchor(title)})", f"{share}{spent}", *counts])
+        rows.append([f"[{title}](#{_anchor(title)})", f"{share(own['asked'].mean(), 0)}{spent}", *counts])
     asked, whole = int(points["asked"].sum()), len(points)
     found = faults(store)
     told = ", ".join(f"{count} {kind}" for kind, count in found.items()) or "none"
     text = prose(f"""## All maps
 
 {points["map"].nunique()} maps of {whole} points in all. Their boundaries are located by cutting blocks in four wherever
-two classes meet, down to two cells of the grid: {asked} points were solved, {percent(asked / whole, 0, False)} of them.
+two classes meet, down to two cells of the grid: {asked} points were solved, {share(asked / whole, 0)} of them.
 Of the points solved, those without success are: {told}. The counts of the table are of all points, solved or between
 solved ones of the same class.""")
     header = ["map", "points solved", *figures_extremes.LOOKS]
-    parts = [text, table("Points of each map by class", header, rows, words=2)]
+    by_class = table("Points of each map by class", header, rows, words=2)
     check = store.table("extremes_check")
-    met = check[np.isfinite(check["distance"])]
-    lost = check[~np.isfinite(check["distance"])]
-    lines = [
-        [titles[str(row["map"])], row["points"], row["asked"], _distance(float(row["distance"])), row["unlike"]]
-        for _, row in check.iterrows()
-    ]
-    missed = f"""What is smaller than a block of the first grid can be missed: in {_list(lost["map"].map(titles))} a
+    met, lost = (check[np.isfinite(check["distance"]) == finite] for finite in (True, False))
+    columns: Columns = {
+        "map": ("map", titles.get),
+        "points": "points",
+        "solved by the search": "asked",
+        "boundary off by at most [cells]": ("distance", _distance),
+        "points of another class": "unlike",
+    }
+    passed = ", ".join(f"*{titles[name]}*" for name in lost["map"])
+    missed = f"""What is smaller than a block of the first grid can be missed: in {passed} a
 class shows at {int(lost["unlike"].sum())} single points that the search passed by."""
-    text = f"""### Against all points
+    told = prose(f"""### Against all points
 
 {len(check)} of the maps are cheap enough to be solved at all of their points. Where a boundary was met, it is nowhere
-further than {fixed(float(met["distance"].max()), 1)} cells from the true one. {missed if len(lost) else ""}"""
-    parts.append(prose(text))
-    header = ["map", "points", "solved by the search", "boundary off by at most [cells]", "points of another class"]
-    parts.append(table("Boundaries found against brute force", header, lines))
-    return Part("\n\n".join(parts))
-
-
-def _list(names: Iterable[object]) -> str:
-    return ", ".join(f"*{name}*" for name in names)
+further than {fixed(float(met["distance"].max()), 1)} cells from the true one. {missed if len(lost) else ""}""")
+    return joined(text, by_class, told, listing("Boundaries found against brute force", check, columns))
 
 
 def _distance(cells: float) -> str:
     return fixed(cells, 1) if np.isfinite(cells) else "missed"
-
-
-def _titles(store: Store) -> dict[str, str]:
-    maps = store.table("extremes_maps")
-    return dict(zip(map(str, maps["map"]), map(str, maps["title"]), strict=True))
 
 
 def _anchor(title: str) -> str:
@@ -107,13 +97,12 @@ def _anchor(title: str) -> str:
 def _map(points: pd.DataFrame, labels: pd.Series) -> Part:
     """One map: its picture and its failures."""
     asked = points[points["asked"]]
-    name = f"extremes-{labels['map']}.svg"
-    share = percent(float(points["asked"].mean()), 0, False)
     cut = "" if points["complete"].all() else " The budget was spent before the whole boundary was known."
     head = prose(f"""## {labels["title"]}
 
-{len(asked)} of {len(points)} points solved ({share}); {labels["fixed"]}.{cut}""")
-    shown = picture(name, f"Outcomes over {labels['x_label']} and {labels['y_label']}")
+{len(asked)} of {len(points)} points solved ({share(points["asked"].mean(), 0)}); {labels["fixed"]}.{cut}""")
+    words = f"Outcomes over {labels['x_label']} and {labels['y_label']}"
+    shown = picture(f"extremes-{labels['map']}.svg", words, figures_extremes.outcome_map(points, labels))
     failures, lines = [], []
     for kind, own in asked[~asked["class"].isin(GOOD)].groupby("class", sort=False):
         causes = [group for _, group in own.groupby(own["reason"].map(cause), sort=False)]
@@ -124,10 +113,7 @@ def _map(points: pd.DataFrame, labels: pd.Series) -> Part:
             lines.append(str(one["command"]))
         points_of = "point" if len(own) == 1 else "points"
         failures.append(f"- *{kind}* at {len(own)} solved {points_of}: {'; '.join(told)}.")
-    parts = [head, shown]
-    if failures:
-        parts += [machine("\n".join(failures)), commands(lines)]
-    return Part("\n\n".join(parts), {name: figures_extremes.outcome_map(points, labels)})
+    return joined(head, shown, *((machine("\n".join(failures)), commands(lines)) if failures else ()))
 
 
 def cause(reason: str) -> str:

@@ -1,4 +1,4 @@
-"""Maps of outcomes: a colour and a symbol for each class, lines of equal cost; each returns SVG text."""
+"""Maps of outcomes: a colour and a symbol for each class, lines of equal cost."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.tri import Triangulation
 
-from reports.drawing import BLACK, canvas, style, to_svg
+from reports.drawing import BLACK, canvas, svg
 
 LOOKS: dict[str, tuple[str, str, str]] = {  # class: colour, hatch, marker of a point that was solved
     "converged": ("#CCE5F2", "", "."),
@@ -26,36 +27,36 @@ LOOKS: dict[str, tuple[str, str, str]] = {  # class: colour, hatch, marker of a 
 COSTS = (5, 10, 20, 50, 100, 200, 500)  # Newton iterations at which a line is drawn
 
 
-def outcome_map(points: pd.DataFrame, labels: pd.Series) -> str:
+@svg
+def outcome_map(points: pd.DataFrame, labels: pd.Series) -> Figure:
     """One map: ``points`` has all of its rows; ``labels`` its line of the table of maps."""
     rows, columns = int(points["i"].max()) + 1, int(points["j"].max()) + 1
     named = bool(labels["y_named"])
     classes = np.full((rows, columns), "", dtype=object)
     classes[points["i"], points["j"]] = points["class"]
-    with style():
-        figure, (axes,) = canvas(width=8.0, height=0.34 * rows + 1.9 if named else 4.9)
-        axes.grid(visible=False)
-        names = [name for name in LOOKS if (classes == name).any()]
-        _filled(axes, classes, names)
-        asked = points[points["asked"].astype(bool)]
-        for name in names:
-            own = asked[asked["class"] == name]
-            axes.plot(own["j"], own["i"], linestyle="none", marker=LOOKS[name][2], color=BLACK, markersize=4)
-        if named:
-            for _, row in asked[asked["iterations"] > 0].iterrows():
-                axes.annotate(f"{row['iterations']:.0f}", (row["j"], row["i"]), (0, 4), **_SMALL)
-        else:
-            _costs(axes, asked[asked["class"].str.startswith("converged")])
-        _ticks(axes, points, named)
-        axes.set(xlabel=labels["x_label"], ylabel="" if named else labels["y_label"])
-        handles: list[Artist] = [
-            Patch(facecolor=LOOKS[n][0], hatch=LOOKS[n][1], edgecolor="#444444", label=n) for n in names
-        ]
-        handles.append(Line2D([], [], color=BLACK, marker=".", linestyle="none", label="solved"))
-        if not named:
-            handles.append(Line2D([], [], color="#555555", linewidth=1, label="Newton iterations"))
-        figure.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=8)
-        return to_svg(figure)
+    names = [name for name in LOOKS if (classes == name).any()]
+    figure, (axes,) = canvas(width=8.0, height=0.34 * rows + 1.9 if named else 4.9)
+    axes.grid(visible=False)
+    _filled(axes, classes, names)
+    asked = points[points["asked"].astype(bool)]
+    for name in names:
+        own = asked[asked["class"] == name]
+        axes.plot(own["j"], own["i"], linestyle="none", marker=LOOKS[name][2], color=BLACK, markersize=4)
+    if named:
+        for _, row in asked[asked["iterations"] > 0].iterrows():
+            axes.annotate(f"{row['iterations']:.0f}", (row["j"], row["i"]), (0, 4), **_SMALL)
+    else:
+        _costs(axes, asked[asked["class"].str.startswith("converged")])
+    _ticks(axes, points, named)
+    axes.set(xlabel=labels["x_label"], ylabel="" if named else labels["y_label"])
+    handles: list[Artist] = [
+        Patch(facecolor=LOOKS[n][0], hatch=LOOKS[n][1], edgecolor="#444444", label=n) for n in names
+    ]
+    handles.append(Line2D([], [], color=BLACK, marker=".", linestyle="none", label="solved"))
+    if not named:
+        handles.append(Line2D([], [], color="#555555", linewidth=1, label="Newton iterations"))
+    figure.legend(handles=handles, loc="outside upper center", ncols=4, fontsize=8)
+    return figure
 
 
 _SMALL: dict[str, Any] = {"textcoords": "offset points", "ha": "center", "fontsize": 6, "color": "#333333"}

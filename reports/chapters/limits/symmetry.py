@@ -6,7 +6,8 @@ import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.limits import figures_symmetry
-from reports.markdown import NOTHING, Part, commands, fixed, joined, machine, picture, prose, scientific, table
+from reports.formats import code, fixed, scientific
+from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Symmetry and invariance
@@ -26,7 +27,7 @@ PRINTED_ANGLE, PRINTED_MESH, PRINTED_MEASURE = 52.0, "42x40", "exact"
 
 def symmetry_page(store: Store) -> Part:
     """The whole page."""
-    return joined([Part(INTRODUCTION), _overview(store), _design(store), _pairs(store), _mirror(store)])
+    return joined(INTRODUCTION, _overview(store), _design(store), _pairs(store), _mirror(store))
 
 
 def accidents(store: Store) -> tuple[int, int]:
@@ -40,17 +41,17 @@ def _overview(store: Store) -> Part:
     data = store.table("symmetry")
     rows = []
     for check, own in data.groupby("check", sort=False):
-        counts = [int((own["class"] == name).sum()) for name in CLASSES]
-        healthy = own[own["class"] != DESIGN]
-        rows.append([check, *counts, scientific(float(healthy["deviation"].max())), scientific(_yardstick(own))])
+        counts = own["class"].value_counts().reindex(CLASSES, fill_value=0)
+        largest = own[own["class"] != DESIGN]["deviation"].max()
+        rows.append([check, *counts, scientific(largest), scientific(own["rounding"].median())])
     wrong, whole = accidents(store)
     measures, algorithms = data["measure"].nunique(), data["algorithm"].nunique()
     designed = data[data["class"] == DESIGN]
     again = data[data["class"].isin(("rounding", "solver tolerance", "exactly zero"))]
     worst = again.iloc[int((again["deviation"] / again["tolerance"]).argmax())]
     nearest = prose(f"""What is not broken comes nearest to the tolerance of the solver in *{worst["check"]}* by
-`{worst["measure"]}` and `{worst["algorithm"]}`, with {scientific(float(worst["deviation"]))} where
-{scientific(float(worst["tolerance"]))} is allowed.""")
+`{worst["measure"]}` and `{worst["algorithm"]}`, with {scientific(worst["deviation"])} where
+{scientific(worst["tolerance"])} is allowed.""")
     text = prose(f"""## What holds
 
 {measures} measures by {algorithms} contact algorithms: {whole} checks, of which {wrong} are broken by accident and
@@ -59,64 +60,56 @@ and pressed by a plane or a ball; the tyre is that of the paper on a coarse mesh
 own defaults, in the units of the problem.""")
     header = ["check", *CLASSES, "largest unless by design", "rounding explains"]
     grid = table("Checks by class: number of pairs of measure and algorithm", header, rows)
-    name = "symmetry-deviations.svg"
-    shown = picture(name, "Deviation of every pair of measure and algorithm, by check, coloured by class")
+    words = "Deviation of every pair of measure and algorithm, by check, coloured by class"
+    shown = picture("symmetry-deviations.svg", words, figures_symmetry.deviations(data))
     caption = prose("""A point is a pair of a measure and an algorithm; the grey bar ends where rounding does, in the
 median. Exact zeros are drawn at the left edge.""")
-    parts = [text, machine("\n\n".join([grid, nearest])), shown, caption]
+    columns: Columns = {
+        "check": "check",
+        "measure": "measure",
+        "algorithm": "algorithm",
+        "deviation": ("deviation", scientific),
+        "why": "reason",
+    }
     bad = data[data["class"] == ACCIDENT]
-    if len(bad):
-        lines = bad[["check", "measure", "algorithm", "deviation", "reason"]].to_numpy()
-        body = [[a, b, c, scientific(float(d)), e] for a, b, c, d, e in lines]
-        parts.append(table("Broken by accident", ["check", "measure", "algorithm", "deviation", "why"], body, words=3))
-    return Part("\n\n".join(parts), {name: figures_symmetry.deviations(data)})
-
-
-def _yardstick(own: pd.DataFrame) -> float:
-    return float(own["rounding"].median())
+    broken = listing("Broken by accident", bad, columns, words=3) if len(bad) else ""
+    return joined(text, machine(grid, nearest), shown, caption, broken)
 
 
 def _design(store: Store) -> Part:
     """What is broken by design, with the reason."""
     data = store.table("symmetry")
     own = data[data["class"] == DESIGN]
-    rows = []
-    for (check, reason, measure), group in own.groupby(["check", "reason", "measure"]):
-        low, high = float(group["deviation"].min()), float(group["deviation"].max())
-        rows.append([check, f"`{measure}`", reason, f"{low:.4g}", f"{high:.4g}"])
+    each = own.groupby(["check", "reason", "measure"])["deviation"].agg(["min", "max"]).reset_index()
+    columns: Columns = {
+        "check": "check",
+        "measure": ("measure", code),
+        "reason": "reason",
+        "smallest": ("min", "{:.4g}".format),
+        "largest": ("max", "{:.4g}".format),
+    }
     text = prose("""## What is broken by design
 
 A measure that strains under a rigid motion says so in its declared law, and a structure without a mirror plane has no
 mirrored answer. Such deviations are demanded: one that were missing would be an accident. They do not depend on the
 algorithm, so the smallest and the largest of all algorithms are given.""")
-    header = ["check", "measure", "reason", "smallest", "largest"]
-    return Part("\n\n".join([text, table("Deviations that must be there", header, rows, words=3)]))
+    return joined(text, listing("Deviations that must be there", each, columns, words=3))
 
 
 def _pairs(store: Store) -> Part:
     """Measures by algorithms: the largest deviation that is not by design."""
     data = store.table("symmetry")
     healthy = data[data["class"] != DESIGN]
-    algorithms = list(dict.fromkeys(data["algorithm"]))
-    rows = []
-    for measure in dict.fromkeys(data["measure"]):
-        line = [f"`{measure}`"]
-        for algorithm in algorithms:
-            own = healthy[(healthy["measure"] == measure) & (healthy["algorithm"] == algorithm)]
-            line.append(_worst(own))
-        rows.append(line)
+    ratio = (healthy["deviation"] / healthy["tolerance"]).groupby([healthy["measure"], healthy["algorithm"]]).max()
+    measures, algorithms = data["measure"].unique(), data["algorithm"].unique()
+    grid = ratio.unstack().reindex(index=measures, columns=algorithms)
+    rows = [[code(measure), *map(scientific, line)] for measure, line in zip(measures, grid.to_numpy(), strict=True)]
     text = prose("""## Measure by algorithm
 
 The largest deviation of each pair over all checks that are not broken by design, over what the tolerance of the solver
 allows: below 1 nothing is broken.""")
-    header = ["measure", *(f"`{name}`" for name in algorithms)]
-    grid = table("Largest deviation over the tolerance of the solver", header, rows)
-    return Part("\n\n".join([text, machine(grid)]))
-
-
-def _worst(own: pd.DataFrame) -> str:
-    ratio = (own["deviation"] / own["tolerance"]).max()
-    return scientific(float(ratio)) if len(own) else NOTHING
+    title = "Largest deviation over the tolerance of the solver"
+    return joined(text, machine(table(title, ["measure", *map(code, algorithms)], rows)))
 
 
 def _mirror(store: Store) -> Part:
@@ -146,7 +139,7 @@ def _mirror(store: Store) -> Part:
         stable = int(((planned["negative"] == 0) & planned["mirror_MPa"].notna()).sum())
         line = [f"{float(sweep['delta_mm'].iloc[0]):g}", scientific(zero), fixed(middle, 4), scientific(right)]
         line += [fixed(float(best["mirror_both_MPa"]), 4), fixed(float(best["gamma_deg"]), 1)]
-        rows.append([f"`{measure}`", mesh, *line, f"{stable} of {len(planned)}"])
+        rows.append([code(measure), mesh, *line, f"{stable} of {len(planned)}"])
     text = prose(f"""## Mirror asymmetry over the cord angle
 
 Plies at ±γ leave a half turn about the contact normal, but no mirror plane, except at 0 and 90 degrees, where the
@@ -160,23 +153,12 @@ search in one dimension around the largest value of the grid.
 Not all angles make a stable tyre: on the paper's mesh the tangent has negative eigenvalues at {shaky}. There several
 states satisfy all conditions, which of them is found is a matter of the steps, and their asymmetry says little; they
 are drawn with open marks and left out of the maximum.""")
-    header = [
-        "measure",
-        "mesh",
-        "travel [mm]",
-        "at 0°",
-        f"at {PRINTED_ANGLE:g}°",
-        "at 90°",
-        "largest stable",
-        "at [deg]",
-    ]
-    title = "Largest difference of the pressure from a mirror image, both touching [MPa]"
-    grid = table(title, [*header, "angles stable"], rows, words=2)
-    name = "symmetry-mirror.svg"
-    shown = picture(name, "Mirror asymmetry of the pressure over the cord angle, with the printed value at 52 degrees")
-    made = commands(str(command) for command in (top["command"], here["command"].iloc[0]))
-    pictures = {name: figures_symmetry.mirror(sweeps, own, (PRINTED_ANGLE, told))}
-    return Part("\n\n".join([text, grid, shown, made]), pictures)
+    header = ["measure", "mesh", "travel [mm]", "at 0°", f"at {PRINTED_ANGLE:g}°", "at 90°"]
+    header += ["largest stable", "at [deg]", "angles stable"]
+    grid = table("Largest difference of the pressure from a mirror image, both touching [MPa]", header, rows, words=2)
+    words = "Mirror asymmetry of the pressure over the cord angle, with the printed value at 52 degrees"
+    shown = picture("symmetry-mirror.svg", words, figures_symmetry.mirror(sweeps, own, (PRINTED_ANGLE, told)))
+    return joined(text, grid, shown, commands([str(top["command"]), str(here["command"].iloc[0])]))
 
 
 def _top(sweep: pd.DataFrame) -> pd.Series:

@@ -6,8 +6,9 @@ import math
 from collections.abc import Iterator
 
 from reports.chapters.overview.outcomes import completeness, origin, refusals
-from reports.markdown import NOTHING, Part, digits, fixed, machine, percent, prose, scientific, table
-from reports.tables import Planned, Store
+from reports.formats import NOTHING, code, digits, fixed, percent, scientific
+from reports.markdown import Part, joined, machine, prose, table
+from reports.tables import Cell, Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
 LEAST = 3  # meshes of a sequence
@@ -17,8 +18,7 @@ def campaign_page(store: Store, contents: str = "") -> Part:
     """The whole page; contents: the list of the other pages. Times are those of its last block."""
     head = f"# Campaign `{store.campaign}`\n\n{store.title}." + (f"\n\n{contents}" if contents else "")
     sections = (_sequences, _outcomes, _refused, _unfinished, origin)
-    parts = [head, f"## Completeness\n\n{completeness(store)}", *(section(store) for section in sections)]
-    return Part("\n\n".join(parts) + "\n")
+    return joined(head, "## Completeness", completeness(store), *(section(store) for section in sections))
 
 
 def _sequences(store: Store) -> str:
@@ -49,26 +49,19 @@ def _rows(store: Store) -> Iterator[list[str]]:
 
 
 def _outcomes(store: Store) -> str:
-    groups: dict[tuple[str, ...], list[Planned]] = {}
+    groups: dict[tuple[str, ...], list[Cell]] = {}
     for each in store.planned:
         asked = each.asked
         key = (each.scene, str(asked.get("contact", "semismooth")), str(asked["settings"].get("tolerance", "")))
-        groups.setdefault(key, []).append(each)
+        if each.ended not in ("unsupported", "missing"):
+            groups.setdefault(key, []).append(each)
     rows = []
     for (scene, contact, tolerance), group in groups.items():
-        results = [each.result for each in group if each.result is not None and each.ended == "converged"]
-        solved = sum(each.ended not in ("unsupported", "missing") for each in group)
-        if not solved:
-            continue
-        sums = {name: sum(result["counters"].get(name, 0) for result in results) for name in COUNTERS}
-        counts = [
-            str(solved),
-            str(len(results)),
-            str(solved - len(results)),
-            *(str(sums[name]) for name in COUNTERS[:-1]),
-        ]
+        counters = [each.result["counters"] for each in group if each.result and each.ended == "converged"]
+        *sums, flops = (sum(each.get(name, 0) for each in counters) for name in COUNTERS)
         tol = scientific(float(tolerance), 0) if tolerance else NOTHING
-        rows.append([scene, f"`{contact}`", tol, *counts, scientific(float(sums["flops"]), 2)])
+        counts = len(group), len(counters), len(group) - len(counters)
+        rows.append([scene, code(contact), tol, *counts, *sums, scientific(float(flops), 2)])
     header = ["scene", "algorithm", "tolerance", "solved", "converged", "failed", "Newton iterations"]
     header += ["factorisations", "assemblies", "flops of the factorisations"]
     return "## Outcomes and counters\n\n" + table("Sums over the converged cells of each group", header, rows, words=2)

@@ -10,18 +10,21 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from reports.chapters.overview.outcomes import completeness_line
-from reports.markdown import fixed, machine, percent, prose
+from reports.chapters.trade.tradeoff import explained
+from reports.formats import fixed, interval, share
+from reports.markdown import machine, prose
 from reports.tables import Store
 
 COST = "seconds"  # of processor time
 DEFAULT = "semismooth"  # the contact algorithm that the others are held against
 CONFIDENCE = 0.95
+LEFT = ("interactions", "rest")  # what is no axis
 NEEDED = ("attribution", "pairs", "solved", "held_out_summary", "verified")
 
 
 def headlines(store: Store) -> str:
     """The three questions of a newcomer; shares and costs once the campaign has been analysed."""
-    cells = store.cells.values()
+    cells = store.cells
     compared = prose(f"""**What is compared?** Strain measures ({_list(c.result["measure"] for c in cells)}), contact
 algorithms ({_list(c.result["contact"] for c in cells)}) and Newton iterations
 ({_list(c.result["newton"] for c in cells)}) on one and the same shell element, over {len({c.scene for c in cells})}
@@ -38,16 +41,13 @@ def _list(names: Iterable[str]) -> str:
 
 def _axes(data: pd.DataFrame) -> str:
     """What explains the error where shells touch and where they do not."""
-    own = data[(data["response"] == "error") & (data["scope"] == "family") & ~data["factor"].isin(_LEFT)]
+    own = data[(data["response"] == "error") & (data["scope"] == "family") & ~data["factor"].isin(LEFT)]
     said = []
     for family, each in own.groupby("name", sort=False):
         first = each.sort_values("share", ascending=False, kind="stable").iloc[0]
-        said.append(f"{family}: the {first['factor']} {_interval(first)}")
+        said.append(f"{family}: the {first['factor']} {explained(first)}")
     return prose(f"""**Look at the axis that matters.** Share of the variance of the (log) error explained by the first
 axis of each family of scenes: {"; ".join(said) or "not enough cells"}. [More](tradeoff.md#which-axis-explains-it)""")
-
-
-_LEFT = ("interactions", "rest")
 
 
 def _algorithms(store: Store) -> str:
@@ -65,8 +65,8 @@ def _algorithms(store: Store) -> str:
     over += [(row["a"], row, -1) for row in pairs[pairs["b"] == DEFAULT].to_dict("records")]
     few = [f"`{name}` not ranked: {row['both']} problems" for name, row, _ in over if math.isnan(row["ratio"])]
     ranked = sorted((each for each in over if not math.isnan(each[1]["ratio"])), key=lambda e: -(e[1]["ratio"] ** e[2]))
-    share = {row["competitor"]: _percent(row) for row in own.to_dict("records")}
-    said = [_pair(name, row, power, share.get(name, "")) for name, row, power in ranked] + few
+    solves = {row["competitor"]: _solved(row) for row in own.to_dict("records")}
+    said = [_pair(name, row, power, solves.get(name, "")) for name, row, power in ranked] + few
     cost = prose(f"""**Contact algorithms: cost.** Processor time over that of `{DEFAULT}`, the most expensive
 first; medians over the problems that both solve, the 95 % interval of drawing scenes, and, because most problems are
 small, the median of the five largest: {"; ".join(said) or "none in common"}.
@@ -74,27 +74,23 @@ small, the median of the five largest: {"; ".join(said) or "none in common"}.
     return f"{told}\n\n{machine(cost)}"
 
 
-def _percent(row: dict) -> str:
-    return percent(row["solved"] / row["asked"], 0 if row["solved"] == row["asked"] else 1, sign=False)
+def _solved(row: dict) -> str:
+    return share(row["solved"] / row["asked"], 0 if row["solved"] == row["asked"] else 1)
 
 
 def _share(row: dict, solved: pd.DataFrame) -> str:
     """The share of an algorithm, and the scenes in which it has failed."""
-    lost = solved[
-        (solved["competitor"] == row["competitor"]) & (solved["scene"] != "") & (solved["axis"] == row["axis"])
-    ]
-    lost = lost.assign(failed=lost["asked"] - lost["solved"])
+    own = (solved["competitor"] == row["competitor"]) & (solved["scene"] != "") & (solved["axis"] == row["axis"])
+    lost = solved[own].assign(failed=solved["asked"] - solved["solved"])
     lost = lost[lost["failed"] > 0].sort_values("failed", ascending=False, kind="stable")
     where = ", ".join(f"{each['failed']} of {each['asked']} in {each['scene']}" for each in lost.to_dict("records"))
-    return f"`{row['competitor']}` {_percent(row)} of {row['asked']}" + (f" (failed: {where})" if where else "")
+    return f"`{row['competitor']}` {_solved(row)} of {row['asked']}" + (f" (failed: {where})" if where else "")
 
 
-def _pair(name: str, row: dict, power: int, share: str) -> str:
-    ratio, *ends = (row[key] ** power for key in ("ratio", "ratio_low", "ratio_high"))
-    interval = f"[{fixed(min(ends), 2)}, {fixed(max(ends), 2)}]"
-    largest = fixed(row["ratio_largest"] ** power, 2)
-    both = f"both solve {row['both']}, of {row['scenes']} scenes; solves {share}"
-    return f"`{name}` {fixed(ratio, 2)} {interval}, {largest} ({both})"
+def _pair(name: str, row: dict, power: int, solves: str) -> str:
+    ratio, largest, *ends = (row[f"ratio{of}"] ** power for of in ("", "_largest", "_low", "_high"))
+    both = f"both solve {row['both']}, of {row['scenes']} scenes; solves {solves}"
+    return f"`{name}` {fixed(ratio, 2)} {interval(sorted(ends))}, {fixed(largest, 2)} ({both})"
 
 
 def _advice(store: Store) -> str:
@@ -104,14 +100,10 @@ def _advice(store: Store) -> str:
     met, n = float(own["met"]), int(own["advised"])
     low, high = binomtest(round(met * n), n).proportion_ci(CONFIDENCE, method="wilson")
     return prose(f"""**Which configuration is enough?** `footprint advise` says it. On scenes left out of what it learnt
-from, its advice meets the tolerance in {percent(met, 0, sign=False)} [{percent(low, 0, sign=False)},
-{percent(high, 0, sign=False)}] of {n} cases and costs {fixed(own["median_regret"], 2)} times the best in the median,
+from, its advice meets the tolerance in {share(met, 0)} [{share(low, 0)},
+{share(high, 0)}] of {n} cases and costs {fixed(own["median_regret"], 2)} times the best in the median,
 {fixed(own["mean_regret"], 2)} in the mean.
 [More](advice.md)""")
-
-
-def _interval(row: pd.Series) -> str:
-    return f"{100 * row['share']:.0f} % [{100 * row['low']:.0f}, {100 * row['high']:.0f}]"
 
 
 def _trust(store: Store) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 from reports.chapters.overview.headlines import headlines
 from reports.chapters.overview.outcomes import completeness, origin, refusals
@@ -10,58 +11,64 @@ from reports.chapters.shells.benchmarks import BENCHMARKS
 from reports.chapters.shells.convergence import comparisons, sequences
 from reports.chapters.shells.locking import worst_energy
 from reports.chapters.shells.newton_steps import load_steps
-from reports.chapters.tyre.algorithms import relative_difference, set_difference, yardstick
-from reports.chapters.tyre.cells import ALGORITHMS, BASE, DELTA, FINE, FOLLOWER, SLOWEST
-from reports.chapters.tyre.meshes import change, isotropic_differences
+from reports.chapters.tyre.algorithms import yardstick
+from reports.chapters.tyre.cells import ALGORITHMS, BASE, DELTA, FINE, FOLLOWER, SLOWEST, change, nodes_unlike
+from reports.chapters.tyre.meshes import isotropic_differences
 from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
-from reports.markdown import Part, commands, fixed, folded, machine, percent, prose, scientific, table
+from reports.formats import fixed, percent, scientific, share
+from reports.markdown import Columns, Part, commands, folded, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 
 def index_page(store: Store, contents: str) -> Part:
     """The whole page; contents: the list of the other pages."""
     sections = (_findings, _limitations, _completeness, origin)
-    top = ["# Results", headlines(store), f"## Pages\n\n{contents}"]
-    return Part("\n\n".join([*top, *(section(store) for section in sections)]) + "\n")
+    return joined("# Results", headlines(store), "## Pages", contents, *(section(store) for section in sections))
 
 
-def _completeness(store: Store) -> str:
-    cells = list(store.cells.values())
-    scenes = dict.fromkeys(cell.scene for cell in cells)
-    rows = [[scene, *_counts([c for c in cells if c.scene == scene])] for scene in scenes]
-    rows.append(["all", *_counts(cells)])
+def _completeness(store: Store) -> Part:
+    cells = store.cells
+    rows = [
+        [scene, *_counts([c for c in cells if c.scene == scene])] for scene in dict.fromkeys(c.scene for c in cells)
+    ]
     header = ["scene", "cells planned", "converged, steps as asked", "converged, steps cut", "refused", "not converged"]
-    parts = ["## Completeness", completeness(store)]
-    parts.append(table("Cells behind the pages", header, rows))
     asked = [cell for cell in cells if not cell.unsupported]  # what an algorithm refuses stands on its own page
-    unusual = [cell for cell in asked if cell.cuts() or not cell.converged or cell.expected]
-    if unusual:
-        title = "Cells that did not go as asked, or were not expected to"
-        parts.append(table(title, ["cell", "what happened", "expected"], (_unusual(cell) for cell in unusual), words=3))
-        events = [[cell.label, event] for cell in unusual for event in cell.cuts()]
-        events += [[cell.label, cell.result["reason"]] for cell in unusual if not cell.converged]
-        if events:
-            parts.append(machine(table("Rejected steps, and how it ended", ["cell", "event"], events, words=2)))
-        parts.append(commands(cell.command for cell in unusual))
-    parts.append(folded("Why cells were refused", refusals(store)))
-    return "\n\n".join(parts)
+    unusual = [cell for cell in asked if cell.cuts or not cell.converged or cell.expected]
+    return joined(
+        "## Completeness",
+        completeness(store),
+        table("Cells behind the pages", header, [*rows, ["all", *_counts(cells)]]),
+        *(_unusual(unusual) if unusual else ()),
+        folded("Why cells were refused", refusals(store)),
+    )
 
 
-def _counts(cells: list[Cell]) -> list[str]:
+def _counts(cells: list[Cell]) -> list[int]:
     converged = [cell for cell in cells if cell.converged]
-    cut = [cell for cell in converged if cell.cuts()]
-    refused = sum(cell.unsupported for cell in cells)
-    failed = len(cells) - len(converged) - refused
-    return [str(n) for n in (len(cells), len(converged) - len(cut), len(cut), refused, failed)]
+    cut, refused = sum(bool(cell.cuts) for cell in converged), sum(cell.unsupported for cell in cells)
+    return [len(cells), len(converged) - cut, cut, refused, len(cells) - len(converged) - refused]
 
 
-def _unusual(cell: Cell) -> list[str]:
+def _unusual(cells: list[Cell]) -> Iterator[str]:
+    """What became of cells that did not go as asked, and how it ended."""
+    columns: Columns = {
+        "cell": lambda cell: cell.label,
+        "what happened": _happened,
+        "expected": lambda cell: cell.expected or "converges as asked",
+    }
+    yield listing("Cells that did not go as asked, or were not expected to", cells, columns, words=3)
+    events = [[cell.label, event] for cell in cells for event in cell.cuts]
+    events += [[cell.label, cell.reason] for cell in cells if not cell.converged]
+    if events:
+        yield machine(table("Rejected steps, and how it ended", ["cell", "event"], events, words=2))
+    yield commands(cell.command for cell in cells)
+
+
+def _happened(cell: Cell) -> str:
     if not cell.converged:
-        happened = f"not converged: {cell.result['outcome']}"
-    else:
-        happened = "converged after its step was cut" if cell.cuts() else "converged as asked"
-    return [cell.label, happened, cell.expected or "converges as asked"]
+        return f"not converged: {cell.result['outcome']}"
+    return "converged after its step was cut" if cell.cuts else "converged as asked"
 
 
 def _findings(store: Store) -> str:
@@ -85,7 +92,7 @@ def _newton(store: Store) -> str:
     counts = [cell.result["counters"]["newton_iterations"] for cell in (mixed, plain, fast, slow)]
     return (
         f"**Mixed against plain Newton.** The hemisphere takes {counts[0]} iterations in one "
-        f"step, plain Newton {counts[1]} in {plain.result['settings']['steps']} steps; the tyre takes {counts[2]} with "
+        f"step, plain Newton {counts[1]} in {plain.settings['steps']} steps; the tyre takes {counts[2]} with "
         f"`{fast.result['contact']}`, against {counts[3]} with `{slow.result['contact']}` and plain Newton."
     )
 
@@ -101,8 +108,8 @@ than the element of the paper for {counts[0]} of {len(found)} quantities, equal 
 def _agreement(store: Store) -> str:
     pairs = [(c, yardstick(store, c)) for c in store.select(**ALGORITHMS, epsilon=math.inf)]
     pairs = [(cell, reference) for cell, reference in pairs if cell is not reference]
-    same = sum(set_difference(cell, reference) == 0 for cell, reference in pairs)
-    offs = [abs(off) for off in (relative_difference(*pair) for pair in pairs) if not math.isnan(off)]
+    same = sum(nodes_unlike(*pair) == 0 for pair in pairs)
+    offs = [abs(off) for off in (change(*pair) for pair in pairs) if not math.isnan(off)]
     return (
         f"**Algorithms against one another.** {same} of {len(pairs)} other ways to enforce the contact condition "
         f"exactly end on the very contact set of `semismooth` with mixed Newton; forces differ by at most "
@@ -126,10 +133,8 @@ def _limitations(store: Store) -> str:
     c = reading(store.analysis("tyre_comparison"), DELTA)
     mesh = change(store.find(**FINE), store.find(**BASE))
     follower = change(store.find(**FOLLOWER), store.find(**BASE))
-    coarse, fine = (
-        max((abs(d) for d in column if not math.isnan(d)), default=None)
-        for column in list(zip(*isotropic_differences(store), strict=True))[1:]
-    )
+    _, *columns = zip(*isotropic_differences(store), strict=True)
+    coarse, fine = (max((abs(d) for d in column if not math.isnan(d)), default=None) for column in columns)
     hemisphere = BENCHMARKS[-1]
     quantity = list(hemisphere.quantities)[-1]
     errors = hemisphere.errors(store, "read")
@@ -141,8 +146,8 @@ def _limitations(store: Store) -> str:
   of the {c["printed_nodes"]} printed nodes are not in contact.
 - The paper's mesh is coarse: halving its elements changes the force by {percent(mesh)}. Its dead load is a model; a
   pressure that follows the wall changes the force by {percent(follower)}.
-- Against three-dimensional solids the force of the isotropic tyre is off by up to {percent(coarse, sign=False)} on
-  the mesh of the paper and by up to {percent(fine, sign=False)} on the finer one.
+- Against three-dimensional solids the force of the isotropic tyre is off by up to {share(coarse)} on
+  the mesh of the paper and by up to {share(fine)} on the finer one.
 - The extrapolated {hemisphere.quantities[quantity].partition(" [")[0]} of the hemisphere is {percent(off)} from the
   published value.
 - {_locking(store)}
@@ -154,5 +159,5 @@ def _locking(store: Store) -> str:
     shell, thinness, n, ratio = worst_energy(store)
     return (
         f"Coarse meshes of very thin doubly curved shells that bend freely [still lock](locking.md): of the energy of "
-        f"the {shell} with free ends at h/R = {thinness:g}, {n} x {n} elements find {percent(ratio, 0, False)}."
+        f"the {shell} with free ends at h/R = {thinness:g}, {n} x {n} elements find {share(ratio, 0)}."
     )

@@ -6,8 +6,9 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from reports.markdown import digits, machine, prose, table
-from reports.tables import CLASSES, Planned, Store
+from reports.formats import digits
+from reports.markdown import Part, joined, machine, prose, table
+from reports.tables import CLASSES, Cell, Store
 
 WORDS = {  # of each class, for people
     "converged": "and the judge agrees",
@@ -30,7 +31,7 @@ def completeness_line(store: Store) -> str:
     return f"{store.campaign}: {len(store.planned)} cells planned: {told or 'none'}"
 
 
-def completeness(store: Store) -> str:
+def completeness(store: Store) -> Part:
     """Cells planned by scene and class, and what could not be solved."""
     present = [name for name in CLASSES if any(each.ended == name for each in store.planned)]
     scenes = dict.fromkeys(each.scene for each in store.planned)
@@ -42,7 +43,7 @@ def completeness(store: Store) -> str:
     if unsolved:
         told = ([each.label, each.ended, each.reason] for each in unsolved)
         parts.append(machine(table("Cells without a result", ["cell", "class", "reason"], told, words=3)))
-    return "\n\n".join(parts)
+    return joined(*parts)
 
 
 def refusals(store: Store) -> str:
@@ -50,34 +51,31 @@ def refusals(store: Store) -> str:
     found = Counter((each.scene, each.reason) for each in store.planned if each.ended == "unsupported")
     if not found:
         return "Every cell that was planned makes sense."
-    rows = ([scene, reason, str(count)] for (scene, reason), count in found.items())
+    rows = ([scene, reason, count] for (scene, reason), count in found.items())
     return table("Why cells were not solved", ["scene", "reason", "cells"], rows, words=2)
 
 
-def _counts(planned: Iterable[Planned], present: list[str]) -> list[str]:
+def _counts(planned: Iterable[Cell], present: list[str]) -> list[int]:
     counts = Counter(each.ended for each in planned)
-    return [str(counts.total()), *(str(counts[name]) for name in present)]
+    return [counts.total(), *(counts[name] for name in present)]
 
 
 def origin(store: Store) -> str:
     """Where the numbers of the whole campaign were made: commits, versions, machines and time; not compared."""
-    results = {each.id: each.result for each in store.planned if each.result is not None}.values()
+    results = {each.directory: each.result for each in store.planned if each.result}.values()
     made = [result["provenance"] for result in results if result["provenance"]]
     times = [result["timing_s"] for result in results]
     spent = {name: sum(each.get(name, 0.0) for each in times) for name in ("cpu", "total")}
     packages = (f"{name} {version}" for each in made for name, version in each["packages"].items())
     machines = (", ".join(f"{key} {value}" for key, value in each["machine"].items()) for each in made)
-    rows = [
-        ["footprint", _counted(each["version"] for each in made)],
-        ["commit", _counted(_commit(each) for each in made)],
-        ["packages", ", ".join(dict.fromkeys(packages))],
-        ["machine", _counted(machines)],
-        [
-            "time on the clock, processor time of all cells [s]",
-            f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
-        ],
-    ]
-    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], rows, words=2))
+    told = {
+        "footprint": _counted(each["version"] for each in made),
+        "commit": _counted(_commit(each) for each in made),
+        "packages": ", ".join(dict.fromkeys(packages)),
+        "machine": _counted(machines),
+        "time on the clock, processor time of all cells [s]": f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
+    }
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], told.items(), words=2))
 
 
 def _commit(made: Mapping[str, Any]) -> str:

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.shells.newton_steps import newton_part
-from reports.markdown import Part, commands, fixed, joined, percent, picture, prose, table
+from reports.formats import fixed, percent
+from reports.markdown import Part, commands, joined, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Benchmarks without contact
@@ -76,34 +76,39 @@ BENCHMARKS = (
 def benchmarks_page(store: Store) -> Part:
     """The whole page."""
     parts = [part for benchmark in BENCHMARKS for part in (_values(store, benchmark), _pictures(store, benchmark))]
-    return joined([Part(INTRODUCTION), *parts, newton_part(store), Part(_equilibrium(store))])
+    return joined(INTRODUCTION, *parts, newton_part(store), _equilibrium(store))
 
 
 def _values(store: Store, benchmark: Benchmark) -> Part:
     data = benchmark.sequences(store)
-    references = {kind: benchmark.errors(store, kind) for kind in benchmark.references}
-    values, sources = [], {}
+    known = {
+        name: benchmark.errors(store, kind).drop_duplicates("sequence").set_index("sequence")
+        for kind, name in benchmark.references.items()
+    }
+    rows = []
     for sequence, own in data.groupby("sequence", sort=False):
-        first = own.iloc[0]
-        row = [benchmark.quantities[first["quantity"]], f"{first['load']:g}"]
-        row += [fixed(value, 5) for value in (*own["value"], first["limit"])]
-        for kind, name in benchmark.references.items():
-            reference = references[kind][references[kind]["sequence"] == sequence].iloc[0]
-            row.append(f"{reference['value']:.10g}")
-            sources[name] = f"- *{name}*: {reference['source']}; relative uncertainty {reference['uncertainty']:g}"
-        values.append(row)
-    header = ["quantity", "load fraction", *dict.fromkeys(data["mesh"]), "extrapolated", *benchmark.references.values()]
-    text = "\n\n".join(
-        [
-            f"## {benchmark.title}",
-            f"References, in millimetres:\n\n{chr(10).join(sources.values())}",
-            benchmark.remark,
-            table(f"{benchmark.title}: displacements on three meshes", header, values),
-            *(_orders(store, benchmark, kind) for kind in benchmark.references),
-            commands(data["command"]),
-        ]
+        values = [fixed(value, 5) for value in (*own["value"], own["limit"].iloc[0])]
+        published = (f"{each['value'][sequence]:.10g}" for each in known.values())
+        rows.append([*_named(benchmark, own), *values, *published])
+    sources = [
+        f"- *{name}*: {each['source'].iloc[-1]}; relative uncertainty {each['uncertainty'].iloc[-1]:g}"
+        for name, each in known.items()
+    ]
+    header = ["quantity", "load fraction", *dict.fromkeys(data["mesh"]), "extrapolated", *known]
+    return joined(
+        f"## {benchmark.title}",
+        "\n".join(["References, in millimetres:", "", *sources]),
+        benchmark.remark,
+        table(f"{benchmark.title}: displacements on three meshes", header, rows),
+        *(_orders(store, benchmark, kind) for kind in benchmark.references),
+        commands(data["command"]),
     )
-    return Part(text)
+
+
+def _named(benchmark: Benchmark, sequence: pd.DataFrame) -> list[str]:
+    """Quantity and load."""
+    first = sequence.iloc[0]
+    return [benchmark.quantities[first["quantity"]], f"{first['load']:g}"]
 
 
 def _orders(store: Store, benchmark: Benchmark, kind: str) -> str:
@@ -111,10 +116,10 @@ def _orders(store: Store, benchmark: Benchmark, kind: str) -> str:
     own_order = benchmark.sequences(store).groupby("sequence")["order"].last()
     rows, meshes = [], []
     for sequence, own in benchmark.errors(store, kind).groupby("sequence", sort=False):
-        first, meshes = own.iloc[0], list(own["mesh"])
-        row = [benchmark.quantities[first["quantity"]], f"{first['load']:g}"]
-        row += [percent(error, 3) for error in (*own["error"], first["model_part"])]
-        rows.append([*row, *(fixed(order, 2) for order in (*own["order"].iloc[1:], own_order[sequence]))])
+        meshes = list(own["mesh"])
+        errors = [percent(error, 3) for error in (*own["error"], own["model_part"].iloc[0])]
+        orders = [fixed(order, 2) for order in (*own["order"].iloc[1:], own_order[sequence])]
+        rows.append([*_named(benchmark, own), *errors, *orders])
     steps = [f"order {a} to {b}" for a, b in pairwise(meshes)]
     header = ["quantity", "load fraction", *meshes, "extrapolated", *steps, "own order"]
     return table(f"{benchmark.title}: differences from {benchmark.references[kind]}, and orders", header, rows)
@@ -124,60 +129,47 @@ def _pictures(store: Store, benchmark: Benchmark) -> Part:
     data, columns = benchmark.sequences(store), list(benchmark.quantities)
     published = store.reference_table(benchmark.curve)
     published.columns = pd.Index(["load_fraction", *columns])
-    meshes = list(dict.fromkeys(data["mesh"]))
-    solved = data.dropna(subset="value")
     curves = {
         str(mesh): own.pivot(index="load", columns="quantity", values="value")
         .rename_axis("load_fraction")
         .reset_index()
-        for mesh, own in solved.groupby("mesh", sort=False)
+        for mesh, own in data.dropna(subset="value").groupby("mesh", sort=False)
     }
     kind, who = next(iter(benchmark.references.items()))
+    known, whole = (each[each["load"] == 1.0] for each in (benchmark.errors(store, kind), data))
     errors: dict[str, list[float]] = {}
-    known, whole = benchmark.errors(store, kind), data[data["load"] == 1.0]
-    for quantity in columns:
-        name = benchmark.quantities[quantity].partition(" [")[0]
-        against = known[(known["quantity"] == quantity) & (known["load"] == 1.0)]
-        own = whole[whole["quantity"] == quantity]
-        errors[f"{name}, from {who}"] = list(against["error"])
+    for quantity, own in whole.groupby("quantity", sort=False):
+        name = benchmark.quantities[str(quantity)].partition(" [")[0]
+        errors[f"{name}, from {who}"] = list(known[known["quantity"] == quantity]["error"])
         if own["limit"].notna().all():
             errors[f"{name}, from the extrapolated value"] = list(own["value"] / own["limit"] - 1)
-    names = f"{benchmark.scene}-load-displacement.svg", f"{benchmark.scene}-error.svg"
-    text = "\n\n".join(
-        [
-            picture(names[0], f"{benchmark.title}: load fraction over displacements"),
-            picture(names[1], f"{benchmark.title}: error over the mesh at full load"),
-        ]
+    along = [int(mesh.split("x")[0]) for mesh in dict.fromkeys(data["mesh"])]
+    path = figures_benchmarks.load_displacement(curves, benchmark.quantities, published)
+    by_mesh = figures_benchmarks.error_by_mesh(along, errors, benchmark.side)
+    name, title = benchmark.scene, benchmark.title
+    return joined(
+        picture(f"{name}-load-displacement.svg", f"{title}: load fraction over displacements", path),
+        picture(f"{name}-error.svg", f"{title}: error over the mesh at full load", by_mesh),
     )
-    along = [int(mesh.split("x")[0]) for mesh in meshes]
-    drawn = {
-        names[0]: figures_benchmarks.load_displacement(curves, benchmark.quantities, published),
-        names[1]: figures_benchmarks.error_by_mesh(along, errors, benchmark.side),
-    }
-    return Part(text, drawn)
 
 
 def _equilibrium(store: Store) -> str:
     """How many reported states, of this page and all others, the judge certifies."""
-    cells = list(store.cells.values())
+    cells = store.cells
     steps = [step for cell in cells for step in cell.steps]
     failed = [step for step in steps if step["failures"]]
+    rounded = sum(step["kkt"]["equilibrium"] > EQUILIBRIUM for step in steps)
     text = prose(f"""## Certificates
 
 The judge recomputes equilibrium, the contact conditions, and where it can the balances of energy and of all forces,
 of each of the {len(steps)} states on all pages, and certifies {len(steps) - len(failed)} of them. A residual that
 rounding explains is excused up to a bound, and beyond it only where it moves nothing: shells as thin as these reach
-that before they reach {EQUILIBRIUM:g} of the forces in balance. So do {sum(map(_rounded, steps))} of the states.""")
+that before they reach {EQUILIBRIUM:g} of the forces in balance. So do {rounded} of the states.""")
     if failed:
         names = dict.fromkeys(name for step in failed for name in step["failures"])
         scenes = dict.fromkeys(cell.scene for cell in cells if any(step["failures"] for step in cell.steps))
         text += f" Not certified, for {', '.join(names)}: states of {', '.join(scenes)}."
     return text
-
-
-def _rounded(step: Mapping[str, Any]) -> bool:
-    """Is its equilibrium a matter of rounding?"""
-    return bool(step["kkt"]["equilibrium"] > EQUILIBRIUM)
 
 
 CHAPTER = Chapter(

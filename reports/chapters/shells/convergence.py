@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.chapters.shells.element_choice import element_choice_part
-from reports.chapters.shells.figures_convergence import mesh_errors
 from reports.chapters.shells.solid_part import solid_part
-from reports.markdown import NOTHING, Part, commands, fixed, folded, joined, number, percent, picture, prose, table
+from reports.drawing import BLACK, LINES, MARKERS, canvas, look, svg, ticks
+from reports.formats import NOTHING, code, fixed, number, percent, share
+from reports.markdown import Columns, Part, commands, folded, joined, listing, picture, prose, table
 from reports.tables import Store
 
 DEFAULT = "refined"  # the element of the page
@@ -17,8 +20,8 @@ DEFAULT = "refined"  # the element of the page
 def convergence_page(store: Store) -> Part:
     """The whole page."""
     data = sequences(store)
-    measured = (_orders(store, data), _pictures(data), _parts(store, data), Part(commands(data["command"])))
-    return joined([_introduction(store), *measured, solid_part(store), element_choice_part(store)])
+    measured = _orders(store, data), _pictures(data), _parts(store, data), commands(data["command"])
+    return joined(_introduction(store), *measured, solid_part(store), element_choice_part(store))
 
 
 def sequences(store: Store) -> pd.DataFrame:
@@ -34,9 +37,9 @@ def comparisons(store: Store, data: pd.DataFrame) -> pd.DataFrame:
     return named.merge(errors.drop_duplicates(["sequence", "reference"], keep="last"), on="sequence")
 
 
-def _introduction(store: Store) -> Part:
+def _introduction(store: Store) -> str:
     rule = store.rules()
-    text = prose(f"""# Convergence
+    return prose(f"""# Convergence
 
 Every scene on three or more meshes with the default element, `element=refined`. An order is the p of an error c h^p,
 fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its
@@ -44,7 +47,6 @@ last two orders agree within {rule["same_order"]:g}; with three meshes there is 
 {rule["same_order"]:g} of the {rule["formal_order"]:g} of a bilinear element. The extrapolated value is Richardson's
 with the last order, and its uncertainty is the mesh error of the finest mesh times {rule["safe"]:g}, outside the
 asymptotic range times {rule["unsafe"]:g}. A dash stands where there is no order.""")
-    return Part(text)
 
 
 def _orders(store: Store, data: pd.DataFrame) -> Part:
@@ -53,17 +55,17 @@ def _orders(store: Store, data: pd.DataFrame) -> Part:
     rows = []
     for _, own in data.groupby("sequence", sort=False):
         first, lead = own.iloc[0], [NOTHING] * (longest - len(own))
-        values = [*lead, *(number(value) for value in own["value"])]
+        values = [*lead, *map(number, own["value"])]
         orders = [*lead, *(fixed(order, 2) for order in own["order"].iloc[2:])]
-        off = percent(abs(first["uncertainty"] / first["limit"]), 3, False)
-        named = [first["ladder"], f"`{first['quantity']}`", ", ".join(own["mesh"])]
+        named = [first["ladder"], code(first["quantity"]), ", ".join(own["mesh"])]
+        off = share(abs(first["uncertainty"] / first["limit"]), 3)
         rows.append([*named, *values, *orders, first["verdict"], number(first["limit"]), off])
     each = data.drop_duplicates("sequence")
     same = int(each["verdict"].str.startswith("same").sum())
     text = prose(f"""## Orders and limits
 
 {int(each["asymptotic"].sum())} of {len(each)} sequences are asymptotic, {same} of them because the mesh does not
-matter: their values agree within {percent(store.rules()["same_value"], 3, False)}. *Last order*: of the three finest
+matter: their values agree within {share(store.rules()["same_value"], 3)}. *Last order*: of the three finest
 meshes; *order 1 before*: of the three meshes one step coarser.
 
 What can keep a sequence from its asymptotic range: two errors of different order and sign that take turns; a contact
@@ -72,67 +74,96 @@ logarithm of the element size, so a displacement there has no limit, and its ord
     names = ["finest", *(f"{i} coarser" for i in range(1, longest))][::-1]
     steps = ["last order", *(f"order {i} before" for i in range(1, longest - 2))][::-1]
     header = ["scene", "quantity", "meshes", *names, *steps, "asymptotic range", "extrapolated", "±"]
-    return Part("\n\n".join([text, table("Quantities on all meshes, orders and limits", header, rows, words=3)]))
+    return joined(text, table("Quantities on all meshes, orders and limits", header, rows, words=3))
 
 
 def _pictures(data: pd.DataFrame) -> Part:
     """One picture a family; a sequence without a limit, or without an error, has no line."""
-    texts, drawn = [], {}
     curves = data[data["limit"].notna() & ~data["verdict"].str.startswith("same")]
-    for family in dict.fromkeys(data["family"]):
-        own = curves[curves["family"] == family]
+    families = {family: curves[curves["family"] == family] for family in dict.fromkeys(data["family"])}
+    parts: list[Part | str] = []
+    for family, own in families.items():
         if len(own):
-            name = f"convergence-{family.replace(' ', '-')}.svg"
-            drawn[name] = mesh_errors(own)
-            texts.append(
-                f"### {family.capitalize()}\n\n" + picture(name, f"Mesh errors over the element size, {family}")
-            )
+            name, words = f"convergence-{family.replace(' ', '-')}.svg", f"Mesh errors over the element size, {family}"
+            parts += [f"### {family.capitalize()}", picture(name, words, mesh_errors(own))]
     text = prose("""## Mesh errors
 
 Distance from the extrapolated value over the element size; the number behind a name is the last order. Full markers:
 asymptotic.""")
-    return Part("\n\n".join([text, *texts]), drawn)
+    return joined(text, *parts)
+
+
+@svg
+def mesh_errors(data: pd.DataFrame) -> Figure:
+    """Errors over the element size, as a share of that of the coarsest mesh, log-log: a row a mesh of sequences.
+
+    A colour is a scene, a line and a marker one of its quantities, a full marker a sequence in its asymptotic range.
+    Dotted black: first and second order.
+    """
+    drawn = dict.fromkeys(data["ladder"], 0)
+    scenes = list(drawn)
+    finest, top = 1.0, 0.0
+    figure, (axes,) = canvas(width=8.5, height=4.2)
+    for _, own in data.groupby("sequence", sort=False):
+        first, errors = own.iloc[0], np.abs(own["value"].to_numpy(float) / own["limit"].to_numpy(float) - 1)
+        scene, j = first["ladder"], drawn[first["ladder"]]
+        drawn[scene] += 1
+        line = {"color": look(scenes.index(scene)).colour, "linestyle": LINES[j % len(LINES)]}
+        marker = {"marker": MARKERS[j % len(MARKERS)], "fillstyle": "full" if first["asymptotic"] else "none"}
+        h = own["size"].to_numpy(float) / first["size"]
+        name = f"{scene}, {first['quantity']}: {fixed(own['order'].iloc[-1], 2)}"
+        axes.loglog(h, errors, **line, **marker, label=name)
+        finest, top = min(finest, float(h[-1])), max(top, 2 * float(errors[0]))
+    for order in (1, 2):
+        axes.loglog([finest, 1], [top * finest**order, top], color=BLACK, linestyle=":", linewidth=1)
+        axes.text(0.97 * finest, top * finest**order, f"order {order}", ha="right", va="center", fontsize=8)
+    places = [1 / k for k in (1, 2, 3, 4, 6, 8) if 1 / k > 0.99 * finest]
+    ticks(axes, places, [f"1/{1 / place:.0f}" if place < 1 else "1" for place in places])
+    axes.set(xlabel="element size over that of the coarsest mesh", ylabel="relative mesh error")
+    axes.set_xlim(0.65 * finest, 1.15)
+    figure.legend(loc="outside right upper", fontsize=8)
+    return figure
+
+
+SPLIT: Columns = {
+    "scene": "ladder",
+    "quantity": ("quantity", code),
+    "reference": "kind",
+    "value": ("value", number),
+    "finest - reference": ("error", percent, 3),
+    "mesh part": ("mesh_part", percent, 3),
+    "model part": ("model_part", percent, 3),
+    "± limit": ("limit_uncertainty", share, 3),
+    "± reference": ("uncertainty", share, 3),
+    "model part is": "verdict",
+}
 
 
 def _parts(store: Store, data: pd.DataFrame) -> Part:
     """Errors against the references, split."""
     found = comparisons(store, data)
-    rows = [
-        [
-            row["ladder"],
-            f"`{row['quantity']}`",
-            row["kind"],
-            number(row["value"]),
-            *(percent(row[part], 3) for part in ("error", "mesh_part", "model_part")),
-            *(percent(row[part], 3, False) for part in ("limit_uncertainty", "uncertainty")),
-            row["verdict"],
-        ]
-        for row in found.to_dict("records")
-    ]
     beyond = [
         f"- {row['ladder']}, `{row['quantity']}`, {row['kind']}: {percent(row['model_part'], 2)}"
         for row in found[found["verdict"].str.startswith("beyond")].to_dict("records")
     ]
     missing = data[~data["sequence"].isin(found["sequence"])].drop_duplicates("sequence")
-    without = [f"{row['ladder']} `{row['quantity']}`" for row in missing.to_dict("records")]
+    without = ", ".join(f"{row['ladder']} `{row['quantity']}`" for row in missing.to_dict("records"))
     text = prose(f"""## Mesh part and model part
 
 The difference of the finest mesh from a reference is the sum of two parts: the *mesh* part, the value on that mesh less
 the extrapolated one, vanishes with the elements; the *model* part, the extrapolated value less the reference, does
 not, and tells the shell, its section or the reference itself. A model part counts only where it is larger than the
-uncertainties of limit and reference together; that is so in {len(beyond)} of {len(rows)} comparisons. Kinds:
+uncertainties of limit and reference together; that is so in {len(beyond)} of {len(found)} comparisons. Kinds:
 *exact* is a closed form, *computed* another program or a solid, *read* a public transcription of published values,
 *printed* the source itself.""")
-    header = ["scene", "quantity", "reference", "value", "finest - reference", "mesh part", "model part"]
-    header += ["± limit", "± reference", "model part is"]
-    blocks = [text, table("Errors split, relative to the reference", header, rows, words=3)]
-    if beyond:
-        blocks.append("Model parts beyond the uncertainties:\n\n" + "\n".join(beyond))
-    if without:
-        blocks.append(f"Without any reference: {', '.join(without)}.")
     sources = dict.fromkeys(f"- {row['ladder']}, {row['kind']}: {row['source']}" for row in found.to_dict("records"))
-    blocks.append(folded("Sources of the references", "\n".join(sources)))
-    return Part("\n\n".join(blocks))
+    return joined(
+        text,
+        listing("Errors split, relative to the reference", found, SPLIT, words=3),
+        "\n".join(["Model parts beyond the uncertainties:", "", *beyond]) if beyond else "",
+        f"Without any reference: {without}." if without else "",
+        folded("Sources of the references", "\n".join(sources)),
+    )
 
 
 CHAPTER = Chapter(

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from itertools import pairwise
+from typing import Any
 
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from reports.chapter import Chapter
-from reports.chapters.shells import figures_locking
-from reports.markdown import NOTHING, Part, fixed, joined, machine, percent, picture, prose, scientific, table
+from reports.drawing import BLACK, canvas, lines, looks, svg
+from reports.formats import NOTHING, code, fixed, number, scientific, share
+from reports.markdown import Columns, Part, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Locking
@@ -18,13 +23,17 @@ the thinner the shell is. The test is the same everywhere: the mesh stays, the s
 that stays where it is has no locking in it; its distance from 1 is the ordinary error of the mesh. All problems are
 linear, with the linear measure.""")
 REMEDY = "constant-s33"
+YARDSTICKS: dict[str, dict[str, Any]] = {  # bilinear elements, drawn in the colours of their meshes
+    kind: {"marker": marker, "linestyle": "none", "markersize": 9}
+    for kind, marker in (("reduced", "_"), ("unreduced", "x"))
+}
 ROUNDED, ONE = 5e-5, 0.01  # h/R below which rounding reaches the third decimal; a change that is still none
 STILL, SMALLEST = 1e-3, 1e-3  # h/R at which no mesh of the free hyperboloid locks; an excess that is not rounding
 
 
 def locking_page(store: Store) -> Part:
     """The whole page."""
-    return joined([Part(INTRODUCTION), _thickness(store), _shear(store), _ring(store), _membrane(store)])
+    return joined(INTRODUCTION, _thickness(store), _shear(store), _ring(store), _membrane(store))
 
 
 def _thickness(store: Store) -> Part:
@@ -34,61 +43,66 @@ def _thickness(store: Store) -> Part:
     loads, nus = list(dict.fromkeys(finest["load"])), sorted(set(finest["nu"]))
     rows = []
     for (load, section), group in finest.groupby(["load", "section"], sort=False):
-        line = [load, f"`{section}`"]
-        for nu in nus:
-            one = group[group["nu"] == nu].iloc[0]
-            line += [fixed(float(one["stiffness_ratio"]), 4), fixed(float(one["law"]), 4)]
-        rows.append(line)
+        by_nu = group.drop_duplicates("nu").set_index("nu")[["stiffness_ratio", "law"]].loc[nus]
+        rows.append([load, code(section), *(fixed(value, 4) for value in by_nu.to_numpy().ravel())])
     spread = data.groupby(["load", "section", "nu"])["stiffness_ratio"].agg(lambda r: r.max() / r.min() - 1).max()
     miss = (data["stiffness_ratio"] / data["law"] - 1).abs().max()
+    off = (data["stiffness_ratio"] - 1).abs().groupby(data["section"]).max()
     stiff = data[(data["section"] == "full-3d") & (data["load"] == loads[0]) & (data["nu"] > 0)]
-    found = ", ".join(
-        f"{fixed(float(group['stiffness_ratio'].max()), 3)} at ν = {nu:g}" for nu, group in stiff.groupby("nu")
-    )
+    worst = stiff.groupby("nu")["stiffness_ratio"].max()
+    found = ", ".join(f"{fixed(ratio, 3)} at ν = {nu:g}" for nu, ratio in worst.items())
     text = prose(f"""## Poisson thickness locking
 
 A shell that bends wants a strain E33 through its thickness that is linear in it, by Poisson's ratio; one director has
 a constant E33 only. With the full three-dimensional law (`full-3d`) the missing part becomes a stress and the shell is
 too stiff: by (1 - ν)²/(1 - 2ν) in cylindrical bending and by (1 - ν)/((1 + ν)(1 - 2ν)) when it bends both ways. Found
 in cylindrical bending: {found}. Neither mesh nor thinness enters that law: over all meshes a ratio changes by at most
-{percent(spread, 4, False)}. `{REMEDY}`, which takes S33 instead of E33 as constant, is off plane stress by at most
-{percent(_off(data, REMEDY), 4, False)}, and `nonsymmetric` by {percent(_off(data, "nonsymmetric"), 4, False)}. The
-distance of any ratio from its law is at most {percent(float(miss), 4, False)} of it.""")
+{share(spread, 4)}. `{REMEDY}`, which takes S33 instead of E33 as constant, is off plane stress by at most
+{share(off[REMEDY], 4)}, and `nonsymmetric` by {share(off["nonsymmetric"], 4)}. The
+distance of any ratio from its law is at most {share(miss, 4)} of it.""")
     header = ["load", "section", *(word for nu in nus for word in (f"ν = {nu:g}", "law"))]
-    return Part("\n\n".join([text, table("Bending stiffness over that of plane stress", header, rows, words=2)]))
-
-
-def _off(data: pd.DataFrame, section: str) -> float:
-    own = data[data["section"] == section]["stiffness_ratio"]
-    return float((own - 1).abs().max())
+    return joined(text, table("Bending stiffness over that of plane stress", header, rows, words=2))
 
 
 def _shear(store: Store) -> Part:
     """Straight cantilever, elements of growing slenderness."""
     data = store.table("shear_locking")
-    rows = []
-    for _, row in data.iterrows():
-        ratios = [fixed(float(row[key]), 5) for key in ("ratio", "two_node")]
-        rows.append([f"{row['l_over_h']:g}", *ratios, scientific(float(row["fully_integrated"]))])
+    columns: Columns = {
+        "length over thickness of an element": ("l_over_h", number),
+        "deflection over Timoshenko's": ("ratio", fixed, 5),
+        "law": ("two_node", fixed, 5),
+        "fully integrated (law)": ("fully_integrated", scientific),
+    }
     n, spread = int(data["elements"].iloc[0]), float((data["ratio"] / data["two_node"] - 1).abs().max())
     text = prose(f"""## Shear locking
 
 A straight cantilever of {n} elements under end shear. Transverse shear strains are sampled at the middles of the edges
 of the element, so that bending has none. What is left is the error 1/(4 n²) of a linear element in the bending part, at
-any slenderness: the ratio is off that law by at most {percent(spread, 3, False)}. A fully integrated linear element
+any slenderness: the ratio is off that law by at most {share(spread, 3)}. A fully integrated linear element
 would keep the last column.""")
-    header = ["length over thickness of an element", "deflection over Timoshenko's", "law", "fully integrated (law)"]
-    name = "locking-shear.svg"
-    shown = picture(name, "Deflection over the exact one over the slenderness of the elements")
-    grid = table("Cantilever under end shear", header, rows)
-    return Part("\n\n".join([text, grid, shown]), {name: figures_locking.shear(data)})
+    words = "Deflection over the exact one over the slenderness of the elements"
+    shown = picture("locking-shear.svg", words, draw_shear(data))
+    return joined(text, listing("Cantilever under end shear", data, columns), shown)
+
+
+@svg
+def draw_shear(data: pd.DataFrame) -> Figure:
+    """Tip deflection over Timoshenko's, over the slenderness of an element: ours and a fully integrated one."""
+    figure, (axes,) = canvas()
+    full = "fully integrated linear element (law)"
+    curves = {"this element": data["ratio"], full: data["fully_integrated"]}
+    lines(axes, {name: (data["l_over_h"], curve) for name, curve in curves.items()})
+    axes.set(xlabel="length over thickness of an element", ylabel="deflection over the exact one")
+    axes.set(xscale="log", yscale="log")
+    axes.legend(loc="lower left")
+    return figure
 
 
 def _ring(store: Store) -> Part:
     """Curved beam: membrane and trapezoidal locking."""
     data = store.table("curved_beam")
     grid = data.pivot_table(index="h_over_R", columns="elements", values="ratio").sort_index(ascending=False)
-    rows = [[f"{h:g}", *(_ratio(float(value), float(h)) for value in grid.loc[h])] for h in grid.index]
+    rows = [[f"{h:g}", *(_ratio(value, h) for value in grid.loc[h])] for h in grid.index]
     spread, all_of_it = (float((part.max() / part.min() - 1).max()) for part in (grid[grid.index > ROUNDED], grid))
     middle = grid.index[len(grid) // 2]
     thin = store.analysis("curved_beam_limits").set_index("h_over_R").loc[middle]
@@ -98,16 +112,27 @@ A quarter of a ring, clamped at one end and pulled radially at the other, agains
 Timoshenko beam. Two kinds of locking could show here: a curved element that must stretch to bend (membrane), and
 directors that fan out along the element, as the sides of a trapezium do, and are squeezed when it bends. While h/R
 falls from {grid.index[0]:g} to {grid.index[grid.index > ROUNDED][-1]:g}, a ratio changes by at most
-{percent(spread, 2, False)}; with the thinnest ring, by {"less" if all_of_it < ONE else "more"} than
-{percent(ONE, 0, False)}. At h/R = {middle:g} the order is {fixed(thin["order"], 2)} and the limit
+{share(spread)}; with the thinnest ring, by {"less" if all_of_it < ONE else "more"} than
+{share(ONE, 0)}. At h/R = {middle:g} the order is {fixed(thin["order"], 2)} and the limit
 {fixed(thin["limit"], 4)}. The thick ring differs by O(h/R)², since the strain between the faces is linear and not that
 of fibres of unequal length. In the thinnest one rounding takes what follows the second decimal: (R/h)² of double
 precision is gone. Trapezia in the plane of the shell, bent about their own plane, cannot arise on a tensor grid and are
 not tested.""")
-    name = "locking-ring.svg"
     body = table("End deflection over the closed form", ["h/R", *(f"{n} elements" for n in grid.columns)], rows)
-    shown = picture(name, "Error of the deflection of the ring over h/R")
-    return Part("\n\n".join([text, body, shown]), {name: figures_locking.ring(data)})
+    shown = picture("locking-ring.svg", "Error of the deflection of the ring over h/R", draw_ring(data))
+    return joined(text, body, shown)
+
+
+@svg
+def draw_ring(data: pd.DataFrame) -> Figure:
+    """Error of the curved beam over h/R, a line a mesh."""
+    figure, (axes,) = canvas()
+    each = {f"{n} elements": rows for n, rows in data.groupby("elements")}
+    lines(axes, {name: (rows["h_over_R"], np.abs(rows["ratio"] - 1)) for name, rows in each.items()})
+    axes.set(xlabel="h/R", ylabel="error of the deflection", ylim=(1e-4, 1e-1), xscale="log", yscale="log")
+    axes.invert_xaxis()
+    axes.legend(loc="upper left", ncols=3)
+    return figure
 
 
 def _ratio(value: float, h: float) -> str:
@@ -118,36 +143,62 @@ def _ratio(value: float, h: float) -> str:
 def _membrane(store: Store) -> Part:
     """Shells of revolution under p cos 2φ against the bilinear yardstick, and the hyperboloid that still locks."""
     data = store.table("membrane_locking")
-    blocks = [
-        prose("""## Membrane locking
+    text = prose("""## Membrane locking
 
 An octant of a shell of revolution under the pressure p cos 2φ, R = 1 and half the length 1, n x n elements, against a
 spectral solution of the same shell. Free ends let it bend without stretching, and there a membrane strain that bending
 does not have is fatal; clamped ends stretch it, and there a remedy must not lose anything. The error is that of the
 energy norm, the square root of |1 - U_h/U|. With assumed strains U_h may exceed U; where it passes U on its way, the
 error dips without the solution being any better.""")
-    ]
-    name = "locking-membrane.svg"
-    blocks.append(picture(name, "Error in the energy norm over h/R, by surface, ends, mesh and membrane"))
-    blocks += [_against_yardstick(data), _energies(data), _left_over(data)]
-    return Part("\n\n".join(blocks), {name: figures_locking.membrane(data)})
+    words = "Error in the energy norm over h/R, by surface, ends, mesh and membrane"
+    shown = picture("locking-membrane.svg", words, draw_membrane(data))
+    return joined(text, shown, _against_yardstick(data), _energies(data), *_left_over(data))
 
 
-def _against_yardstick(data: pd.DataFrame) -> str:
+@svg
+def draw_membrane(data: pd.DataFrame) -> Figure:
+    """Error in the energy norm over h/R: a panel a surface and end, colours for meshes, lines for membranes."""
+    meshes, kinds = looks(sorted(set(data["elements"]))), looks(data["membrane"])
+    cases = data.groupby(["surface", "end"], sort=False)
+    figure, panels = canvas(len(cases), columns=2, width=9.0, height=3.5, sharey=True)
+    for axes, ((surface, end), rows) in zip(panels, cases, strict=True):
+        for n, mesh in meshes.items():
+            of_mesh = rows[rows["elements"] == n]
+            for kind, membrane in kinds.items():
+                own, solid = of_mesh[of_mesh["membrane"] == kind], membrane.line == "-"
+                how = {**mesh.points, "linestyle": membrane.line, "fillstyle": "full" if solid else "none"}
+                axes.loglog(own["h_over_R"], own["energy_norm_error"], **how, label=f"{n}, {kind}")
+            known = of_mesh[of_mesh["membrane"] == next(iter(kinds))].dropna()
+            for kind, points in YARDSTICKS.items():
+                axes.loglog(known["h_over_R"], known[f"yardstick_{kind}"], color=mesh.colour, **points)
+        axes.set(title=f"{surface}, {end} ends", xlabel="h/R", ylim=(8e-3, 1.3))
+        axes.invert_xaxis()
+    for axes in panels[::2]:
+        axes.set_ylabel("error in the energy norm")
+    handles, _ = panels[0].get_legend_handles_labels()
+    marks = [Line2D([], [], color=BLACK, **points, label=f"bilinear, {kind}") for kind, points in YARDSTICKS.items()]
+    figure.legend(handles=[*handles, *marks], loc="outside upper center", ncols=4)
+    return figure
+
+
+def _against_yardstick(data: pd.DataFrame) -> Part:
     """Where printed errors exist."""
     known = data.dropna(subset=["yardstick_reduced"])
-    rows = []
-    for _, row in known.iterrows():
-        columns = ("energy_norm_error", "yardstick_reduced", "yardstick_unreduced")
-        where = [f"{row['surface']}, {row['end']}", row["membrane"], f"{row['elements']}", f"{row['h_over_R']:g}"]
-        rows.append([*where, *(fixed(float(row[key]), 4) for key in columns)])
+    columns: Columns = {
+        "shell": lambda row: f"{row['surface']}, {row['end']}",
+        "membrane": "membrane",
+        "elements": "elements",
+        "h/R": ("h_over_R", number),
+        "this element": ("energy_norm_error", fixed, 4),
+        "reduced": ("yardstick_reduced", fixed, 4),
+        "unreduced": ("yardstick_unreduced", fixed, 4),
+    }
     better = int((known["energy_norm_error"] < known["yardstick_reduced"]).sum())
     least = float((known["yardstick_unreduced"] / known["energy_norm_error"]).min())
     text = prose(f"""The yardstick are the errors of bilinear elements that Elmer prints for the cylinder of Pitkäranta
 and others, with and without strain reduction. This element is below the reduced one in {better} of {len(known)} cases
 and below the unreduced one by a factor of at least {fixed(least, 1)}.""")
-    header = ["shell", "membrane", "elements", "h/R", "this element", "reduced", "unreduced"]
-    return "\n\n".join([text, table("Errors in the energy norm against the yardstick", header, rows, words=2)])
+    return joined(text, listing("Errors in the energy norm against the yardstick", known, columns, words=2))
 
 
 def _energies(data: pd.DataFrame) -> str:
@@ -156,10 +207,9 @@ def _energies(data: pd.DataFrame) -> str:
         index=["surface", "end", "membrane", "elements"], columns="h_over_R", values="energy_ratio", sort=False
     ).sort_index(axis=1, ascending=False)
     rows = []
-    for key, line in zip(grid.index, grid.to_numpy(), strict=True):
-        surface, end, membrane, n = key
-        values = (_ratio(float(value), float(h)) for h, value in zip(grid.columns, line, strict=True))
-        rows.append([f"{surface}, {end}", membrane, str(n), *values])
+    for (surface, end, membrane, n), line in zip(grid.index, grid.to_numpy(), strict=True):
+        values = (_ratio(value, h) for h, value in zip(map(float, grid.columns), line, strict=True))
+        rows.append([f"{surface}, {end}", membrane, n, *values])
     header = ["shell", "membrane", "elements", *(f"h/R = {h:g}" for h in grid.columns)]
     return table("Energy found over energy", header, rows, words=2)
 
@@ -179,7 +229,7 @@ def worst_energy(store: Store) -> tuple[str, float, int, float]:
     return str(row["surface"]), float(row["h_over_R"]), int(row["elements"]), float(row["energy_ratio"])
 
 
-def _left_over(data: pd.DataFrame) -> str:
+def _left_over(data: pd.DataFrame) -> tuple[str, str]:
     """What is not removed, with its law."""
     worst = float(data[(data["surface"] == "hyperboloid") & (data["end"] == "free")]["energy_ratio"].min())
     rows = []
@@ -190,7 +240,7 @@ def _left_over(data: pd.DataFrame) -> str:
             values, told = list(more[n]), more[n].min() > SMALLEST
             growth = values[-1] / values[-2] if told else None
             line = [scientific(value, 2) if value > SMALLEST else NOTHING for value in values]
-            rows.append([membrane, str(n), *line, fixed(growth, 0), fixed(by_mesh, 0)])
+            rows.append([membrane, n, *line, fixed(growth), fixed(by_mesh)])
     thinner = [f"h/R = {h:g}" for h in excess(data, str(data["membrane"].iloc[0])).index]
     text = prose(f"""### What is not removed
 
@@ -200,7 +250,7 @@ each decade of h and of 64 for each halving of l. It is a membrane strain of thi
 the inextensional bending of a doubly curved surface, and none of the membranes in the table removes it. What helps is
 the mesh: l³ must be small against h R². A dash stands for less than {SMALLEST:g}, where rounding begins.""")
     header = ["membrane", "elements", *thinner, "factor by the last decade of h", "factor by halving l"]
-    return "\n\n".join([text, machine(table("Excess U/U_h - 1 of the free hyperboloid", header, rows))])
+    return text, machine(table("Excess U/U_h - 1 of the free hyperboloid", header, rows))
 
 
 CHAPTER = Chapter(

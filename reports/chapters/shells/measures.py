@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import math
 
+import pandas as pd
+from matplotlib.figure import Figure
+
 from reports.chapter import Chapter
-from reports.chapters.shells import figures_measures
-from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, percent, picture, prose, table
+from reports.drawing import BLACK, canvas, legend_above, looks, svg
+from reports.formats import NOTHING, digits, fixed, percent
+from reports.markdown import Columns, Part, commands, joined, listing, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Strain measures
@@ -29,31 +33,22 @@ OPTIONS, MESHES = ("interpolation", "thickness_strain", "membrane"), ("8x8", "16
 
 def measures_page(store: Store) -> Part:
     """The whole page."""
-    return joined([Part(INTRODUCTION), enough_part(store), element_part(store)])
+    return joined(INTRODUCTION, enough_part(store), element_part(store))
 
 
 def enough_part(store: Store) -> Part:
     """Error against the exact measure over the load: where it first passes 1 % and 5 %, and the largest."""
     found, blocks = store.analysis("measure_limits"), []
     for scene, own in found.groupby("scene", sort=False):
-        rows = [
-            [
-                row["measure"],
-                percent(row["error"]),
-                *(_first(row[level]) for level in ("first_1", "first_5")),
-                f"{percent(row['largest'])} at {digits(row['largest_at'], 3)}",
-            ]
-            for row in own.to_dict("records")
-        ]
         what, load = WORDS[str(scene)]
-        header = [
-            "measure",
-            f"error at {digits(own['load'].iloc[0], 3)}",
-            "first above 1 %",
-            "first above 5 %",
-            "largest error",
-        ]
-        blocks.append(table(f"{scene}: {what} by {load}", header, rows))
+        columns: Columns = {
+            "measure": "measure",
+            f"error at {digits(own['load'].iloc[0], 3)}": ("error", percent),
+            "first above 1 %": ("first_1", _first),
+            "first above 5 %": ("first_5", _first),
+            "largest error": lambda row: f"{percent(row['largest'])} at {digits(row['largest_at'], 3)}",
+        }
+        blocks.append(listing(f"{scene}: {what} by {load}", own, columns))
     text = prose("""## Which measure is enough
 
 Each scene is solved with every measure on one mesh while its load grows; the error is the difference from the exact
@@ -61,11 +56,27 @@ measure on the same mesh, so the mesh is not in it. An error may change its sign
 load after it has been large: so the columns give the load at which it *first* exceeds 1 % and 5 %, interpolated between
 two loads, and the largest error up to the last load, with the load where it is that large. A dash: it never does; "from
 the start": it does so at the first load already. Curves that coincide cover each other.""")
-    name = "measures-enough.svg"
-    axes = {scene: load for scene, (_, load) in WORDS.items()}
-    drawn = figures_measures.errors_over_load(store.analysis("measure_errors"), axes)
-    shown = picture(name, "Error against the exact measure over the load, by scene and measure; dotted: 1 % and 5 %")
-    return Part("\n\n".join([text, shown, *blocks, commands(found["command"])]), {name: drawn})
+    words = "Error against the exact measure over the load, by scene and measure; dotted: 1 % and 5 %"
+    shown = picture("measures-enough.svg", words, errors_over_load(store.analysis("measure_errors")))
+    return joined(text, shown, *blocks, commands(found["command"]))
+
+
+@svg
+def errors_over_load(data: pd.DataFrame) -> Figure:
+    """Size of the errors over the load, one panel a scene: columns scene, measure, load, error."""
+    drawn, scenes = looks(data["measure"]), dict(iter(data.groupby("scene", sort=False)))
+    columns = math.ceil(len(scenes) / math.ceil(len(scenes) / 3))
+    figure, panels = canvas(len(scenes), columns, head=1.2, height=2.8)
+    for axes, (scene, own) in zip(panels, scenes.items(), strict=True):
+        for name, curve in own.groupby("measure", sort=False):
+            size = curve["error"].abs()
+            axes.plot(curve["load"], size.where(size > 0), **drawn[name].dashes, label=name)
+        for level in (0.01, 0.05):
+            axes.axhline(level, color=BLACK, linewidth=0.8, linestyle=":")
+        axes.set(title=scene, xlabel=WORDS[str(scene)][1], yscale="log", ylim=(1e-5, 2), xlim=(0, None))
+    figure.supylabel("error against the exact measure [-]", fontsize=10)
+    legend_above(figure, panels[0])
+    return figure
 
 
 def _first(load: float) -> str:
@@ -77,28 +88,23 @@ def _first(load: float) -> str:
 
 def element_part(store: Store) -> Part:
     """The hemisphere on three meshes by the options of the element."""
-    reference = store.reference("hemisphere", "inward_mm", "read", load_fraction=1.0)
+    reference = float(store.reference("hemisphere", "inward_mm", "read", load_fraction=1.0)["value"])
     rows, lines = [], []
     for first in store.select(**WHOLE, mesh=MESHES[0]):
-        options = {name: first.result["settings"][name] for name in OPTIONS}
-        row = list(options.values())
-        for mesh in MESHES:
-            cell = store.find(**WHOLE, **options, mesh=mesh)
-            value = cell.value("inward_mm", load_fraction=1.0)
-            row.append(f"{fixed(value, 3)} ({percent(value / float(reference['value']) - 1)})")
-            lines.append(cell.command)
-        rows.append(row)
+        options = {name: first.settings[name] for name in OPTIONS}
+        cells = [store.find(**WHOLE, **options, mesh=mesh) for mesh in MESHES]
+        values = [cell.value("inward_mm", load_fraction=1.0) for cell in cells]
+        rows.append([*options.values(), *(f"{fixed(v, 3)} ({percent(v / reference - 1)})" for v in values)])
+        lines += [cell.command for cell in cells]
     text = prose(f"""## Options of the element
 
 Same unknowns, same measure (`exact`): what is interpolated, where the thickness strain is sampled, and how much of the
 linear membrane modes a curved element keeps. The first row is the element of the paper (`element=paper`); the default,
 `element=refined`, is curvilinear, nodal and relaxed: [over all scenes](convergence.md#which-element) that is the better
 one. Hemisphere with a hole under the whole load, inward displacement in mm; in brackets the difference from the
-published {fixed(float(reference["value"]), 3)}, which is itself a finite-element result.""")
+published {fixed(reference, 3)}, which is itself a finite-element result.""")
     header = ["interpolation", "thickness strain", "membrane", *MESHES]
-    return Part(
-        "\n\n".join([text, table("Inward displacement of the hemisphere", header, rows, words=3), commands(lines)])
-    )
+    return joined(text, table("Inward displacement of the hemisphere", header, rows, words=3), commands(lines))
 
 
 CHAPTER = Chapter(

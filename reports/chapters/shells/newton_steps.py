@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from reports.markdown import Part, commands, fixed, machine, prose, scientific, table
+from reports.formats import fixed, scientific
+from reports.markdown import Columns, Part, commands, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 WHOLE = {"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible"}
@@ -18,39 +19,41 @@ def load_steps(store: Store) -> list[Cell]:
 def newton_part(store: Store) -> Part:
     """Mixed Newton in one step, plain Newton in one and in twenty."""
     mixed, plain, twenty = load_steps(store)
-    answer = mixed.value("inward_mm", load_fraction=1.0)
-    header = ["cell", "Newton", "load steps asked for", "taken", "rejected", "Newton iterations"]
-    header.append("inward displacement against mixed")
-    steady: list[list[str]] = []
-    unsteady: list[list[str]] = []
-    for cell in (mixed, twenty, plain):
-        (unsteady if cell.cuts() else steady).append(_row(cell, answer))
+    cells = (mixed, twenty, plain)
+    steady, unsteady = ([cell for cell in cells if bool(cell.cuts) is cut] for cut in (False, True))
+    columns: Columns = {
+        "cell": lambda cell: cell.label,
+        "Newton": lambda cell: cell.result["newton"],
+        "load steps asked for": lambda cell: cell.settings["steps"],
+        "taken": lambda cell: fixed(cell.value("substeps", load_fraction=1.0)),
+        "rejected": lambda cell: len(cell.cuts),
+        "Newton iterations": lambda cell: cell.result["counters"]["newton_iterations"],
+        "inward displacement against mixed": lambda cell: scientific(_inward(cell) / _inward(mixed) - 1.0),
+    }
     text = prose(f"""## Load steps of Newton's method
 
 The hemisphere's whole load on the coarsest mesh. Mixed Newton keeps the stress resultants of the last linear step in
 the tangent; equations and answer are those of plain Newton. {_one_step(plain)}""")
     parts = [text]
     if steady:
-        parts.append(table("Newton iterations to the full load, every step taken as asked", header, steady, words=2))
+        title = "Newton iterations to the full load, every step taken as asked"
+        parts.append(listing(title, steady, columns, words=2))
     if unsteady:
         note = "How many iterations a rejected step takes is decided by rounding, and so by the machine."
-        counts = table("Newton iterations to the full load, with rejected steps", header, unsteady, words=2)
-        parts.append(machine("\n\n".join([note, counts, _attempts(plain)])))
-    return Part("\n\n".join([*parts, commands(cell.command for cell in (mixed, twenty, plain))]))
+        counts = listing("Newton iterations to the full load, with rejected steps", unsteady, columns, words=2)
+        parts.append(machine(note, counts, _attempts(plain)))
+    return joined(*parts, commands(cell.command for cell in cells))
 
 
-def _row(cell: Cell, answer: float) -> list[str]:
-    result, at = cell.result, {"load_fraction": 1.0}
-    row = [cell.label, result["newton"], str(result["settings"]["steps"]), fixed(cell.value("substeps", **at), 0)]
-    row += [str(len(cell.cuts())), str(result["counters"]["newton_iterations"])]
-    return [*row, scientific(cell.value("inward_mm", **at) / answer - 1.0)]
+def _inward(cell: Cell) -> float:
+    return cell.value("inward_mm", load_fraction=1.0)
 
 
 def _one_step(plain: Cell) -> str:
     """What became of the whole load in one plain step."""
     if not plain.converged:
         return f"Plain Newton, asked to take it in one step, fails even with smaller steps: {plain.result['reason']}."
-    if not plain.cuts():
+    if not plain.cuts:
         return "Plain Newton takes it in one step, too."
     return "Plain Newton does not reach it in one step: the attempt is rejected, and the step is cut until it goes on."
 
@@ -63,6 +66,6 @@ def _attempts(cell: Cell) -> str:
     for _, attempt in history.groupby(number):
         last = attempt.iloc[-1]
         event = str(last.get("event"))
-        said = event if event in cell.cuts() else "taken"
+        said = event if event in cell.cuts else "taken"
         rows.append([f"{last['parameter']:g}", str(len(attempt) - 1), said])
     return table(f"Attempts of the cell `{cell.label}`", ["load fraction tried", "iterations", "outcome"], rows)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from textwrap import wrap
 
+import numpy as np
 import pandas as pd
+from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.chapters.shells import figures_rigid_body
-from reports.markdown import NOTHING, Part, fixed, joined, picture, prose, scientific, table
+from reports.drawing import BLACK, canvas, looks, svg
+from reports.formats import NOTHING, fixed, number, scientific
+from reports.markdown import Columns, Part, joined, listing, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Rigid motions
@@ -19,26 +24,23 @@ displacement gradients of each measure, and whatever strain comes out is the mea
 it leaves as a closed form; a Donnell that passes would be as wrong as an exact measure that fails.""")
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
 MOTIONS = ("translation", "out of plane", "drilling", "about the axis")
-KEYS = ["measure", "surface", "motion"]
+SAME = 1e-9  # measures this close all the way share a curve
+WIDTH = 63  # letters in a line of a panel's legend, its comma included
 
 
 def rigid_body_page(store: Store) -> Part:
     """The whole page."""
-    return joined(
-        [Part(INTRODUCTION), _overview(store), _rates(store), _donnell(store), _turn(store), _everything(store)]
-    )
+    return joined(INTRODUCTION, _overview(store), *_rates(store), _donnell(store), _turn(store), _everything(store))
 
 
 def _overview(store: Store) -> Part:
     """Which measure survives which motion."""
     data = store.table("rigid_body")
     rows = []
-    for name in dict.fromkeys(data["measure"]):
-        own = data[data["measure"] == name]
+    for name, own in data.groupby("measure", sort=False):
         told = own.dropna(subset=["declared"])
-        largest = [float(own[own["motion"] == motion]["largest"].max()) for motion in MOTIONS]
-        miss = float((told["strain"] - told["declared"]).abs().max())
-        rows.append([name, *(_size(value) for value in largest), f"{len(told)} of {len(own)}", scientific(miss)])
+        largest = own.groupby("motion")["largest"].max().reindex(MOTIONS)
+        rows.append([name, *map(_size, largest), f"{len(told)} of {len(own)}", scientific(_miss(told))])
     theta, slide = float(data["theta_rad"].max()), float(data["slide"].max())
     text = prose(f"""## Who survives what
 
@@ -49,7 +51,12 @@ curved surfaces and the normal of the plate. 0 is less than {NOTHING_LEFT:g}. Th
 cases a law is declared, and how far the measured strain is from it at most. Laws are those of a membrane strain: a
 measure that mends its membrane strains alone still shows here what its linear shears and its linear E33 leave.""")
     header = ["measure", *MOTIONS, "laws", "off the law by at most"]
-    return Part("\n\n".join([text, table("Largest strain left by rigid motions [-]", header, rows)]))
+    return joined(text, table("Largest strain left by rigid motions [-]", header, rows))
+
+
+def _miss(told: pd.DataFrame) -> float:
+    """The largest distance from a declared law."""
+    return float((told["strain"] - told["declared"]).abs().max())
 
 
 def _size(value: float) -> str:
@@ -62,7 +69,7 @@ def _strain(value: float) -> str:
     return "0" if abs(value) < NOTHING_LEFT else f"{value + 0.0:.6e}"
 
 
-def _rates(store: Store) -> Part:
+def _rates(store: Store) -> tuple[str, ...]:
     """Leading terms of the strains under small motions, by surface."""
     found = store.analysis("rigid_body_powers")
     surfaces = list(dict.fromkeys(found["surface"]))
@@ -83,7 +90,7 @@ with the same rates and coefficients: over {len(both)} cases fitted rates differ
 coefficients by {scientific(coefficient)} of their value. Motions that leave nothing on any surface have no row.""")
     header = ["measure", "motion", *surfaces]
     kinds = "Leading term of the strain E11 or E22 on the outer face, fitted"
-    return Part("\n\n".join([text, table(kinds, header, rows, words=2), _karman(store)]))
+    return text, table(kinds, header, rows, words=2), _karman(store)
 
 
 def _power(row: pd.Series, name: str) -> str:
@@ -93,30 +100,33 @@ def _power(row: pd.Series, name: str) -> str:
 
 def _karman(store: Store) -> str:
     """The fourth power, number by number."""
-    data = store.table("small_motions")
-    rows = []
-    for _, row in data[_case(data, "von-karman", "plate", "out of plane")].iterrows():
-        theta, strain, declared = (float(row[key]) for key in ("amount", "strain", "declared"))
-        leading = -(theta**4) / 8
-        rows.append([f"{theta:g}", _strain(strain), _strain(declared), _strain(leading), fixed(strain / leading, 5)])
-    header = ["θ [rad]", "measured", "declared, -(1 - cos θ)²/2", "-θ⁴/8", "measured over -θ⁴/8"]
-    return table("Von Kármán's plate turned out of its plane", header, rows)
+    data = _case(store.table("small_motions"), "von-karman", "plate", "out of plane")
+    columns: Columns = {
+        "θ [rad]": ("amount", number),
+        "measured": ("strain", _strain),
+        "declared, -(1 - cos θ)²/2": ("declared", _strain),
+        "-θ⁴/8": ("leading", _strain),
+        "measured over -θ⁴/8": ("over", fixed, 5),
+    }
+    leading = -(data["amount"] ** 4) / 8
+    told = data.assign(leading=leading, over=data["strain"] / leading)
+    return listing("Von Kármán's plate turned out of its plane", told, columns)
 
 
-def _case(data: pd.DataFrame, measure: str, surface: str, motion: str) -> pd.Series:
-    return (data["measure"] == measure) & (data["surface"] == surface) & (data["motion"] == motion)
+def _case(data: pd.DataFrame, measure: str, surface: str, motion: str) -> pd.DataFrame:
+    return data[(data["measure"] == measure) & (data["surface"] == surface) & (data["motion"] == motion)]
 
 
 def _donnell(store: Store) -> Part:
     """The translation of a cylinder, for teaching."""
-    data = store.table("small_motions")
-    rows = []
-    for _, row in data[_case(data, "donnell", "cylinder", "translation")].iterrows():
-        strain, declared, largest = (float(row[key]) for key in ("strain", "declared", "largest"))
-        rows.append([f"{row['amount']:g}", _strain(strain), _strain(declared), _strain(largest)])
-    found = store.analysis("rigid_body_powers")
-    case = found[_case(found, "donnell", "cylinder", "translation")].iloc[0]
-    flat = found[_case(found, "donnell", "plate", "translation")].iloc[0]
+    columns: Columns = {
+        "U over the size of the sample": ("amount", number),
+        "E22, outer face": ("strain", _strain),
+        "declared": ("declared", _strain),
+        "largest of all strains": ("largest", _strain),
+    }
+    data, found = store.table("small_motions"), store.analysis("rigid_body_powers")
+    cylinder, plate = (_case(found, "donnell", name, "translation").iloc[0] for name in ("cylinder", "plate"))
     text = prose(f"""## Why Donnell fails
 
 Move a cylinder of radius R as a whole by U along x. At the angle φ from x the frame of the shell sees the components
@@ -128,55 +138,88 @@ therefore the sum of two terms,
 
 and they cancel. Donnell's shallow-shell theory keeps the first term only, as if the frame did not turn, so the
 translated cylinder seems to have the slope U sin φ/R. The slope enters twice. Squared and halved it is a membrane
-strain, (U sin φ/R)²/(2 ζ²) on a face stretched by ζ = 1 + d/R: fitted rate {fixed(case["strain_rate"], 2)},
-coefficient {fixed(case["strain_coefficient"], 4)}, declared {fixed(case["declared_coefficient"], 4)}. To the first
-power it is a transverse shear, since the director has not moved: the largest strain falls with the rate
-{fixed(case["largest_rate"], 2)} only. On a plate the frame does not turn and Donnell leaves {_power(flat, "largest")}.
+strain, (U sin φ/R)²/(2 ζ²) on a face stretched by ζ = 1 + d/R: fitted rate {fixed(cylinder["strain_rate"], 2)},
+coefficient {fixed(cylinder["strain_coefficient"], 4)}, declared {fixed(cylinder["declared_coefficient"], 4)}. To the
+first power it is a transverse shear, since the director has not moved: the largest strain falls with the rate
+{fixed(cylinder["largest_rate"], 2)} only. On a plate the frame does not turn and Donnell leaves
+{_power(plate, "largest")}.
 
 The theory was made for shells that buckle in many small waves, where v3,φ is much larger than v2; it must not be used
 where a shell moves far compared with its buckles.""")
-    header = ["U over the size of the sample", "E22, outer face", "declared", "largest of all strains"]
-    return Part("\n\n".join([text, table("Donnell's cylinder, translated", header, rows)]))
+    moved = _case(data, "donnell", "cylinder", "translation")
+    return joined(text, listing("Donnell's cylinder, translated", moved, columns))
 
 
 def _turn(store: Store) -> Part:
     """A full turn, the declared curves over the measured ones."""
     sweep = store.table("rotation_sweep")
-    told = sweep.dropna(subset=["declared"])
-    miss = float((told["strain"] - told["declared"]).abs().max())
     end = float(sweep[sweep["theta_rad"] == sweep["theta_rad"].max()]["strain"].abs().max())
-    name = "rigid-body-turn.svg"
     text = prose(f"""## A full turn
 
 The measured strain in colour, the declared one in black dots on top of it; measures whose strains are the same share a
 curve. After a full turn all strains are back at zero; the largest is {scientific(end)}. Half-way, at 180 degrees, a
 measure with the square of the rotation added is as wrong as the linear one: the square of a sine cannot tell half a
 turn from none. Over the whole turn and all measures the largest distance from a declared curve is
-{scientific(miss)}.""")
-    shown = picture(name, "Strain left by a rigid rotation over a full turn, by measure, with the declared laws")
-    return Part("\n\n".join([text, shown]), {name: figures_rigid_body.full_turn(sweep)})
+{scientific(_miss(sweep.dropna(subset=["declared"])))}.""")
+    words = "Strain left by a rigid rotation over a full turn, by measure, with the declared laws"
+    return joined(text, picture("rigid-body-turn.svg", words, full_turn(sweep)))
 
 
 def _everything(store: Store) -> Part:
     """All cases, a table for each surface."""
     data = store.table("rigid_body")
-    blocks = [
-        prose("""## All cases
+    text = prose("""## All cases
 
 The strain named in the third column, on the outer face; *largest* is that of all eleven strains on both faces. A dash
 stands where no law is declared: with Donnell's slopes or thin-shell gradients the strain depends on more than the
 stretch of the face.""")
-    ]
-    for surface in dict.fromkeys(data["surface"]):
-        rows = []
-        for motion in MOTIONS:
-            for _, row in data[(data["surface"] == surface) & (data["motion"] == motion)].iterrows():
-                strain, declared = float(row["strain"]), float(row["declared"])
-                values = [_strain(strain), _strain(declared), scientific(abs(strain - declared))]
-                rows.append([motion, row["measure"], row["component"], *values, _size(float(row["largest"]))])
-        header = ["motion", "measure", "strain", "measured", "declared", "difference", "largest"]
-        blocks.append(table(f"Rigid motions of the {surface}", header, rows, words=3))
-    return Part("\n\n".join(blocks))
+    columns: Columns = {
+        "motion": "motion",
+        "measure": "measure",
+        "strain": "component",
+        "measured": ("strain", _strain),
+        "declared": ("declared", _strain),
+        "difference": lambda row: scientific(abs(row["strain"] - row["declared"])),
+        "largest": ("largest", _size),
+    }
+    order = {motion: i for i, motion in enumerate(MOTIONS)}
+    data = data.sort_values("motion", key=lambda motions: motions.map(order), kind="stable")
+    tables = (
+        listing(f"Rigid motions of the {surface}", data[data["surface"] == surface], columns, words=3)
+        for surface in dict.fromkeys(store.table("rigid_body")["surface"])
+    )
+    return joined(text, *tables)
+
+
+def shared_curves(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The measures of one case grouped by equal strains: their names and one of their tables."""
+    groups: list[tuple[list[str], pd.DataFrame]] = []
+    for name, own in rows.groupby("measure", sort=False):
+        same = (names for names, first in groups if np.allclose(first["strain"], own["strain"], rtol=0, atol=SAME))
+        names = next(same, None)
+        if names is None:
+            groups.append(([str(name)], own))
+        else:
+            names.append(str(name))
+    for names, own in groups:
+        yield ", ".join(names), own
+
+
+@svg
+def full_turn(sweep: pd.DataFrame) -> Figure:
+    """Strain over the angle of a rigid rotation, a panel a case; the exact answer is zero."""
+    cases, drawn = sweep.groupby(["surface", "motion"], sort=False), looks(sweep["measure"])
+    figure, panels = canvas(len(cases), columns=2, width=9.0, height=4.2)
+    for axes, ((surface, motion), rows) in zip(panels, cases, strict=True):
+        for names, own in shared_curves(rows):
+            colour, angle = drawn[own["measure"].iloc[0]].colour, np.degrees(own["theta_rad"])
+            label = "\n".join(wrap(names, WIDTH, break_long_words=False, break_on_hyphens=False))
+            axes.plot(angle, own["strain"], color=colour, linewidth=3.5, alpha=0.7, label=label)
+            axes.plot(angle, own["declared"], color=BLACK, linestyle=":", linewidth=1.2)
+        axes.set(title=f"{surface}, {motion}", xlabel="rotation [deg]", ylabel="strain [-]", xlim=(0, 360))
+        axes.set_xticks([0, 90, 180, 270, 360])
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=8, frameon=False)
+    return figure
 
 
 CHAPTER = Chapter(

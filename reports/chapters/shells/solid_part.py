@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import pandas as pd
 
 from reports.chapters.tyre.cells import ISOTROPIC_FINE
-from reports.markdown import Part, commands, digits, fixed, percent, prose, table
+from reports.formats import digits, fixed, percent, share
+from reports.markdown import Part, commands, joined, prose, table
 from reports.tables import Store
 
 PENALTY = 20.0  # MPa/mm, NGSolve's
@@ -21,27 +20,21 @@ def solid_part(store: Store) -> Part:
     forces = data[data["quantity"] == "force_N"]
     growth = data[data["quantity"].str.startswith("inflated")]
     order = data["body"].map({"solid": 0, "shell": 2}).fillna(1).argsort(kind="stable")  # the soft plane between them
-    blocks = [
+    return joined(
         _introduction(store, forces),
         _values("Force [N] on three meshes", "Δ [mm]", forces, 2),
         _parts("What the difference of the forces is made of", "Δ [mm]", forces),
         _penalty(store, data[data["quantity"] == "penalty"]),
-        _equator(store, growth),
+        _equator(growth),
         _values("Growth of the equator by inflation [mm] on three meshes", "face", growth, 4),
         _parts("What the difference of the growth is made of", "face", growth),
         commands(data["command"].iloc[order]),
-    ]
-    return Part("\n\n".join(blocks))
-
-
-def _settings(store: Store) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-    """Of the solid and of the shell."""
-    solid, shell = store.find(scene="tyre-solid", mesh="56x72", epsilon=math.inf), store.find(**ISOTROPIC_FINE)
-    return solid.result["settings"], shell.result["settings"]
+    )
 
 
 def _introduction(store: Store, forces: pd.DataFrame) -> str:
-    s, options = _settings(store)
+    s = store.find(scene="tyre-solid", mesh="56x72", epsilon=math.inf).settings
+    options = store.find(**ISOTROPIC_FINE).settings
     return prose(f"""## Shell against solid
 
 The same isotropic tyre (E = {s["E_MPa"]:g} MPa, ν = {s["nu"]:g}, one layer of {s["ply_thickness_mm"]:g} mm, pressure
@@ -65,21 +58,21 @@ def _values(title: str, first: str, data: pd.DataFrame, decimals: int) -> str:
     for at, rows in data.groupby("at", sort=False):
         line = [str(at)]
         for _, own in rows.groupby("body", sort=False):
-            end = own.iloc[0]
-            line += [fixed(value, decimals) for value in (*own["value"], end["limit"])] + [fixed(end["order"], 1)]
+            line += [fixed(value, decimals) for value in (*own["value"], own["limit"].iloc[0])]
+            line.append(fixed(own["order"].iloc[0], 1))
         lines.append([*line, fixed(rows["other"].iloc[0], decimals)])
     return table(title, [*header, "NGSolve"], lines)
 
 
 def _parts(title: str, first: str, data: pd.DataFrame) -> str:
     header = [first, "mesh part of the solid", "mesh part of the shell", "model part", "known to"]
+    header += ["solid's limit - NGSolve", "shell's limit - NGSolve"]
     lines = []
     for at, rows in data.groupby("at", sort=False):
         each = rows.drop_duplicates("body")
-        known = percent(each["known_to"].iloc[0], sign=False)
-        model = percent(each["model_part"].iloc[0])
+        model, known = percent(each["model_part"].iloc[0]), share(each["known_to"].iloc[0])
         lines.append([str(at), *map(percent, each["mesh_part"]), model, known, *map(percent, each["off_other"])])
-    return table(title, [*header, "solid's limit - NGSolve", "shell's limit - NGSolve"], lines)
+    return table(title, header, lines)
 
 
 def _penalty(store: Store, changes: pd.DataFrame) -> str:
@@ -90,7 +83,7 @@ penalty changes the force of our solid ({soft["mesh"]}) by {each}; that much of 
 solids is the penalty's.""")
 
 
-def _equator(store: Store, growth: pd.DataFrame) -> str:
+def _equator(growth: pd.DataFrame) -> str:
     each = growth.drop_duplicates("at").to_dict("records")
     parts = " and ".join(f"{percent(row['model_part'])} ({row['at']})" for row in each)
     return prose(f"""### The inflated equator

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
-from reports.markdown import NOTHING, Part, commands, digits, fixed, joined, machine, percent, picture, prose, table
+from reports.formats import NOTHING, code, digits, fixed, interval, share
+from reports.markdown import Column, Columns, Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
-HELD_OUT = "advice-held-out.svg"
 ENGINEER = 0.01  # the tolerance that is listed in full
 AIM_REGRET, AIM_MET = 1.5, 0.95
 
@@ -22,7 +25,7 @@ The cheapest configuration whose upper confidence bound of the error, the verifi
 uncertain by, meets a tolerance, over all cells of the campaign `{store.campaign}`. `footprint advise SCENE --error 1%`
 answers the same for any tolerance and quantity. The cost is processor time, one run a cell: where two configurations
 cost nearly the same, another run may advise the other one.""")
-    return joined([Part(introduction), _overview(store), _listed(store), _worth(store)])
+    return joined(introduction, _overview(store), _listed(store), _worth(store))
 
 
 def _overview(store: Store) -> Part:
@@ -32,14 +35,14 @@ def _overview(store: Store) -> Part:
     rows = []
     for scene, own in data.groupby("scene", sort=False):
         by = {row["tolerance"]: row for row in own.to_dict("records")}
-        rows.append([f"`{scene}`", f"`{own['quantity'].iloc[0]}`", *(_short(by[t]) for t in tolerances)])
+        rows.append([code(scene), code(own["quantity"].iloc[0]), *(_short(by[t]) for t in tolerances)])
     none = int((data["label"] == "").sum())
     text = prose(f"""## The cheapest mesh and measure
 
 For {none} of {len(data)} pairs of scene and tolerance none qualifies (–): the mesh is too coarse, the formulation too
 far off, or the reference too uncertain to show it.""")
-    header = ["scene", "quantity", *(percent(t, 1 if t < 0.01 else 0, sign=False) for t in tolerances)]
-    return Part(f"{text}\n\n{machine(table('Advice by tolerance', header, rows, words=2))}")
+    header = ["scene", "quantity", *(share(t, 1 if t < 0.01 else 0) for t in tolerances)]
+    return joined(text, machine(table("Advice by tolerance", header, rows, words=2)))
 
 
 def _short(row: dict) -> str:
@@ -53,54 +56,51 @@ def _listed(store: Store) -> Part:
     """All that is known at one tolerance."""
     data = store.analysis("advice")
     own = data[(data["tolerance"] - ENGINEER).abs() < 1e-12]
-    rows, times = [], []
-    for row in own.to_dict("records"):
-        named = [f"`{row['scene']}`"]
-        if row["label"] == "":
-            rows.append([*named, f"none qualifies; nearest {percent(row['bound'], 2, sign=False)}", *[NOTHING] * 5])
-            continue
-        rows.append(
-            [
-                *named,
-                row["configuration"],
-                percent(row["bound"], 2, sign=False),
-                digits(row["cost"], 2),
-                row["runner_up"] or NOTHING,
-                fixed(row["runner_up_ratio"], 2),
-                fixed(row["next_ratio"], 2),
-            ]
-        )
-        interval = f"[{fixed(row['seconds_low'], 3)}, {fixed(row['seconds_high'], 3)}]"
-        times.append([*named, fixed(row["seconds"], 3), interval])
-    text = prose(f"""## In full, at {percent(ENGINEER, 0, sign=False)}
+    given = own[own["label"] != ""]
+    columns: Columns = {
+        "scene": ("scene", code),
+        "configuration": lambda row: (
+            row["configuration"] if row["label"] else f"none qualifies; nearest {share(row['bound'])}"
+        ),
+        "error at most": _if_given("bound", share),
+        "seconds": _if_given("cost", digits, 2),
+        "runner-up": _if_given("runner_up", lambda name: name or NOTHING),
+        "its cost": _if_given("runner_up_ratio", fixed, 2),
+        "next step": _if_given("next_ratio", fixed, 2),
+    }
+    spent: Columns = {
+        "scene": ("scene", code),
+        "time [s]": ("seconds", fixed, 3),
+        "90 % of the cells within [s]": lambda row: interval((row["seconds_low"], row["seconds_high"]), 3),
+    }
+    text = prose(f"""## In full, at {share(ENGINEER, 0)}
 
 *Runner-up*: the cheapest of another measure, algorithm, iteration or element, and its cost over that of the advice;
 *next step*: the cost of half the tolerance over that of the advice.""")
-    header = ["scene", "configuration", "error at most", "seconds", "runner-up", "its cost", "next step"]
-    title = f"Advice at {percent(ENGINEER, 0, sign=False)}"
-    spent = table("Times by the law of its scene", ["scene", "time [s]", "90 % of the cells within [s]"], times)
-    body = [table(title, header, rows, words=2), spent, commands(own["command"][own["command"] != ""])]
-    shown = "\n\n".join(body)
-    return Part(f"{text}\n\n{machine(shown)}")
+    listed = listing(f"Advice at {share(ENGINEER, 0)}", own, columns, words=2)
+    times = listing("Times by the law of its scene", given, spent)
+    return joined(text, machine(listed, times, commands(given["command"])))
+
+
+def _if_given(name: str, form: Callable[..., str], *more: Any) -> Column:
+    """A column with a dash where no configuration is advised."""
+    return lambda row: form(row[name], *more) if row["label"] else NOTHING
 
 
 def _worth(store: Store) -> Part:
     """The advice on scenes that were left out."""
     cases = store.analysis("held_out")
     summary = store.analysis("held_out_summary")
-    rows = [
-        [
-            "headline of each scene" if row["quantities"] == "headline" else "all quantities",
-            str(row["cases"]),
-            str(row["advised"]),
-            percent(row["met"], 1, sign=False),
-            fixed(row["median_regret"], 2),
-            fixed(row["mean_regret"], 2),
-            str(row["abstained"]),
-            str(row["truly_none"]),
-        ]
-        for row in summary.to_dict("records")
-    ]
+    columns: Columns = {
+        "quantities": lambda row: "headline of each scene" if row["quantities"] == "headline" else "all quantities",
+        "cases": "cases",
+        "advised": "advised",
+        "met": ("met", share, 1),
+        "median regret": ("median_regret", fixed, 2),
+        "mean regret": ("mean_regret", fixed, 2),
+        "no advice, though some would do": "abstained",
+        "nothing would do": "truly_none",
+    }
     headline = summary[summary["quantities"] == "headline"].iloc[0]
     met, regret = float(headline["met"]), float(headline["median_regret"])
     verdict = "as was aimed at" if met >= AIM_MET and regret < AIM_REGRET else "short of the aim"
@@ -114,49 +114,36 @@ the tightest one on a coarse mesh, and multiplies by a factor of safety that it 
 other scenes. *Regret* is the cost of its advice over that of the cheapest cell that truly meets the tolerance.
 Tolerances below twice the uncertainty of a reference decide nothing and are left out.""")
     told = prose(f"""For the headline quantities, {headline["cases"]} cases of {cases["scene"].nunique()} scenes, the
-tolerance is met in {percent(met, 1, sign=False)} of the {headline["advised"]} that were advised, with a median regret
-of {fixed(regret, 2)}: {verdict} ({percent(AIM_MET, 0, sign=False)}, {fixed(AIM_REGRET, 1)}); the mean is
-{fixed(headline["mean_regret"], 2)}. Over all quantities {percent(dear, 0, sign=False)} of the advised cases cost more
+tolerance is met in {share(met, 1)} of the {headline["advised"]} that were advised, with a median regret
+of {fixed(regret, 2)}: {verdict} ({share(AIM_MET, 0)}, {fixed(AIM_REGRET, 1)}); the mean is
+{fixed(headline["mean_regret"], 2)}. Over all quantities {share(dear, 0)} of the advised cases cost more
 than {fixed(AIM_REGRET, 1)} times the best. Factors of safety: {fixed(cases["factor"].min(), 2)} to
 {fixed(cases["factor"].max(), 2)}.""")
-    header = [
-        "quantities",
-        "cases",
-        "advised",
-        "met",
-        "median regret",
-        "mean regret",
-        "no advice, though some would do",
-    ]
-    parts = [told, table("Advice on scenes left out", [*header, "nothing would do"], rows)]
+    parts = [told, listing("Advice on scenes left out", summary, columns)]
     if len(failed):
-        missed = (_missed(row) for row in _records(failed))
-        parts.append(table("Where the tolerance was missed", MISSED, missed, words=2))
+        parts.append(listing("Where the tolerance was missed", failed, MISSED, words=2))
     scenes = [_by_scene(str(scene), own) for scene, own in cases.groupby("scene", sort=False)]
-    parts.append(table("By scene, all quantities", BY_SCENE, scenes))
-    shown = picture(HELD_OUT, "True error over tolerance, and regret, of advice on scenes left out")
-    found = machine("\n\n".join(parts))
-    return Part(f"{text}\n\n{shown}\n\n{found}", {HELD_OUT: figures_tradeoff.held_out(cases)})
+    header = ["scene", "cases", "advised", "met", "median regret", "largest regret"]
+    parts.append(table("By scene, all quantities", header, scenes))
+    words = "True error over tolerance, and regret, of advice on scenes left out"
+    return joined(text, picture("advice-held-out.svg", words, figures_tradeoff.held_out(cases)), machine(*parts))
 
 
-MISSED = ["scene", "quantity", "tolerance", "true error", "estimate", "advised"]
-BY_SCENE = ["scene", "cases", "advised", "met", "median regret", "largest regret"]
+MISSED: Columns = {
+    "scene": ("scene", code),
+    "quantity": ("quantity", code),
+    "tolerance": ("tolerance", share),
+    "true error": ("true_error", share),
+    "estimate": ("estimate", share),
+    "advised": ("advised", code),
+}
 
 
-def _records(cases: pd.DataFrame) -> list[dict]:
-    return list(cases.to_dict("records"))
-
-
-def _missed(row: dict) -> list[str]:
-    numbers = (percent(row[name], 2, sign=False) for name in ("tolerance", "true_error", "estimate"))
-    return [f"`{row['scene']}`", f"`{row['quantity']}`", *numbers, f"`{row['advised']}`"]
-
-
-def _by_scene(scene: str, cases: pd.DataFrame) -> list[str]:
+def _by_scene(scene: str, cases: pd.DataFrame) -> list[object]:
     given = cases[cases["advised"] != ""]
     regret = given["regret"].astype(float)
-    met = percent(float(given["met"].mean()), 0, sign=False) if len(given) else NOTHING
-    return [f"`{scene}`", str(len(cases)), str(len(given)), met, fixed(regret.median(), 2), fixed(regret.max(), 2)]
+    met = share(given["met"].astype(float).mean(), 0)
+    return [code(scene), len(cases), len(given), met, fixed(regret.median(), 2), fixed(regret.max(), 2)]
 
 
 CHAPTER = Chapter(

@@ -3,28 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
+
+import pandas as pd
+from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.chapters.trade import figures_cost
-from reports.chapters.tyre.cells import DELTA
-from reports.markdown import (
-    NOTHING,
-    Part,
-    commands,
-    fixed,
-    joined,
-    machine,
-    percent,
-    picture,
-    prose,
-    scientific,
-    table,
-)
+from reports.chapters.tyre.cells import DELTA, PLIES
+from reports.drawing import BLACK, canvas, legend_above, lines, svg
+from reports.formats import NOTHING, code, fixed, percent, scientific, share
+from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
-PRECISION = "cost-precision.svg"
+WITHIN = 0.01
+LEAST = 1e-5  # below it an error is chance
 STEP = ("elements", "scatter", "factorisation", "solve", "contact", "total")
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
@@ -34,19 +25,25 @@ def cost_page(store: Store) -> Part:
     introduction = prose("""# What it costs
 
 Times are wall times of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
-    return joined([Part(introduction), _models(store), _precision(store), _scaling(store), _peers(store)])
+    return joined(introduction, _models(store), _precision(store), _scaling(store), _peers(store))
 
 
 def _models(store: Store) -> Part:
     """Parts of the tyre beside the whole."""
     found, same_at = store.analysis("tyre_models"), store.rules()["same_model"]
-    rows, times = [], []
+    records = []
     for row in found.to_dict("records"):
-        result, named = store.cell(row["label"]).result, [row["plies"], f"`{row['model']}`"]
-        counts = [str(result["counters"][name]) for name in ("dofs", "newton_iterations", "factorisations")]
-        rows.append([*named, *counts, *(_difference(row[name], same_at) for name in ("force_off", "pressure_off"))])
-        spent = [fixed(result["timing_s"].get(name, 0.0), 2) for name in TIMES]
-        times.append([*named, *spent, percent(row["time_share"], 0, sign=False)])
+        result = store.find(group="models", plies=PLIES[row["plies"]], model=row["model"], mesh=row["mesh"]).result
+        records.append({**row, **result["counters"], **dict.fromkeys(TIMES, 0.0), **result["timing_s"]})
+    named: Columns = {"plies": "plies", "model": ("model", code)}
+    counted: Columns = {
+        "unknowns": "dofs",
+        "iterations": "newton_iterations",
+        "factorisations": "factorisations",
+        "force off": ("force_off", _difference, same_at),
+        "pressure off": ("pressure_off", _difference, same_at),
+    }
+    spent: Columns = {f"{name} [s]": (name, fixed, 2) for name in TIMES} | {"of the whole": ("time_share", share, 0)}
     delta = fixed(DELTA, 0)
     text = prose(f"""## Do less: a part of the tyre
 
@@ -55,26 +52,29 @@ Inflation is the same all around and is solved on one column of elements; presse
 is a quarter between two mirror planes. {found["same"].sum()} of {len(found)} models give the force, the pressures and
 the contact set of the whole to {scientific(same_at, 0)} of their value. `--model auto` takes the smallest valid one; a
 mirror is refused for angle plies.""")
-    header = ["plies", "model", "unknowns", "iterations", "factorisations", "force off", "pressure off"]
-    spent_on = ["plies", "model", *(f"{name} [s]" for name in TIMES), "of the whole"]
-    steady = table(f"Inflation and {delta} mm, against the whole", header, rows, words=2)
-    timed = machine(table("Wall times", spent_on, times, words=2))
-    return Part("\n\n".join([text, steady, timed, commands(found["command"])]))
+    steady = listing(f"Inflation and {delta} mm, against the whole", records, {**named, **counted}, words=2)
+    timed = machine(listing("Wall times", records, {**named, **spent}, words=2))
+    return joined(text, steady, timed, commands(found["command"]))
 
 
 def _precision(store: Store) -> Part:
     """Force against unknowns on uniform, hand-made and adapted grids."""
     needed, delta = store.analysis("grids_reaching"), fixed(DELTA, 0)
-    within = percent(store.rules()["within"], 0, sign=False)
-    rows, times = [], []
-    for row in needed.to_dict("records"):
-        named, known = [f"`{row['element']}`", f"`{row['family']}`"], not math.isnan(row["unknowns"])
-        rows.append([*named, *(_grid(row) if known else [NOTHING] * 4)])
-        if known:
-            times.append([*named, fixed(row["factorisation_s"], 2), fixed(row["total_s"], 2)])
+    within = share(store.rules()["within"], 0)
+    named: Columns = {"element": ("element", code), "grid": ("family", code)}
+    first: Columns = {
+        "first mesh": lambda row: NOTHING if math.isnan(row["unknowns"]) else row["mesh"],
+        "unknowns": ("unknowns", fixed),
+        "force [N]": ("force_N", fixed, 1),
+        "error": ("error", percent),
+    }
+    spent: Columns = {
+        "factorisation [s]": ("factorisation_s", fixed, 2),
+        "total with its estimate [s]": ("total_s", fixed, 2),
+    }
     adapted = needed[(needed["family"] == "adapted") & needed["share"].notna()]
     found = [
-        f"element `{row['element']}`: {percent(row['share'], 0, sign=False)} of the unknowns of a uniform grid"
+        f"element `{row['element']}`: {share(row['share'], 0)} of the unknowns of a uniform grid"
         for row in adapted.to_dict("records")
     ]
     text = prose(f"""## Put the elements where the force is decided
@@ -84,17 +84,28 @@ finer around the patch; `adapted` follows an estimate of the error of the force 
 up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
 *reaches* {within} when all finer ones of its family stay below. Adapted grids need,
 {"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` chooses such a grid by itself.""")
-    header = ["element", "grid", "first mesh", "unknowns", "force [N]", "error"]
-    body = table(f"Grids that reach {within}", header, rows, words=2)
-    spent = ["element", "grid", "factorisation [s]", "total with its estimate [s]"]
-    timed = machine(table(f"Wall times of the grids that reach {within}", spent, times, words=2))
-    shown = picture(PRECISION, "Error of the force over the unknowns, by grid")
-    drawn = {PRECISION: figures_cost.precision(store.table("work_precision"))}
-    return Part(f"{text}\n\n{body}\n\n{timed}\n\n{shown}", drawn)
+    body = listing(f"Grids that reach {within}", needed, {**named, **first}, words=2)
+    known, title = needed[needed["unknowns"].notna()], f"Wall times of the grids that reach {within}"
+    timed = machine(listing(title, known, {**named, **spent}, words=2))
+    drawn = precision(store.table("work_precision"))
+    return joined(
+        text, body, timed, picture("cost-precision.svg", "Error of the force over the unknowns, by grid", drawn)
+    )
 
 
-def _grid(row: Mapping[Any, Any]) -> list[str]:
-    return [str(row["mesh"]), f"{row['unknowns']:.0f}", fixed(row["force_N"], 1), percent(row["error"])]
+@svg
+def precision(data: pd.DataFrame) -> Figure:
+    """Error of the force over the unknowns, a panel an element, a colour a family of grids; the line is 1 %."""
+    elements = data.groupby("element", sort=False)
+    figure, panels = canvas(len(elements), width=10.0, height=4.2)
+    for axes, (element, own) in zip(panels, elements, strict=True):
+        families = own.assign(error=own["error"].abs().clip(lower=LEAST)).groupby("family", sort=False)
+        lines(axes, {family: (grids["unknowns"], grids["error"]) for family, grids in families})
+        axes.axhline(WITHIN, color=BLACK, linewidth=1, linestyle=":")
+        axes.set(title=f"element {element}", xlabel="unknowns", ylabel="relative error of the force")
+        axes.set(xscale="log", yscale="log")
+    legend_above(figure, panels[0], columns=3)
+    return figure
 
 
 def _scaling(store: Store) -> Part:
@@ -102,10 +113,10 @@ def _scaling(store: Store) -> Part:
     command = "footprint bench scaling --table .footprint/store/tables/scaling.csv"
     heading = "## One Newton step over the number of unknowns"
     if not store.has_table("scaling"):
-        return Part(f"{heading}\n\n" + machine(f"Not measured here; `{command}` does."))
+        return joined(heading, machine(f"Not measured here; `{command}` does."))
     data = store.table("scaling")
     rows = [
-        [row["mesh"], str(row["dofs"]), *(fixed(1e3 * row[f"{part}_s"], 1) for part in STEP), fixed(row["peak_GiB"], 2)]
+        [row["mesh"], row["dofs"], *(fixed(1e3 * row[f"{part}_s"], 1) for part in STEP), fixed(row["peak_GiB"], 2)]
         for row in data.to_dict("records")
     ]
     fitted = store.analysis("scaling_exponents").to_dict("records") if store.has_analysis("scaling_exponents") else [{}]
@@ -115,7 +126,7 @@ process of its own. The last line is the exponent of the unknowns, fitted from {
 theory nested dissection takes 1.5 to factorise, and all else is linear but for a logarithm.""")
     header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
     body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
-    return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
+    return joined(heading, machine(text, body, commands([command])))
 
 
 def _peers(store: Store) -> Part:
@@ -123,26 +134,22 @@ def _peers(store: Store) -> Part:
     command = "footprint bench peers --table .footprint/store/tables/peers.csv"
     heading = "## Beside three-dimensional solids of another program"
     if not store.has_table("peers"):
-        return Part(f"{heading}\n\n" + machine(f"Not measured here; `{command}` does, with the extra peers."))
-    rows = [
-        [
-            row["program"],
-            row["elements"],
-            row["unknowns"],
-            fixed(row["force_N"], 2),
-            percent(row["error"]),
-            fixed(row["seconds"], 2),
-            fixed(row["ratio"], 1),
-        ]
-        for row in store.table("peers").to_dict("records")
-    ]
+        return joined(heading, machine(f"Not measured here; `{command}` does, with the extra peers."))
+    columns: Columns = {
+        "program": "program",
+        "mesh": "elements",
+        "unknowns": "unknowns",
+        "force [N]": ("force_N", fixed, 2),
+        "error": ("error", percent),
+        "time [s]": ("seconds", fixed, 2),
+        "ratio": ("ratio", fixed, 1),
+    }
     text = prose("""The isotropic tyre at 10 mm, a quarter against a quarter, by shells and by NGSolve's cubic hexahedra
 in the same run: processor time of one thread from the request to the force. Meshes of `footprint` count the whole tyre,
 those of `ngsolve` the quarter. *Error*: of the force against a finer solid, which is known to 0.3 %. *Ratio*: of the
 time to that of the coarsest shell from which on all finer ones are within 0.3 %.""")
-    header = ["program", "mesh", "unknowns", "force [N]", "error", "time [s]", "ratio"]
-    body = table("Force against cost", header, rows, words=2)
-    return Part(f"{heading}\n\n" + machine(f"{text}\n\n{body}\n\n{commands([command])}"))
+    body = listing("Force against cost", store.table("peers"), columns, words=2)
+    return joined(heading, machine(text, body, commands([command])))
 
 
 def _difference(value: float, same: float) -> str:

@@ -1,18 +1,18 @@
-"""Pictures of what accuracy costs: fronts, profiles, attribution, and advice for scenes left out; returns SVG text."""
+"""Pictures of what accuracy costs: fronts, profiles, attribution, and advice for scenes left out."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import NullFormatter, PercentFormatter
 
-from reports.drawing import BLACK, Look, canvas, looks, style, to_svg
+from reports.drawing import BLACK, Look, canvas, looks, svg, ticks
 
 GREY = "#BBBBBB"
 PANELS, MOST = 3, 12  # beside one another, and in all
@@ -28,7 +28,8 @@ COST_WORDS = {
 }
 
 
-def work_precision(fronts: pd.DataFrame, cost: str) -> str:
+@svg
+def work_precision(fronts: pd.DataFrame, cost: str) -> Figure:
     """Verified error over cost, a panel a scene, a colour a measure, a marker a contact algorithm.
 
     The MOST scenes with the most answers. The line is the front; grey: beaten in both. The axes are those of the front;
@@ -36,24 +37,20 @@ def work_precision(fronts: pd.DataFrame, cost: str) -> str:
     """
     fronts = fronts[fronts["scene"].isin(fronts["scene"][fronts[f"front.{cost}"].astype(bool)])]
     answers = fronts.groupby("scene", sort=False)["error"].count().sort_values(ascending=False, kind="stable")
-    scenes = [name for name in dict.fromkeys(fronts["scene"]) if name in answers.index[:MOST]]
-    fronts = fronts[fronts["scene"].isin(scenes)]
+    fronts = fronts[fronts["scene"].isin(answers.index[:MOST])]
+    scenes = fronts.groupby("scene", sort=False)
     measures, contacts = looks(fronts["measure"]), looks(fronts["contact"])
-    rows = math.ceil(len(scenes) / PANELS)
-    with style():
-        figure, panels = canvas(PANELS, width=10.0, height=0.8 + 2.7 * rows, rows=rows)
-        for axes, scene in zip(panels[: len(scenes)], scenes, strict=True):
-            _scene(axes, scene, fronts[fronts["scene"] == scene], cost, measures, contacts)
-        for axes in panels[len(scenes) :]:
-            axes.set_visible(False)
-        for axes in panels[::PANELS]:
-            axes.set_ylabel("relative error")
-        for axes in panels[max(0, len(scenes) - PANELS) : len(scenes)]:
-            axes.set_xlabel(COST_WORDS[cost] if len(COST_WORDS[cost]) < 20 else cost)
-        keys = [_key(each.colour, "o", name) for name, each in measures.items()]
-        keys += [_key(BLACK, each.marker, name) for name, each in contacts.items()] if len(contacts) > 1 else []
-        figure.legend(handles=keys, loc="outside upper center", ncols=5)
-        return to_svg(figure)
+    figure, panels = canvas(len(scenes), columns=PANELS, width=10.0, head=0.8, height=2.7)
+    for axes, (scene, own) in zip(panels, scenes, strict=True):
+        _scene(axes, str(scene), own, cost, measures, contacts)
+    for axes in panels[::PANELS]:
+        axes.set_ylabel("relative error")
+    for axes in panels[-PANELS:]:
+        axes.set_xlabel(COST_WORDS[cost] if len(COST_WORDS[cost]) < 20 else cost)
+    keys = [_key(each.colour, "o", name) for name, each in measures.items()]
+    keys += [_key(BLACK, each.marker, name) for name, each in contacts.items()] if len(contacts) > 1 else []
+    figure.legend(handles=keys, loc="outside upper center", ncols=5)
+    return figure
 
 
 def _key(colour: str, marker: str, name: str) -> Line2D:
@@ -61,12 +58,7 @@ def _key(colour: str, marker: str, name: str) -> Line2D:
 
 
 def _scene(
-    axes: Axes,
-    scene: str,
-    rows: pd.DataFrame,
-    cost: str,
-    measures: Mapping[str, Look],
-    contacts: Mapping[str, Look],
+    axes: Axes, scene: str, rows: pd.DataFrame, cost: str, measures: Mapping[str, Look], contacts: Mapping[str, Look]
 ) -> None:
     good = rows[(rows["flag"] == "") & rows[f"cost.{cost}"].notna()]
     shown = good.assign(shown=np.maximum(good["error"], good["uncertainty"]), price=good[f"cost.{cost}"].astype(float))
@@ -94,86 +86,78 @@ def _scene(
         axis.set_minor_formatter(NullFormatter())
 
 
-def profiles(data: pd.DataFrame, cost: str) -> str:
+@svg
+def profiles(data: pd.DataFrame, cost: str) -> Figure:
     """Share of problems within a factor of the best, a panel an axis of comparison, a line a competitor."""
-    own = data[data["cost"] == cost]
-    kinds = list(dict.fromkeys(own["axis"]))
-    with style():
-        rows = math.ceil(len(kinds) / 2)
-        figure, panels = canvas(2, width=10.0, height=4.4 * rows, rows=rows)
-        for axes in panels[len(kinds) :]:
-            axes.set_visible(False)
-        for axes, kind in zip(panels[: len(kinds)], kinds, strict=True):
-            lines = own[own["axis"] == kind]
-            drawn = looks(lines["competitor"])
-            for name, line in lines.groupby("competitor", sort=False):
-                words = f"{name} ({100 * line['solved'].iloc[0]:.0f} % solved)"
-                axes.step(line["factor"], line["share"], where="post", label=words, **drawn[name].dashes)
-            axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, lines["factor"].max()))
-            axes.set_xticks([1, 2, 5, 10, 20], ["1", "2", "5", "10", "20"])
-            axes.set_xticks([], minor=True)
-            axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-            axes.set_title(f"{kind}, {lines['problems'].iloc[0]} problems")
-            axes.set(xlabel=f"{cost} over those of the best", ylabel="share of problems")
-            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8)
-        return to_svg(figure)
+    kinds = data[data["cost"] == cost].groupby("axis", sort=False)
+    figure, panels = canvas(len(kinds), columns=2, width=10.0, height=4.4)
+    for axes, (kind, own) in zip(panels, kinds, strict=True):
+        drawn = looks(own["competitor"])
+        for name, line in own.groupby("competitor", sort=False):
+            words = f"{name} ({100 * line['solved'].iloc[0]:.0f} % solved)"
+            axes.step(line["factor"], line["share"], where="post", label=words, **drawn[name].dashes)
+        axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, own["factor"].max()))
+        _factors(axes, (1, 2, 5, 10, 20))
+        axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+        axes.set_title(f"{kind}, {own['problems'].iloc[0]} problems")
+        axes.set(xlabel=f"{cost} over those of the best", ylabel="share of problems")
+        axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8)
+    return figure
 
 
-def attribution(data: pd.DataFrame, responses: Sequence[str]) -> str:
+def _factors(axes: Axes, places: Iterable[float]) -> None:
+    places = sorted(places)
+    ticks(axes, places, [f"{place:g}" for place in places])
+
+
+@svg
+def attribution(data: pd.DataFrame, responses: Sequence[str]) -> Figure:
     """Shares of the variance, a panel a response, a bar a scene or family, a colour a factor."""
     colours = {name: each.colour for name, each in looks(FACTORS).items() if (data["factor"] == name).any()}
     colours |= {"interactions": "#888888", "rest": "#DDDDDD"}
     names = list(dict.fromkeys(zip(data["scope"], data["name"], strict=True)))[::-1]
-    with style():
-        figure, panels = canvas(len(responses), width=10.0, height=1.4 + 0.27 * len(names))
-        for axes, response in zip(panels, responses, strict=True):
-            own = data[data["response"] == response].set_index(["scope", "name", "factor"])["share"]
-            for i, (scope, name) in enumerate(names):
-                start = 0.0
-                for factor, colour in colours.items():
-                    share = float(own.get((scope, name, factor), 0.0))
-                    axes.barh(i, share, left=start, color=colour, height=0.75, edgecolor="white", linewidth=0.4)
-                    start += share
-            words = [name if scope == "scene" else f"all {name}" for scope, name in names]
-            axes.set_yticks(range(len(names)), words if axes is panels[0] else [""] * len(names), fontsize=8)
-            axes.set(xlim=(0, 1), xlabel="share of the variance", title=f"logarithm of {_article(response)}")
-            axes.xaxis.set_major_formatter(PercentFormatter(1.0))
-            axes.grid(visible=False, axis="y")
-        keys = [Patch(color=colour, label=factor) for factor, colour in colours.items()]
-        figure.legend(handles=keys, loc="outside upper center", ncols=6)
-        return to_svg(figure)
+    words = [name if scope == "scene" else f"all {name}" for scope, name in names]
+    figure, panels = canvas(len(responses), width=10.0, height=1.4 + 0.27 * len(names))
+    for axes, response in zip(panels, responses, strict=True):
+        own = data[data["response"] == response].set_index(["scope", "name", "factor"])["share"]
+        for i, (scope, name) in enumerate(names):
+            start = 0.0
+            for factor, colour in colours.items():
+                share = float(own.get((scope, name, factor), 0.0))
+                axes.barh(i, share, left=start, color=colour, height=0.75, edgecolor="white", linewidth=0.4)
+                start += share
+        axes.set_yticks(range(len(names)), words if axes is panels[0] else [""] * len(names), fontsize=8)
+        axes.set(xlim=(0, 1), xlabel="share of the variance", title=f"logarithm of {_article(response)}")
+        axes.xaxis.set_major_formatter(PercentFormatter(1.0))
+        axes.grid(visible=False, axis="y")
+    keys = [Patch(color=colour, label=factor) for factor, colour in colours.items()]
+    figure.legend(handles=keys, loc="outside upper center", ncols=6)
+    return figure
 
 
 def _article(response: str) -> str:
     return "the verified error" if response == "error" else f"the {response}"
 
 
-def held_out(cases: pd.DataFrame) -> str:
+@svg
+def held_out(cases: pd.DataFrame) -> Figure:
     """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
     given = cases[cases["advised"] != ""]
-    scenes = list(dict.fromkeys(given["scene"]))
-    drawn = looks(scenes)
-    with style():
-        figure, (left, right) = canvas(2, width=10.0, height=4.0)
-        for i, scene in enumerate(scenes):
-            own = given[given["scene"] == scene]
-            ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3)
-            shift = 1 + 0.5 * (i / len(scenes) - 0.5)  # points of one tolerance beside one another
-            left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, **drawn[scene].points)
-        left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
-        left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
-        ticks = sorted(set(100 * given["tolerance"]))
-        left.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        left.set_xticks([], minor=True)
-        regret = np.sort(given["regret"].dropna().to_numpy(float))
-        share = np.arange(1, len(regret) + 1) / max(len(regret), 1)
-        right.step([*regret, max(10.0, 1.2 * regret[-1])] if len(regret) else [], [*share, 1.0][: len(regret) + 1])
-        right.axvline(1.5, color=BLACK, linewidth=1, linestyle=":")
-        right.set(
-            xscale="log", ylim=(0, 1.03), xlabel="cost of the advice over that of the best", ylabel="share of cases"
-        )
-        right.set_xticks([0.5, 1, 1.5, 2, 5, 10, 20], ["0.5", "1", "1.5", "2", "5", "10", "20"])
-        right.set_xticks([], minor=True)
-        right.yaxis.set_major_formatter(PercentFormatter(1.0))
-        figure.legend(loc="outside upper center", ncols=5, fontsize=8)
-        return to_svg(figure)
+    drawn = looks(given["scene"])
+    figure, (left, right) = canvas(2, width=10.0, height=4.0)
+    for i, (scene, own) in enumerate(given.groupby("scene", sort=False)):
+        ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3)
+        shift = 1 + 0.5 * (i / len(drawn) - 0.5)  # points of one tolerance beside one another
+        left.scatter(100 * own["tolerance"] * shift, ratio, s=22, label=scene, **drawn[scene].points)
+    left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
+    left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
+    _factors(left, set(100 * given["tolerance"]))
+    regret = np.sort(given["regret"].dropna().to_numpy(float))
+    share = np.arange(1, len(regret) + 1) / max(len(regret), 1)
+    right.step([*regret, max(10.0, 1.2 * regret[-1])] if len(regret) else [], [*share, 1.0][: len(regret) + 1])
+    right.axvline(1.5, color=BLACK, linewidth=1, linestyle=":")
+    right.set(xscale="log", xlabel="cost of the advice over that of the best", ylabel="share of cases", ylim=(0, 1.03))
+    _factors(right, (0.5, 1, 1.5, 2, 5, 10, 20))
+    right.yaxis.set_major_formatter(PercentFormatter(1.0))
+    figure.legend(loc="outside upper center", ncols=5, fontsize=8)
+    return figure

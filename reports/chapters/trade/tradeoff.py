@@ -2,32 +2,20 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Mapping
+from typing import Any
 
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
-from reports.markdown import (
-    NOTHING,
-    Part,
-    commands,
-    fixed,
-    folded,
-    joined,
-    machine,
-    percent,
-    picture,
-    prose,
-    scientific,
-    table,
-)
+from reports.formats import NOTHING, code, fixed, interval, scientific, share
+from reports.markdown import Columns, Part, commands, folded, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 COST = "seconds"  # of processor time; other runs and machines have others
 OPERATIONS = "flops"  # of the factorisations only, the same on every machine
-PRECISION, PROFILES, SHARES = "tradeoff-precision.svg", "tradeoff-profiles.svg", "tradeoff-shares.svg"
-LARGEST = {"mesh": "mesh", "solver": "solver", "formulation": "formulation", "reference": "reference"}
+LARGEST = ("mesh", "solver", "formulation", "reference")
 FEW = 12  # rows of a family's front
 
 
@@ -41,7 +29,7 @@ Costs are seconds of processor time of a whole cell, one run each: they differ f
 run, and with them what is on a front. Floating-point operations stand beside them where said; they are the same
 everywhere, but count the factorisations alone, neither assembly nor pivots nor iterations of a quadratic programme.""")
     parts = (_split, _fronts, _families, _solved, _profiles, _attribution, _flags)
-    return joined([Part(introduction), *(part(store) for part in parts)])
+    return joined(introduction, *(part(store) for part in parts))
 
 
 def _split(store: Store) -> Part:
@@ -51,17 +39,16 @@ def _split(store: Store) -> Part:
     rows = []
     for scene, cells in own.groupby("scene", sort=False):
         referred = cells["against"].str.startswith("reference").sum()
-        counts = cells["largest"].value_counts()
-        asymptotic = cells["asymptotic"].astype(bool).sum()
-        numbers = [len(cells), referred, asymptotic, *(counts.get(name, 0) for name in LARGEST)]
-        rows.append([f"`{scene}`", f"`{cells['quantity'].iloc[0]}`", *map(str, numbers)])
+        counts = cells["largest"].value_counts().reindex(LARGEST, fill_value=0)
+        named = [code(scene), code(cells["quantity"].iloc[0])]
+        rows.append([*named, len(cells), referred, cells["asymptotic"].astype(bool).sum(), *counts])
     text = prose("""## Whose error it is
 
 The error of a cell has four parts: what its mesh leaves (Richardson on its own ladder), what its solver leaves
 (against the tightest tolerance), what its formulation loses (limit against reference), and what the reference is
 uncertain by. The table counts which one is the largest; *asymptotic*: two successive observed orders agree.""")
-    header = ["scene", "quantity", "answers", "with a reference", "asymptotic", *LARGEST.values()]
-    return Part(f"{text}\n\n{table('Largest part of the error', header, rows, words=2)}")
+    header = ["scene", "quantity", "answers", "with a reference", "asymptotic", *LARGEST]
+    return joined(text, table("Largest part of the error", header, rows, words=2))
 
 
 def _fronts(store: Store) -> Part:
@@ -70,31 +57,27 @@ def _fronts(store: Store) -> Part:
     data = data[data["main"].astype(bool)]
     front = data[data[f"front.{COST}"].astype(bool)].sort_values(["scene", f"cost.{COST}"], kind="stable")
     wrong = int((data["flag"] == "wrong").sum())
-    rows = [
-        [
-            f"`{row['scene']}`",
-            f"`{row['measure']}`",
-            f"`{row['contact']}`",
-            row["mesh"],
-            scientific(row["tolerance"], 0),
-            percent(row["error"], 3, sign=False),
-            percent(row["uncertainty"], 3, sign=False),
-            scientific(row[f"cost.{COST}"]),
-        ]
-        for row in front.to_dict("records")
-    ]
+    columns: Columns = {
+        "scene": ("scene", code),
+        "measure": ("measure", code),
+        "contact": ("contact", code),
+        "mesh": "mesh",
+        "tolerance": ("tolerance", scientific, 0),
+        "error": ("error", share, 3),
+        "reference known to": ("uncertainty", share, 3),
+        "seconds": (f"cost.{COST}", scientific),
+    }
     text = prose(f"""## Cost against verified error
 
 Of {len(data)} planned cells those compete that were asked the same question; shown is the one that each scene was asked
 most often. On the front of its scene is a cell to which nobody is both cheaper and more accurate. An error below what
 the reference is uncertain by (the grey band) counts as that. {wrong} answers are wrong by more than
-{percent(figures_tradeoff.WORST, 0, sign=False)}, or rest on a formulation that is: however cheap, they are on no
+{share(figures_tradeoff.WORST, 0)}, or rest on a formulation that is: however cheap, they are on no
 front.""")
-    header = ["scene", "measure", "contact", "mesh", "tolerance", "error", "reference known to", "seconds"]
-    listed = folded("The fronts as a table", table("Fronts per scene", header, rows, words=3))
-    shown = picture(PRECISION, "Verified error over cost, by scene")
-    found = machine(f"{len(front)} cells are on the front of their scene.\n\n{listed}\n\n{commands(front['command'])}")
-    return Part(f"{text}\n\n{shown}\n\n{found}", {PRECISION: figures_tradeoff.work_precision(data, COST)})
+    listed = folded("The fronts as a table", listing("Fronts per scene", front, columns, words=3))
+    found = machine(f"{len(front)} cells are on the front of their scene.", listed, commands(front["command"]))
+    drawn = figures_tradeoff.work_precision(data, COST)
+    return joined(text, picture("tradeoff-precision.svg", "Verified error over cost, by scene", drawn), found)
 
 
 def _families(store: Store) -> Part:
@@ -103,23 +86,19 @@ def _families(store: Store) -> Part:
     front = data[data[f"front.{COST}"].astype(bool)].sort_values(["family", f"cost.{COST}"], kind="stable")
     front = front.groupby("family", sort=False).head(FEW)
     names = [name for name in ("measure", "contact", "newton", "element") if name in front]
-    rows = [
-        [
-            row["family"],
-            str(row["scenes"]),
-            *(f"`{row[name]}`" if row[name] else NOTHING for name in names),
-            f"{int(row['rung']) + 1}",
-            percent(row["error"], 3, sign=False),
-            fixed(row[f"cost.{COST}"], 1),
-        ]
-        for row in front.to_dict("records")
-    ]
+    columns: Columns = {
+        "family": "family",
+        "scenes": "scenes",
+        **{name: (name, code) for name in names},
+        "mesh": lambda row: int(row["rung"]) + 1,
+        "error": ("error", share, 3),
+        "cost": (f"cost.{COST}", fixed, 1),
+    }
     text = prose("""## Fronts of families
 
 Configurations that have solved all scenes of a family, none wrongly: geometric means over its scenes of the error and
 of the cost, the latter over the cheapest cell of each scene. *Mesh*: 1 is the coarsest of each scene.""")
-    header = ["family", "scenes", *names, "mesh", "error", "cost"]
-    return Part(f"{text}\n\n{machine(table('Fronts per family', header, rows, words=2 + len(names)))}")
+    return joined(text, machine(listing("Fronts per family", front, columns, words=2 + len(names))))
 
 
 def _solved(store: Store) -> Part:
@@ -127,24 +106,20 @@ def _solved(store: Store) -> Part:
     data = store.analysis("solved")
     if data.empty:
         return Part("## Solved and failed\n\nNo problem was put to two algorithms.")
+    columns: Columns = {
+        "algorithm": ("competitor", code),
+        "scene": lambda row: code(row["scene"]) if row["scene"] else "all",
+        "put to it": "asked",
+        "solved": "solved",
+        "share": lambda row: share(row["solved"] / row["asked"], 1),
+        "how the others ended": lambda row: row["ended"] or NOTHING,
+    }
     shown = data[(data["scene"] == "") | (data["solved"] < data["asked"])]
-    rows = [
-        [
-            f"`{row['competitor']}`",
-            f"`{row['scene']}`" if row["scene"] else "all",
-            str(row["asked"]),
-            str(row["solved"]),
-            percent(row["solved"] / row["asked"], 1, sign=False),
-            row["ended"] or NOTHING,
-        ]
-        for row in shown.to_dict("records")
-    ]
     text = prose("""## Solved and failed
 
 Of the problems that were put to two algorithms, or iterations, at least: how many each has solved, in all, and in each
 scene in which it has failed. What an algorithm refuses, and what is not solved yet, is not put to it.""")
-    header = ["algorithm", "scene", "put to it", "solved", "share", "how the others ended"]
-    return Part(f"{text}\n\n{table('Problems solved', header, rows, words=2)}")
+    return joined(text, listing("Problems solved", shown, columns, words=2))
 
 
 def _profiles(store: Store) -> Part:
@@ -160,16 +135,14 @@ to reach an error. The profile is the share of problems within a factor of the b
 solved, and depends on the whole field. So pairs are compared alone, too, on the problems that both solve, and the
 ranking (by the share within twice the best) is repeated without each competitor. Problems of one scene are alike: the
 intervals are those of drawing scenes. Fewer than five problems make no comparison.""")
-    parts = [text, machine("\n".join(lines))]
-    pictures = {}
-    if len(data):
-        parts.append(picture(PROFILES, "Share of problems within a factor of the best"))
-        pictures = {PROFILES: figures_tradeoff.profiles(data, COST)}
-    parts += [
+    drawn = figures_tradeoff.profiles(data, COST) if len(data) else ""
+    return joined(
+        text,
+        machine("\n".join(lines)),
+        picture("tradeoff-profiles.svg", "Share of problems within a factor of the best", drawn) if drawn else "",
         machine(_pairs(pairs, COST)),
         folded("Pairs by operations of the factorisations", _pairs(pairs, OPERATIONS)),
-    ]
-    return Part("\n\n".join(parts), pictures)
+    )
 
 
 def _ranking(axis: str, checked: pd.DataFrame) -> str:
@@ -185,27 +158,22 @@ def _ranking(axis: str, checked: pd.DataFrame) -> str:
 def _pairs(pairs: pd.DataFrame, cost: str) -> str:
     """The pairs with enough problems in common, the largest ratio first within each axis."""
     own = pairs[(pairs["cost"] == cost) & pairs["ratio"].notna()]
-    rows = [_pair(row) for row in own.to_dict("records")]
-    header = [
-        "axis",
-        "a",
-        "b",
-        "put to both",
-        "both solve",
-        "scenes",
-        "a cheaper",
-        "b cheaper",
-        "median of b over a [95 %]",
-    ]
-    return (
-        table(f"Pairs, {cost}", header, rows, words=3) if rows else f"No pair has enough problems in common ({cost})."
-    )
-
-
-def _pair(row: dict) -> list[str]:
-    ratio = f"{fixed(row['ratio'], 2)} [{fixed(row['ratio_low'], 2)}, {fixed(row['ratio_high'], 2)}]"
-    counts = (str(row[name]) for name in ("problems", "both", "scenes", "a_better", "b_better"))
-    return [row["axis"], f"`{row['a']}`", f"`{row['b']}`", *counts, ratio]
+    columns: Columns = {
+        "axis": "axis",
+        "a": ("a", code),
+        "b": ("b", code),
+        "put to both": "problems",
+        "both solve": "both",
+        "scenes": "scenes",
+        "a cheaper": "a_better",
+        "b cheaper": "b_better",
+        "median of b over a [95 %]": lambda row: (
+            f"{fixed(row['ratio'], 2)} {interval((row['ratio_low'], row['ratio_high']))}"
+        ),
+    }
+    if own.empty:
+        return f"No pair has enough problems in common ({cost})."
+    return listing(f"Pairs, {cost}", own, columns, words=3)
 
 
 def _attribution(store: Store) -> Part:
@@ -221,69 +189,64 @@ def _attribution(store: Store) -> Part:
         top = best.sort_values("share", ascending=False).iloc[0]
         said.append(
             f"Of {words}, the {counts.index[0]} explains the most in {counts.iloc[0]} of {len(best)} scenes and "
-            f"families (in `{top['name']}` {top['factor']} alone {_interval(top)})."
+            f"families (in `{top['name']}` {top['factor']} alone {explained(top)})."
         )
     rows = []
     for (_, name), own in data[data["response"].isin(("error", OPERATIONS))].groupby(["scope", "name"], sort=False):
         for of, each in own.groupby("response", sort=False):
-            shown = [f"{row['factor']} {_interval(row)}" for row in each.to_dict("records") if row["share"] >= 0.005]
-            rows.append([f"`{name}`", str(of), str(each["cells"].iloc[0]), ", ".join(shown)])
+            shown = [f"{row['factor']} {explained(row)}" for row in each.to_dict("records") if row["share"] >= 0.005]
+            rows.append([code(name), of, each["cells"].iloc[0], ", ".join(shown)])
     text = prose(f"""## Which axis explains it
 
 Shares of the variance of the logarithm of error and operations (type II, with 95 % bootstrap intervals).
 {" ".join(said)}""")
     listed = table("Shares of the variance", ["scene or family", "of", "cells", "explained by"], rows, words=4)
-    shown_picture = picture(SHARES, "Shares of the variance by axis")
-    return Part(
-        f"{text}\n\n{shown_picture}\n\n{folded('The shares as a table', listed)}",
-        {SHARES: figures_tradeoff.attribution(data, ("error", OPERATIONS))},
+    shown_picture = picture(
+        "tradeoff-shares.svg",
+        "Shares of the variance by axis",
+        figures_tradeoff.attribution(data, ("error", OPERATIONS)),
     )
+    return joined(text, shown_picture, folded("The shares as a table", listed))
 
 
-def _interval(row: pd.Series | dict) -> str:
+def explained(row: pd.Series | Mapping[Any, Any]) -> str:
+    """The share of a factor, and its interval."""
     return f"{100 * row['share']:.0f} % [{100 * row['low']:.0f}, {100 * row['high']:.0f}]"
 
 
 def _flags(store: Store) -> Part:
     """What is suspicious."""
     data = store.analysis("flags")
-    own = [data[data["flag"] != "wall"], data[data["flag"] == "wall"]]
+    inert, walls = data[data["flag"] != "wall"], data[data["flag"] == "wall"]
+    lost = walls["cause"].eq("formulation") & ~walls["subject"].str.endswith(" by exact")
     text = prose("""## What is suspicious
 
 A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early. An error that
 stands still while the mesh goes on converging has met a wall: digits of the reference, its uncertainty, or the
 formulation itself.""")
-    inert = [
-        [f"`{row['scene']}`", row["subject"], f"{row['cases']} of {row['of']}", _count(row["size"]), row["cause"]]
-        for row in own[0].to_dict("records")
-    ]
-    lost = own[1]["cause"].eq("formulation") & ~own[1]["subject"].str.endswith(" by exact")
-    walls, losses = ([_wall(row) for row in each.to_dict("records")] for each in (own[1][~lost], own[1][lost]))
-    header = ["scene", "algorithm", "without effect", "most iterations", "cause"]
-    parts = [text]
-    parts.append(
-        table("Tolerances without effect", header, inert, words=2)
-        if inert
-        else "Every tolerance has an effect somewhere."
-    )
-    if walls:
-        parts.append(table("Walls", WALL, walls, words=2))
-    if losses:
-        shown = table("Walls of measures that approximate", WALL, losses, words=2)
+    without: Columns = {
+        "scene": ("scene", code),
+        "algorithm": "subject",
+        "without effect": lambda row: f"{row['cases']} of {row['of']}",
+        "most iterations": ("size", fixed),
+        "cause": "cause",
+    }
+    wall: Columns = {
+        "scene": ("scene", code),
+        "quantity": "subject",
+        "wall": ("size", share, 3),
+        "cause": "cause",
+        "finest cell": ("label", code),
+    }
+    parts = ["Every tolerance has an effect somewhere."]
+    if len(inert):
+        parts = [listing("Tolerances without effect", inert, without, words=2)]
+    if not lost.all():
+        parts.append(listing("Walls", walls[~lost], wall, words=2))
+    if lost.any():
+        shown = listing("Walls of measures that approximate", walls[lost], wall, words=2)
         parts.append(folded("What other measures than the exact one lose on scenes with a reference", shown))
-    return Part("\n\n".join(parts))
-
-
-WALL = ["scene", "quantity", "wall", "cause", "finest cell"]
-
-
-def _wall(row: dict) -> list[str]:
-    size = percent(row["size"], 3, sign=False)
-    return [f"`{row['scene']}`", row["subject"], size, row["cause"], f"`{row['label']}`"]
-
-
-def _count(value: float) -> str:
-    return "–" if math.isnan(value) else str(int(value))
+    return joined(text, *parts)
 
 
 CHAPTER = Chapter(

@@ -2,30 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import pandas as pd
 
-from reports.chapters.tyre import figures as figures_tyre
-from reports.chapters.tyre.cells import ALGORITHMS, BASE, CONSISTENT, DELTA, SLOWEST, SOFT
+from reports.chapters.tyre import figures
+from reports.chapters.tyre.cells import ALGORITHMS, BASE, CONSISTENT, DELTA, SLOWEST, SOFT, change, nodes_unlike
 from reports.chapters.tyre.printed_pressures import HALF
-from reports.maps import at_delta, different_nodes, pressure_map
-from reports.markdown import (
-    NOTHING,
-    Part,
-    commands,
-    digits,
-    fixed,
-    folded,
-    joined,
-    machine,
-    percent,
-    picture,
-    prose,
-    scientific,
-    table,
-)
+from reports.formats import NOTHING, code, digits, fixed, percent, scientific
+from reports.maps import at_delta, pressure_map
+from reports.markdown import Columns, Part, commands, folded, joined, listing, machine, picture, prose, table
 from reports.tables import Cell, Store
 
-COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "set_changes")
+COUNTERS = {  # by their heads
+    "unknowns": "dofs",
+    "Newton iterations": "newton_iterations",
+    "factorisations": "factorisations",
+    "assemblies": "assemblies",
+    "set changes": "set_changes",
+}
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 ELSEWHERE = ("agreement", "models")  # lists of cells whose costs are on other pages
 DRAWN_ROWS = (0.0, 30.0)  # labels of the printed rows beside which the couplings are drawn
@@ -33,25 +29,13 @@ DRAWN_ROWS = (0.0, 30.0)  # labels of the printed rows beside which the coupling
 
 def algorithms_part(store: Store) -> Part:
     """What the choice of the algorithm changes, and what not."""
-    compared = Part(commands(cell.command for cell in store.select(**ALGORITHMS)))
-    return joined([_answers(store), _histories(store), compared, _coupling(store)])
+    compared = commands(cell.command for cell in store.select(**ALGORITHMS))
+    return joined(_answers(store), _histories(store), compared, _coupling(store))
 
 
 def yardstick(store: Store, cell: Cell) -> Cell:
     """What the answers of the other algorithms are held against, for the measure of a cell."""
     return store.find(**{**BASE, "measure": cell.result["measure"]})
-
-
-def relative_difference(cell: Cell, other: Cell) -> float:
-    """Of the forces at 20 mm; NaN when one of them did not get there."""
-    return cell.value("force_N", delta_mm=DELTA) / other.value("force_N", delta_mm=DELTA) - 1.0
-
-
-def set_difference(cell: Cell, other: Cell) -> int | None:
-    """Nodes in contact at 20 mm in only one of two cells; None when one of them did not get there."""
-    if cell.find_step(delta_mm=DELTA) is None or other.find_step(delta_mm=DELTA) is None:
-        return None
-    return different_nodes(*(at_delta(c.table("contact"), DELTA) for c in (cell, other)))
 
 
 def _answers(store: Store) -> Part:
@@ -61,62 +45,56 @@ def _answers(store: Store) -> Part:
     header += ["nodes unlike the reference", "Newton iterations", "set changes", "factorisations"]
     header += ["equilibrium [-]", "penetration [mm]", "tension [MPa]", "central asymmetry [-]"]
     epsilon, base = store.find(**SOFT), store.find(**BASE)
-    difference = relative_difference(epsilon, base)
     step = epsilon.find_step(delta_mm=DELTA)
-    rejected = " A cost is a dash where a step was rejected: see Costs." if any(c.cuts() for c in cells) else ""
-    penetration = None if step is None else step["kkt"]["penetration"]
+    rejected = " A cost is a dash where a step was rejected: see Costs." if any(c.cuts for c in cells) else ""
     text = prose(f"""## Measures and algorithms
 
 The same tyre at Δ = {DELTA:g} mm by every combination; iterations, set changes and factorisations include the
 inflation. The load steps stated are those of the inflation, and again of the travel. The reference of a measure is its
 row with `semismooth`, mixed Newton and ε = inf, which enforces the contact condition exactly. With
-ε = {_epsilon(epsilon)} MPa/mm the force changes by {scientific(difference, 2)} of its value, and the plane is
-penetrated by up to {scientific(penetration)} mm.{rejected}""")
-    body = table("Answers and costs of the algorithms", header, rows, words=3)
-    return Part(f"{text}\n\n{body}")
+ε = {_epsilon(epsilon)} MPa/mm the force changes by {scientific(change(epsilon, base), 2)} of its value, and the plane
+is penetrated by up to {scientific(None if step is None else step["kkt"]["penetration"])} mm.{rejected}""")
+    return joined(text, table("Answers and costs of the algorithms", header, rows, words=3))
 
 
 def _answer_row(cell: Cell, reference: Cell) -> list[str]:
-    result, counters = cell.result, cell.result["counters"]
-    steps = result["settings"]["steps"]
-    newton = f"{result['newton']}, {steps} step{'s' if steps > 1 else ''}"
-    row = [result["measure"], result["contact"], newton, _epsilon(cell)]
-    step = cell.find_step(delta_mm=DELTA)
-    costs = [str(counters[key]) for key in ("newton_iterations", "set_changes", "factorisations")]
-    if cell.cuts():
-        costs = [NOTHING] * 3
+    result, step = cell.result, cell.find_step(delta_mm=DELTA)
+    row = [result["measure"], result["contact"], f"{result['newton']}, {_steps(cell, 'step')}", _epsilon(cell)]
+    counts = (result["counters"][key] for key in ("newton_iterations", "set_changes", "factorisations"))
+    costs = [NOTHING if cell.cuts else str(count) for count in counts]
     if step is None:
         return [*row, f"{result['outcome']}: {result['reason']}", *[NOTHING] * 3, *costs, *[NOTHING] * 4]
-    row += [digits(step["force_N"], 10), scientific(relative_difference(cell, reference)), str(step["contact_nodes"])]
-    row += [fixed(set_difference(cell, reference), 0), *costs]
+    row += [digits(step["force_N"], 10), scientific(change(cell, reference)), str(step["contact_nodes"])]
     residuals = [step["kkt"][name] for name in ("equilibrium", "penetration", "tension")]
+    row += [fixed(nodes_unlike(cell, reference)), *costs]
     return row + [scientific(value) for value in (*residuals, step["central_asymmetry"])]
 
 
+def _steps(cell: Cell, name: str) -> str:
+    steps = cell.settings["steps"]
+    return f"{steps} {name}{'s' if steps > 1 else ''}"
+
+
 def _epsilon(cell: Cell) -> str:
-    epsilon = cell.result["settings"]["epsilon"]
+    epsilon = cell.settings["epsilon"]
     return str(epsilon) if isinstance(epsilon, str) else f"{epsilon:g}"
 
 
 def _histories(store: Store) -> Part:
     fast, slow = store.find(**BASE), store.find(**SLOWEST)
-    names = {_words(cell): cell for cell in (fast, slow)}
     counts = [cell.result["counters"]["newton_iterations"] for cell in (fast, slow)]
-    name = "tyre-iterations.svg"
+    histories = {_way(cell): cell.table("history") for cell in (fast, slow)}
     text = prose(f"""### Iteration histories
 
 The cell `{fast.label}` needs {counts[0]} Newton iterations, `{slow.label}` {counts[1]}, the inflation included:
 {fixed(counts[1] / counts[0], 1)} times as many. A tooth of the slower curve is a Newton iteration that converged on a
-contact set which turned out wrong, or a load step.
-
-{picture(name, "Residual and contact set over the residual evaluations of two algorithms")}""")
-    histories = {words: cell.table("history") for words, cell in names.items()}
-    return Part(text, {name: figures_tyre.iterations(histories)})
+contact set which turned out wrong, or a load step.""")
+    words = "Residual and contact set over the residual evaluations of two algorithms"
+    return joined(text, picture("tyre-iterations.svg", words, figures.iterations(histories)))
 
 
-def _words(cell: Cell) -> str:
-    steps = cell.result["settings"]["steps"]
-    return f"{cell.result['contact']} with {cell.result['newton']} Newton, {steps} load step{'s' if steps > 1 else ''}"
+def _way(cell: Cell) -> str:
+    return f"{cell.result['contact']} with {cell.result['newton']} Newton, {_steps(cell, 'load step')}"
 
 
 def _coupling(store: Store) -> Part:
@@ -125,57 +103,67 @@ def _coupling(store: Store) -> Part:
     header = ["coupling", "force [N]", "difference", "centre pressure [MPa]", "highest [MPa]"]
     header += ["nodes in contact", "nodes unlike lumped"]
     panels = {f"φ = {HALF * row:g} deg": _rows(store, (lumped, consistent), row) for row in DRAWN_ROWS}
-    name = "tyre-coupling.svg"
     text = prose(f"""## From pressure to nodal force
 
 `lumped` gives each node its own area; `consistent` spreads a nodal pressure over the neighbours by the mass matrix of
 the elements, which lets pressures zig-zag near the rim, as the printed ones do. All at Δ = {DELTA:g} mm, the
 printed rows under the reading φ = row label / 2.""")
-    body = table("Lumped and consistent coupling", header, rows)
-    shown = picture(name, "Pressure along two meridians, lumped and consistent, with the printed rows")
-    text = "\n\n".join([text, body, shown, commands([lumped.command, consistent.command])])
-    return Part(text, {name: figures_tyre.pressure_along_psi(panels)})
+    words = "Pressure along two meridians, lumped and consistent, with the printed rows"
+    return joined(
+        text,
+        table("Lumped and consistent coupling", header, rows),
+        picture("tyre-coupling.svg", words, figures.pressure_along_psi(panels)),
+        commands([lumped.command, consistent.command]),
+    )
 
 
 def _coupling_row(cell: Cell, lumped: Cell) -> list[str]:
-    row, at = [cell.result["settings"]["coupling"]], {"delta_mm": DELTA}
-    if cell.find_step(**at) is None:
-        return [*row, f"{cell.result['outcome']}: {cell.result['reason']}", *[NOTHING] * 5]
+    coupling, step = str(cell.settings["coupling"]), cell.find_step(delta_mm=DELTA)
+    if step is None:
+        return [coupling, f"{cell.result['outcome']}: {cell.result['reason']}", *[NOTHING] * 5]
     highest = float(at_delta(cell.table("contact"), DELTA)["pressure_MPa"].max())
-    row += [fixed(cell.value("force_N", **at), 2), percent(relative_difference(cell, lumped))]
-    row += [fixed(value, 4) for value in (cell.value("centre_pressure_MPa", **at), highest)]
-    return [*row, fixed(cell.value("contact_nodes", **at), 0), fixed(set_difference(cell, lumped), 0)]
+    pressures = [fixed(value, 4) for value in (step["centre_pressure_MPa"], highest)]
+    nodes = [fixed(count) for count in (step["contact_nodes"], nodes_unlike(cell, lumped))]
+    return [coupling, fixed(step["force_N"], 2), percent(change(cell, lumped)), *pressures, *nodes]
 
 
-def _rows(store: Store, cells: tuple[Cell, ...], row: float) -> dict[str, pd.Series]:
+def _rows(store: Store, cells: tuple[Cell, ...], row: float) -> Mapping[str, pd.Series]:
     """Pressures along the meridian of a printed row: ours by coupling, and the printed ones."""
     nodes = store.analysis("tyre_printed_nodes")
     own = nodes[(nodes["delta_mm"] == nodes["delta_mm"].iloc[0]) & (nodes["row_label"] == row)]
     curves = {
-        cell.result["settings"]["coupling"]: pressure_map(at_delta(cell.table("contact"), DELTA))[HALF * row]
+        cell.settings["coupling"]: pressure_map(at_delta(cell.table("contact"), DELTA))[HALF * row].fillna(0.0)
         for cell in cells
         if cell.find_step(delta_mm=DELTA) is not None
     }
-    return {
-        **{name: curve.fillna(0.0) for name, curve in curves.items()},
-        "printed": own.set_index("psi_deg")["printed_MPa"],
-    }
+    return {**curves, "printed": own.set_index("psi_deg")["printed_MPa"]}
 
 
 def costs_part(store: Store) -> Part:
     """Counters and times of all tyre cells; what rounding decides stands in a machine block."""
-    cells = [cell for cell in store.cells.values() if cell.scene == "tyre" and cell.group not in ELSEWHERE]
-    header = ["cell", "unknowns", "Newton iterations", "factorisations", "assemblies", "set changes"]
-    counters = {cell: [cell.label, *(str(cell.result["counters"][name]) for name in COUNTERS)] for cell in cells}
-    steady = [row for cell, row in counters.items() if not cell.cuts()]
-    unsteady = [row for cell, row in counters.items() if cell.cuts()]
-    parts = []
-    if unsteady:
-        parts.append("How many iterations a rejected step takes is decided by rounding, and so by the machine.")
-        parts.append(table("Counters of the cells in which a load step was rejected and cut", header, unsteady))
-    times = [[cell.label, *(fixed(cell.result["timing_s"].get(name), 2) for name in TIMES)] for cell in cells]
-    parts.append(table("Wall times [s], one run each", ["cell", *TIMES], times))
-    commands_of = [[cell.label, f"`{cell.command}`"] for cell in cells]
-    every = folded("Every cell and its command", table("Commands", ["cell", "command"], commands_of, words=2))
-    body = table("Counters of the cells whose load steps were all taken as asked", header, steady)
-    return Part("\n\n".join(["## Costs", body, machine("\n\n".join(parts)), every]))
+    cells = [cell for cell in store.cells if cell.scene == "tyre" and cell.group not in ELSEWHERE]
+    steady, cut = ([_costs(cell) for cell in cells if bool(cell.cuts) is rejected] for rejected in (False, True))
+    every = [_costs(cell) for cell in cells]
+    counters: Columns = {"cell": "cell", **COUNTERS}
+    spent: Columns = {"cell": "cell", **{name: (name, fixed, 2) for name in TIMES}}
+    parts = [listing("Wall times [s], one run each", every, spent)]
+    if cut:
+        note = "How many iterations a rejected step takes is decided by rounding, and so by the machine."
+        parts = [
+            note,
+            listing("Counters of the cells in which a load step was rejected and cut", cut, counters),
+            *parts,
+        ]
+    asked: Columns = {"cell": "cell", "command": ("command", code)}
+    return joined(
+        "## Costs",
+        listing("Counters of the cells whose load steps were all taken as asked", steady, counters),
+        machine(*parts),
+        folded("Every cell and its command", listing("Commands", every, asked, words=2)),
+    )
+
+
+def _costs(cell: Cell) -> dict[str, Any]:
+    """Of one cell by name; None for a time that was not taken."""
+    spent = {**cell.result["counters"], **dict.fromkeys(TIMES), **cell.result["timing_s"]}
+    return {"cell": cell.label, "command": cell.command, **spent}

@@ -1,9 +1,12 @@
-"""The tyres that pages compare, by what was asked for: keywords of ``store.find`` and ``store.select``."""
+"""The tyres that pages compare, by what was asked for: keywords of ``store.find`` and ``store.select``; and how."""
 
 from __future__ import annotations
 
 import math
 from typing import Any
+
+from reports.maps import at_delta, different_nodes
+from reports.tables import Cell
 
 Asked = dict[str, Any]
 DELTA = 20.0  # mm, the travel of the printed table
@@ -28,7 +31,20 @@ FOLLOWER: Asked = {**BASE, "load": "follower"}
 FOLLOWER_FINE: Asked = {**FOLLOWER, **FINE_MESH}
 ISOTROPIC: Asked = {**ELEMENT, **MESH, "model": "full", "plies": 1, "delta_mm": TO_DELTA}
 ISOTROPIC_FINE: Asked = {**ISOTROPIC, **FINE_MESH}
+PLIES = {"angle plies": 4, "isotropic": 1}  # by their words in the table tyre_models
 
 HALF: Asked = {**ELEMENT, "model": "half", "plies": 4}  # under a turn by 180 degrees
 ONE_STEP: Asked = {**HALF, **USUAL, "section": "constant-s33", "load": "dead", "delta_mm": DELTA, "steps": 1}
 FAR: Asked = {**HALF, **USUAL, "delta_mm": (20, 25, 30, 35, 40)}  # mm, as far as the path goes
+
+
+def change(cell: Cell, other: Cell, quantity: str = "force_N", delta: float = DELTA) -> float:
+    """Relative difference of a quantity at a travel: cell over other, less one; NaN when one did not get there."""
+    return cell.value(quantity, delta_mm=delta) / other.value(quantity, delta_mm=delta) - 1.0
+
+
+def nodes_unlike(cell: Cell, other: Cell, delta: float = DELTA) -> int | None:
+    """Nodes in contact at a travel in only one of two cells; None when one of them did not get there."""
+    if cell.find_step(delta_mm=delta) is None or other.find_step(delta_mm=delta) is None:
+        return None
+    return different_nodes(*(at_delta(each.table("contact"), delta) for each in (cell, other)))

@@ -31,7 +31,7 @@ def tyre_page(store: Store) -> Part:
     for delta in CURVES:  # without these indentations there is no page
         store.find(**PAPER).step(delta_mm=delta)
     sections = (paper_part, printed_part, algorithms_part, meshes_part, costs_part)
-    return joined([Part(INTRODUCTION), *(section(store) for section in sections)])
+    return joined(INTRODUCTION, *(section(store) for section in sections))
 
 
 CHAPTER = Chapter(

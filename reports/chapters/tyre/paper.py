@@ -6,20 +6,33 @@ from typing import Any
 
 import numpy as np
 
-from reports.chapters.tyre import figures as figures_tyre
+from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import CURVES, DELTA, FOLLOWER, ISOTROPIC, LINEAR, PAPER
+from reports.formats import fixed, number, residual
 from reports.maps import along_meridian, at_delta, pressure_map
-from reports.markdown import Part, commands, fixed, joined, picture, prose, scientific, table
+from reports.markdown import Column, Columns, Part, commands, joined, listing, picture, prose, table
 from reports.result_figures import mm_per_degree
 from reports.tables import Cell, Store
 
-KKT = ("equilibrium", "penetration", "tension", "complementarity")
+STEP: Columns = {
+    "Δ [mm]": ("delta_mm", number),
+    "force P [N]": ("force_N", fixed, 2),
+    "centre pressure [MPa]": ("centre_pressure_MPa", fixed, 4),
+    "nodes in contact": "contact_nodes",
+    "half length [mm]": ("half_length_mm", fixed, 2),
+    "half width [mm]": ("half_width_mm", fixed, 2),
+    "Newton iterations": "newton_iterations",
+    "equilibrium [-]": ("kkt", residual, "equilibrium"),
+    "penetration [mm]": ("kkt", residual, "penetration"),
+    "tension [MPa]": ("kkt", residual, "tension"),
+    "complementarity [MPa mm]": ("kkt", residual, "complementarity"),
+}
 
 
 def paper_part(store: Store) -> Part:
     """What the paper's tyre does."""
     sections = (_load, _linear_and_exact, _inflation, _profiles, _pressures)
-    return joined([*(section(store) for section in sections), Part(commands(cell.command for cell in _tyres(store)))])
+    return joined(*(section(store) for section in sections), commands(cell.command for cell in _tyres(store)))
 
 
 def _tyres(store: Store) -> list[Cell]:
@@ -28,42 +41,24 @@ def _tyres(store: Store) -> list[Cell]:
 
 def forces(store: Store) -> dict[float, tuple[float, float]]:
     """Forces of the linear and of the exact measure [N] by the travels of the latter up to 20 mm."""
-    cells = store.find(**LINEAR), store.find(**PAPER)
-    reached = [step["delta_mm"] for step in cells[1].steps if step["delta_mm"] <= DELTA]
-    return {d: (cells[0].value("force_N", delta_mm=d), cells[1].value("force_N", delta_mm=d)) for d in reached}
+    linear, exact = store.find(**LINEAR), store.find(**PAPER)
+    reached = [step["delta_mm"] for step in exact.steps if step["delta_mm"] <= DELTA]
+    return {d: (linear.value("force_N", delta_mm=d), exact.value("force_N", delta_mm=d)) for d in reached}
 
 
 def _load(store: Store) -> Part:
     cell = store.find(**PAPER)
-    s = cell.result["settings"]
+    s = cell.settings
     text = prose(f"""## The paper's tyre under a plane
 
 A torus of {s["plies"]} plies at ±{s["gamma_deg"]:g} deg to the meridian, held at ψ = ±{s["clamp_deg"]:g} deg, is
 inflated by {s["p0_MPa"]:g} MPa ({s["load"]} load, mesh {cell.result["mesh"]}). A rigid frictionless plane then moves
 towards the axis by Δ, counted from first touch. Half lengths are measured along φ, around the axis, half widths along
 ψ, on the deformed outer face. The last four columns are residuals that a judge recomputes from the answer.""")
-    header = ["Δ [mm]", "force P [N]", "centre pressure [MPa]", "nodes in contact", "half length [mm]"]
-    header += ["half width [mm]", "Newton iterations"]
-    header += ["equilibrium [-]", "penetration [mm]", "tension [MPa]", "complementarity [MPa mm]"]
-    rows = table("Load, patch and residuals of the paper's tyre", header, (_load_row(step) for step in cell.steps))
-    return Part("\n\n".join([text, rows]))
-
-
-def _load_row(step: dict[str, Any]) -> list[str]:
-    return [
-        f"{step['delta_mm']:g}",
-        fixed(step["force_N"], 2),
-        fixed(step["centre_pressure_MPa"], 4),
-        str(step["contact_nodes"]),
-        fixed(step["half_length_mm"], 2),
-        fixed(step["half_width_mm"], 2),
-        str(step["newton_iterations"]),
-        *(scientific(step["kkt"][name]) for name in KKT),
-    ]
+    return joined(text, listing("Load, patch and residuals of the paper's tyre", cell.steps, STEP))
 
 
 def _linear_and_exact(store: Store) -> Part:
-    paper, linear = store.find(**PAPER), store.find(**LINEAR)
     pairs = forces(store)
     rows = [[f"{d:g}", fixed(low, 2), fixed(high, 2), fixed(low / high, 3)] for d, (low, high) in pairs.items()]
     linear_20, exact_20 = pairs[DELTA]
@@ -71,43 +66,39 @@ def _linear_and_exact(store: Store) -> Part:
 
 At Δ = {DELTA:g} mm the linear measure needs {fixed(linear_20 / exact_20, 3)} times the force of the exact one.
 The paper says "about two". Each measure counts Δ from the first touch of its own inflated tyre.""")
-    header = ["Δ [mm]", "P linear [N]", "P exact [N]", "linear / exact"]
     curves = {
         f"{cell.result['measure']} strains": ([s["delta_mm"] for s in cell.steps], [s["force_N"] for s in cell.steps])
-        for cell in (paper, linear)
+        for cell in (store.find(**PAPER), store.find(**LINEAR))
     }
-    name = "tyre-load-deflection.svg"
-    shown = picture(name, "Force over the travel of the plane, linear and exact strains")
-    rows_text = table("Force of the linear and of the exact measure", header, rows)
-    text = "\n\n".join([text, rows_text, shown])
-    return Part(text, {name: figures_tyre.load_deflection(curves)})
+    header, words = ["Δ [mm]", "P linear [N]", "P exact [N]", "linear / exact"], "linear and exact strains"
+    body = table("Force of the linear and of the exact measure", header, rows)
+    drawn = figures.load_deflection(curves)
+    return joined(
+        text, body, picture("tyre-load-deflection.svg", f"Force over the travel of the plane, {words}", drawn)
+    )
 
 
 def _inflation(store: Store) -> Part:
-    rows = []
-    for cell in _tyres(store):
-        settings, growth = cell.result["settings"], cell.result["quantities"]
-        wall = "isotropic" if "E_MPa" in settings else f"plies at ±{settings['gamma_deg']:g} deg"
-        what = f"{wall}, {cell.result['measure']} strains, {settings['load']} load, {settings['pressure_area']} area"
-        rows.append(
-            [what, *(fixed(growth.get(f"inflated_equator_{face}_mm"), 3, sign=True) for face in ("inner", "outer"))]
-        )
-    text = (
-        "### Inflation\n\nWhich way the equator moves is up to the cords. A positive number is a growth of the radius."
-    )
-    title = "Displacement of the equator by inflation [mm]"
-    body = table(title, ["tyre", "inner face", "outer face"], rows)
-    return Part(f"{text}\n\n{body}")
+    text = "Which way the equator moves is up to the cords. A positive number is a growth of the radius."
+    columns: Columns = {"tyre": _description, "inner face": _growth("inner"), "outer face": _growth("outer")}
+    body = listing("Displacement of the equator by inflation [mm]", _tyres(store), columns)
+    return joined("### Inflation", text, body)
+
+
+def _growth(face: str) -> Column:
+    return lambda cell: fixed(cell.result["quantities"].get(f"inflated_equator_{face}_mm"), 3, sign=True)
+
+
+def _description(cell: Cell) -> str:
+    s = cell.settings
+    wall = "isotropic" if "E_MPa" in s else f"plies at ±{s['gamma_deg']:g} deg"
+    return f"{wall}, {cell.result['measure']} strains, {s['load']} load, {s['pressure_area']} area"
 
 
 def _profiles(store: Store) -> Part:
-    cell = store.find(**PAPER)
-    name = "tyre-profiles.svg"
-    text = (
-        f"### Deformed meridian\n\nInner and outer face at φ = 0, where the plane touches first.\n\n"
-        f"{picture(name, 'Meridian profiles: unloaded, inflated and pressed')}"
-    )
-    return Part(text, {name: figures_tyre.profiles(cell.table("profile"), CURVES)})
+    text = "### Deformed meridian\n\nInner and outer face at φ = 0, where the plane touches first."
+    drawn = figures.profiles(store.find(**PAPER).table("profile"), CURVES)
+    return joined(text, picture("tyre-profiles.svg", "Meridian profiles: unloaded, inflated and pressed", drawn))
 
 
 def _pressures(store: Store) -> Part:
@@ -119,18 +110,15 @@ def _pressures(store: Store) -> Part:
     row, column = np.argwhere(pressures.to_numpy() == highest)[0]
     at_psi, at_phi = abs(float(pressures.index[row])), abs(float(pressures.columns[column]))
     phi, psi = _extent(pressures.notna().any(axis=0)), _extent(pressures.notna().any(axis=1))
-    names = "tyre-pressure-psi.svg", "tyre-pressure-map.svg"
-    text = "\n\n".join(
-        [
-            "### Contact pressure",
-            picture(names[0], "Contact pressure along the meridian under three travels"),
-            f"At Δ = {DELTA:g} mm the outermost nodes in contact lie at φ = ±{phi:g} deg and ψ = ±{psi:g} deg; "
-            f"the highest pressure is {fixed(highest, 3)} MPa, at |φ| = {at_phi:g} deg and |ψ| = {at_psi:g} deg.",
-            picture(names[1], "Contact pressure over the patch, with its outline"),
-        ]
+    along = figures.pressure_along_psi({"φ = 0": curves})
+    patch = figures.pressure_map(pressures, mm_per_degree(cell.table("profile")))
+    return joined(
+        "### Contact pressure",
+        picture("tyre-pressure-psi.svg", "Contact pressure along the meridian under three travels", along),
+        f"At Δ = {DELTA:g} mm the outermost nodes in contact lie at φ = ±{phi:g} deg and ψ = ±{psi:g} deg; "
+        f"the highest pressure is {fixed(highest, 3)} MPa, at |φ| = {at_phi:g} deg and |ψ| = {at_psi:g} deg.",
+        picture("tyre-pressure-map.svg", "Contact pressure over the patch, with its outline", patch),
     )
-    drawn = figures_tyre.pressure_map(pressures, mm_per_degree(cell.table("profile")))
-    return Part(text, {names[0]: figures_tyre.pressure_along_psi({"φ = 0": curves}), names[1]: drawn})
 
 
 def _extent(touching: Any) -> float:

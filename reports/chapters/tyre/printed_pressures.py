@@ -8,24 +8,34 @@ from typing import Any
 
 import pandas as pd
 
-from reports.chapters.tyre import figures as figures_tyre
+from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import DELTA, PAPER
+from reports.formats import fixed, number, scientific, share
 from reports.maps import at_delta
-from reports.markdown import Part, commands, fixed, folded, joined, percent, picture, prose, scientific, table
+from reports.markdown import Columns, Part, commands, folded, joined, listing, picture, prose, table
 from reports.tables import Cell, Store
 
 PRINTED_FACTOR = 10.0  # the table gives -10 q
 PRINTED_DIGIT = 0.001  # MPa, one unit of its last digit
 HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
-COUNTS = ("core_nodes", "nodes", "printed_nodes", "both", "in_one_only")
+COMPARED: Columns = {
+    "centre ours [MPa]": ("centre_MPa", fixed, 4),
+    "printed [MPa]": ("printed_centre_MPa", fixed, 3),
+    "core rms": ("core_rms", share),
+    "core nodes": "core_nodes",
+    "nodes ours": "nodes",
+    "printed": "printed_nodes",
+    "both": "both",
+    "in one only": "in_one_only",
+}
 
 
 def printed_part(store: Store) -> Part:
     """The printed table and ours."""
     cell, found = store.find(**PAPER), store.analysis("tyre_comparison")
     best = float(found.loc[found["best"], "delta_mm"].iloc[0])
-    parts = [_readings(store, cell, found, best), _travels(found), _tables(store, best), _symmetry(store, cell, best)]
-    return joined([*parts, Part(commands([cell.command]))])
+    sections = _readings(store, cell, found, best), _tables(store, best), _symmetry(store, cell, best)
+    return joined(*sections, commands([cell.command]))
 
 
 def reading(found: pd.DataFrame, delta: float, per_label: float = HALF) -> Mapping[str, Any]:
@@ -35,18 +45,14 @@ def reading(found: pd.DataFrame, delta: float, per_label: float = HALF) -> Mappi
 
 
 def _readings(store: Store, cell: Cell, found: pd.DataFrame, best: float) -> Part:
-    readings = {
-        f"(a) Δ = {DELTA:g} mm, φ = row label / 2": reading(found, DELTA),
-        f"(b) Δ = {best:g} mm, φ = row label / 2": reading(found, best),
-        f"(c) Δ = {DELTA:g} mm, φ = row label": reading(found, DELTA, LITERAL),
-    }
-    rows = [
-        [words, *_comparison(row), *(fixed(row[name], 1) for name in ("force_N", "printed_sum_N"))]
-        for words, row in readings.items()
+    first, literal = reading(found, DELTA), reading(found, DELTA, LITERAL)
+    readings = [
+        {"reading": f"(a) Δ = {DELTA:g} mm, φ = row label / 2", **first},
+        {"reading": f"(b) Δ = {best:g} mm, φ = row label / 2", **reading(found, best)},
+        {"reading": f"(c) Δ = {DELTA:g} mm, φ = row label", **literal},
     ]
-    header = ["reading", "centre ours [MPa]", "printed [MPa]", "core rms", "core nodes", "nodes ours", "printed"]
-    header += ["both", "in one only", "P ours [N]", "P printed [N]"]
-    first, *_, literal = readings.values()
+    sums: Columns = {"P ours [N]": ("force_N", fixed, 1), "P printed [N]": ("printed_sum_N", fixed, 1)}
+    own, whole = {"Δ [mm]": ("delta_mm", number), **COMPARED}, {"reading": "reading", **COMPARED, **sums}
     text = prose(f"""## The printed table
 
 The paper prints one table of contact pressures, for Δ = {DELTA:g} mm. Its columns are ψ in degrees; what its
@@ -58,13 +64,9 @@ travel of the cell `{cell.label}` that has the smallest core rms; where the pape
 - *nodes*: places of the printed table in contact in ours, in print, in both, and in exactly one of them.
 - *P printed*: the printed pressures times the mid-surface areas of their nodes. The same sum over our own pressures of
   reading (a) gives {fixed(first["own_sum_N"], 1)} N.""")
-    body = table("The printed pressure table against ours, by reading", header, rows)
-    return joined([Part(text), Part(body), Part(_literal(store, cell, literal))])
-
-
-def _comparison(row: Mapping[str, Any]) -> list[str]:
-    centre = [fixed(row["centre_MPa"], 4), fixed(row["printed_centre_MPa"], 3), percent(row["core_rms"], sign=False)]
-    return centre + [str(row[name]) for name in COUNTS]
+    body = listing("The printed pressure table against ours, by reading", readings, whole)
+    by_delta = listing("The same for every travel, φ = row label / 2", found[found["phi_per_label"] == HALF], own)
+    return joined(text, body, _literal(store, cell, literal), by_delta)
 
 
 def _literal(store: Store, cell: Cell, row: Mapping[str, Any]) -> str:
@@ -82,32 +84,20 @@ def _literal(store: Store, cell: Cell, row: Mapping[str, Any]) -> str:
     )
 
 
-def _travels(found: pd.DataFrame) -> Part:
-    own = found[found["phi_per_label"] == HALF].to_dict("records")
-    rows = [[f"{row['delta_mm']:g}", *_comparison({str(key): value for key, value in row.items()})] for row in own]
-    header = ["Δ [mm]", "centre ours [MPa]", "printed [MPa]", "core rms", "core nodes", "nodes ours", "printed"]
-    return Part(table("The same for every travel, φ = row label / 2", [*header, "both", "in one only"], rows))
-
-
 def _tables(store: Store, best: float) -> Part:
     nodes = store.analysis("tyre_printed_nodes")
-    maps = {
-        delta: tuple(
-            own.pivot(index="row_label", columns="psi_deg", values=f"{who}_MPa") for who in ("pressure", "printed")
-        )
-        for delta in dict.fromkeys((DELTA, best))
-        for own in [nodes[nodes["delta_mm"] == delta]]
-    }
-    name = "tyre-printed-difference.svg"
-    panels = {f"Δ = {delta:g} mm": (ours, printed) for delta, (ours, printed) in maps.items()}
+    maps = {}
+    for delta in dict.fromkeys((DELTA, best)):
+        grid = nodes[nodes["delta_mm"] == delta].set_index(["row_label", "psi_deg"]).sort_index()
+        maps[delta] = [grid[f"{who}_MPa"].unstack() for who in ("pressure", "printed")]
     ours, printed = maps[DELTA]
     title = f"{PRINTED_FACTOR:g} p [MPa]; rows: printed label = 2 φ; columns: ψ [deg]"
     tables = [_table(f"Printed: {title}", printed), _table(f"Ours, Δ = {DELTA:g} mm: {title}", ours)]
-    text = [
-        picture(name, "Relative difference from the printed table"),
+    drawn = figures.table_differences({f"Δ = {delta:g} mm": both for delta, both in maps.items()})
+    return joined(
+        picture("tyre-printed-difference.svg", "Relative difference from the printed table", drawn),
         folded("Both tables in full", "\n\n".join(tables)),
-    ]
-    return Part("\n\n".join(text), {name: figures_tyre.table_differences(panels)})
+    )
 
 
 def _table(title: str, pressures: pd.DataFrame) -> str:
@@ -120,15 +110,14 @@ def _table(title: str, pressures: pd.DataFrame) -> str:
 
 def _symmetry(store: Store, cell: Cell, best: float) -> Part:
     data, own = store.analysis("tyre_symmetry"), reading(store.analysis("tyre_comparison"), DELTA)
-    ours = {delta: data[data["delta_mm"] == delta] for delta in dict.fromkeys((DELTA, best))}
+    ours = {delta: data[data["delta_mm"] == delta] for delta in (DELTA, best)}
     print_ = data[data["who"] == "printed"]
     maps = {**{f"ours, Δ = {delta:g} mm": rows for delta, rows in ours.items()}, "printed": print_}
-    both = ("blank_is_zero_MPa", "both_touch_MPa")
-    rows = [
-        [image, *(_small(float(each[name].iloc[i])) for each in maps.values() for name in both)]
-        for i, image in enumerate(print_["image"])
-    ]
-    header = ["largest difference [MPa]", *(f"{name}, {over}" for name in maps for over in ("blank = 0", "both touch"))]
+    shown = print_[["image"]].reset_index(drop=True)
+    for name, each in maps.items():
+        shown[f"{name}, blank = 0"] = each["blank_is_zero_MPa"].to_numpy()
+        shown[f"{name}, both touch"] = each["both_touch_MPa"].to_numpy()
+    columns: Columns = {"largest difference [MPa]": "image", **{name: (name, _small) for name in shown.columns[1:]}}
     central, mirror = (float(value) for value in print_["both_touch_MPa"].iloc[:2])
     to_what = "to its last digit" if central < PRINTED_DIGIT / 2 else f"to {fixed(central, 3)} MPa"
     off = float(ours[DELTA]["blank_is_zero_MPa"].iloc[1:].max())
@@ -140,10 +129,10 @@ Alternating plies make the tyre symmetric under a half turn about the contact no
 out of contact counts as zero pressure (*blank = 0*), or the pair is left out unless both nodes touch (*both touch*).
 The printed table is symmetric under the half turn {to_what}; its mirror images differ by up to {fixed(mirror, 3)} MPa.
 Ours at Δ = {DELTA:g} mm differs by {_small(turned)} of its peak under the half turn, over all nodes, and by up
-to {fixed(off, 3)} MPa or {percent(off / peak, 1, sign=False)} of its peak between mirror images. The parts
+to {fixed(off, 3)} MPa or {share(off / peak, 1)} of its peak between mirror images. The parts
 that change under reflection correlate between ours and the printed table with {fixed(own["handedness"], 2, sign=True)};
 the opposite sign of the cord angle would change this sign, too.""")
-    return Part(f"{text}\n\n{table('Central and mirror asymmetry', header, rows)}")
+    return joined(text, listing("Central and mirror asymmetry", shown, columns))
 
 
 def _small(value: float) -> str:

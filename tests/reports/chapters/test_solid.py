@@ -79,7 +79,7 @@ def store(tmp_path: Path) -> Path:
 
 
 def edit(store: Path, label: str, change: Callable[[dict[str, Any]], object]) -> None:
-    path = load_store(store).cell(label).directory.with_suffix(".json")
+    path = next(cell for cell in load_store(store).cells if cell.label == label).directory.with_suffix(".json")
     data = json.loads(path.read_text(encoding="utf-8"))
     change(data)
     write_json(path, data)
