@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
+from studies.analysis.answers import Answers, number
 from studies.request import Request, Settings
-from studies.scene import UsageError
 from studies.scenes.element import PRESETS
 from studies.solving import UNSUPPORTED
 from studies.step import Step
-from studies.store.layout import Archive, DamagedError
 
 MISSING = "missing"
 OPTIONS = ("measure", "contact", "newton", "model")
@@ -34,9 +32,8 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     last step.  Empty text, or NaN, where a scene has no such thing. Raises UsageError when the store has no such
     campaign, or a record that cannot be read.
     """
-    archive = Archive(Path(store))
-    rows = [_row(archive, planned) for planned in archive.index(campaign)["cells"]]
-    table = pd.DataFrame(rows)
+    answers = Answers.of(store, campaign)
+    table = pd.DataFrame([_row(answers, planned) for planned in answers.planned.values()])
     more = [name for kind in "qctk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
     table = table.reindex(columns=[*COLUMNS, *more])
     for name in NUMBERS:
@@ -44,28 +41,26 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     return table
 
 
-def _row(archive: Archive, planned: Mapping[str, Any]) -> dict[str, Any]:
+def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
     row = {**_asked(planned), "reason": planned["reason"]}
     if planned["id"] is None:
         return {**row, "outcome": UNSUPPORTED}
-    try:
-        found = archive.record(planned["id"])
-    except DamagedError as error:
-        raise UsageError(f"{error}; footprint run sets it aside and solves it again") from None
-    if found is None:
-        failure = archive.failure(planned["id"]) or {"class": MISSING, "reason": ""}
+    answer = answers.get(planned["label"])
+    if answer is None:
+        failure = answers.archive.failure(planned["id"]) or {"class": MISSING, "reason": ""}
         return {**row, "outcome": failure["class"], "reason": failure["reason"]}
+    found = answer.record
     last = Step.of(found["steps"][-1] if found["steps"] else {}, found["counters"])
     numbers = {key: value for key, value in last.seen.items() if _is_number(value)}
     return {
         **row,
         **{"outcome": found["class"], "reason": found["reason"]},
-        **{f"q.{key}": _number(value) for key, value in {**numbers, **found["quantities"]}.items()},
+        **{f"q.{key}": number(value) for key, value in {**numbers, **found["quantities"]}.items()},
         **{f"c.{key}": value for key, value in found["counters"].items()},
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
         **{f"t.{key}": value for key, value in found["timing_s"].items()},
         **_seconds(found["timing_s"]),
-        **{f"k.{key}": _number(value) for key, value in last.certificate.get("kkt", {}).items()},
+        **{f"k.{key}": number(value) for key, value in last.certificate.get("kkt", {}).items()},
     }
 
 
@@ -108,7 +103,3 @@ def _element(settings: Mapping[str, Any]) -> str:
 
 def _is_number(value: object) -> bool:
     return (isinstance(value, int | float) and not isinstance(value, bool)) or value in ("inf", "-inf", None)
-
-
-def _number(value: Any) -> float:
-    return math.nan if value is None else float(value)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pandas as pd
 
 from studies.analysis.advise import advice_table
+from studies.analysis.answers import Answers
 from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
-from studies.analysis.comparisons.answers import Answers
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.measure_errors import measure_errors

@@ -8,10 +8,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.ladders import of_ladders
-
 ENOUGH = 0.01  # the error that a mesh is wanted for
 EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart
+WHO = ("default", "paper")
 COLUMNS = (
     *("ladder", "quantity", "verdict", "meshes", "uncertainty", "default", "paper"),
     *("default_elements", "paper_elements", "default_iterations", "paper_iterations"),
@@ -25,24 +24,25 @@ def element_choice(convergence: pd.DataFrame) -> pd.DataFrame:
     limit.  verdict: is the default better, equal or worse on the coarsest mesh, where it costs?  *_elements: from which
     the error stays below ENOUGH.  *_iterations: Newton's, on the second mesh.
     """
-    defaults, papers = (of_ladders(convergence, element) for element in ("refined", "paper"))
+    own = convergence[~convergence["at"].astype(str).str.startswith("load")]  # not the benchmarks at their many loads
+    default, paper = (own[own["element"] == element] for element in ("refined", "paper"))
+    by = ["ladder", "quantity"]
     rows = []
-    for key, default in defaults.items():
-        paper = papers.get(key)
-        known = [own for own in (default, paper) if own is not None and own["limit"].notna().all()]
-        if paper is None or not known:
+    for key, pair in default.merge(paper, on=[*by, "mesh"], suffixes=("_default", "_paper")).groupby(by, sort=False):
+        first = pair.iloc[0]
+        known = [who for who in WHO if not math.isnan(first[f"limit_{who}"])]
+        if not known:
             continue
-        best = min(known, key=lambda own: float(own["uncertainty"].iloc[0])).iloc[0]
-        uncertainty = abs(float(best["uncertainty"]) / float(best["limit"]))
-        pair = (default.iloc[: len(paper)], paper)
-        errors = [own["value"].to_numpy(float) / float(best["limit"]) - 1 for own in pair]
-        meshes = list(paper["mesh"])
+        best = min(known, key=lambda who: float(first[f"uncertainty_{who}"]))
+        limit = float(first[f"limit_{best}"])
+        uncertainty, meshes = abs(float(first[f"uncertainty_{best}"]) / limit), list(pair["mesh"])
+        errors = [pair[f"value_{who}"].to_numpy(float) / limit - 1 for who in WHO]
         rows.append(
             [
                 *(*key, verdict_of(errors[0][0], errors[1][0], uncertainty), " ".join(meshes), uncertainty),
                 *(" ".join(map(repr, each.tolist())) for each in errors),
                 *(elements_for(meshes, each) for each in errors),
-                *(own["iterations"].iloc[1] for own in pair),
+                *(pair[f"iterations_{who}"].iloc[1] for who in WHO),
             ]
         )
     return pd.DataFrame(rows, columns=list(COLUMNS))

@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import pandas as pd
 
-from studies.analysis.comparisons.answers import Answer, Answers
+from studies.analysis.answers import Answer, Answers
 from studies.analysis.richardson import MeshSequence, order_against
 from studies.analysis.rows import STEP_KEYS, holding, ladders
 from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS, Ladder
@@ -163,9 +162,3 @@ def verdict_of(model: float, limit_uncertainty: float, reference_uncertainty: fl
     if math.isnan(model):
         return NO_LIMIT
     return WITHIN if abs(model) <= limit_uncertainty + reference_uncertainty else BEYOND
-
-
-def of_ladders(convergence: pd.DataFrame, element: str) -> dict[tuple[Any, ...], pd.DataFrame]:
-    """The planned sequences with an element, by ladder and quantity; not the benchmarks at their many loads."""
-    own = convergence[(convergence["element"] == element) & ~convergence["at"].astype(str).str.startswith("load")]
-    return dict(iter(own.groupby(["ladder", "quantity"], sort=False)))

@@ -12,7 +12,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.answers import HERE, Answers
+from studies.analysis.answers import HERE, Answers
 from studies.campaigns.report_cells import GROWING
 
 EXACT = "exact"
@@ -33,18 +33,15 @@ def measure_errors(answers: Answers) -> tuple[pd.DataFrame, pd.DataFrame]:
         found = {each.record["measure"]: each for each in answers.those(growing.cells)}
         if EXACT not in found:
             continue
-        exact = found[EXACT]
+        exact, name = found[EXACT], growing.quantity
         asked = exact.settings[growing.load]  # a traced curve has points between them
         loads = [step[growing.load] for step in exact.steps]
         loads = [load for load in loads if min(abs(load - each) for each in asked) < HERE]
         for measure, answer in found.items():
             if measure == EXACT:
                 continue
-            pairs = (
-                (answer.value(growing.quantity, **at), exact.value(growing.quantity, **at))
-                for at in ({growing.load: load} for load in loads)
-            )
-            errors = np.array([value / base - 1 for value, base in pairs])
+            steps = [{growing.load: load} for load in loads]
+            errors = np.array([answer.value(name, **at) / exact.value(name, **at) - 1 for at in steps])
             curves += [(growing.scene, measure, load, error) for load, error in zip(loads, errors, strict=True)]
             last = (loads[-1], errors[-1]) if loads else (math.nan, math.nan)
             firsts = (first_beyond(loads, errors, level) for level in LEVELS)

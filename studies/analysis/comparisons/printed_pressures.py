@@ -12,10 +12,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.ndimage import binary_erosion
 
 from formulations.element.strain_operator import area_factor
 from formulations.geometry.surfaces import torus
-from studies.analysis.comparisons.answers import Answer, Answers
+from studies.analysis.answers import Answer, Answers
 from studies.campaigns.report_cells import TYRE
 from studies.scenes.data import read_reference
 from studies.scenes.tyre.asymmetry import deviation
@@ -48,21 +49,21 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
     """
     rows: list[list[object]] = []
     nodes: list[pd.DataFrame] = []
-    symmetry = [("printed", math.nan, *row) for row in asymmetries(printed_map())]
+    printed = printed_map()
+    symmetry = [("printed", math.nan, *row) for row in asymmetries(printed)]
     for answer in answers.those(PAPER):
-        printed, maps = printed_map(), _maps(answer)
-        read = {delta: on_printed_nodes(own, printed, HALF) for delta, own in maps.items()}
-        found = {delta: compare(own, printed) for delta, own in read.items()}
-        best = min(found, key=lambda delta: (math.isnan(found[delta]["core_rms"]), found[delta]["core_rms"]))
-        for delta, own in read.items():
-            rows.append(_row(answer, delta, HALF, own, printed, delta == best))
-            symmetry += [("ours", delta, *row) for row in asymmetries(own)]
-            nodes.append(_nodes(delta, own, printed))
+        maps = _maps(answer)
+        for delta, own in maps.items():
+            read = on_printed_nodes(own, printed, HALF)
+            rows.append(_row(answer, delta, HALF, read, printed))
+            symmetry += [("ours", delta, *row) for row in asymmetries(read)]
+            nodes.append(_nodes(delta, read, printed))
         if DELTA in maps:
-            own = on_printed_nodes(maps[DELTA], printed, LITERAL)
-            rows.append(_row(answer, DELTA, LITERAL, own, printed, False))
+            rows.append(_row(answer, DELTA, LITERAL, on_printed_nodes(maps[DELTA], printed, LITERAL), printed))
+    found = pd.DataFrame(rows, columns=list(COLUMNS))
+    half = found[found["phi_per_label"] == HALF].sort_values("core_rms", kind="stable")
     return {
-        "tyre_comparison": pd.DataFrame(rows, columns=list(COLUMNS)),
+        "tyre_comparison": found.assign(best=found.index.isin(half.index[:1])),
         "tyre_printed_nodes": pd.concat(nodes) if nodes else pd.DataFrame(columns=list(NODE_COLUMNS)),
         "tyre_symmetry": pd.DataFrame(symmetry, columns=list(SYMMETRY_COLUMNS)),
     }
@@ -80,13 +81,11 @@ def _maps(answer: Answer) -> dict[float, pd.DataFrame]:
     return maps
 
 
-def _row(
-    answer: Answer, delta: float, per_label: float, own: pd.DataFrame, printed: pd.DataFrame, best: bool
-) -> list[object]:
+def _row(answer: Answer, delta: float, per_label: float, own: pd.DataFrame, printed: pd.DataFrame) -> list[object]:
     sums = (force(each, per_label, answer.settings) for each in (own, printed))
     found = compare(own, printed).values()
     total = answer.value("force_N", delta_mm=delta)
-    return [delta, per_label, best, *found, total, *sums, handedness(own, printed)]
+    return [delta, per_label, False, *found, total, *sums, handedness(own, printed)]
 
 
 def _nodes(delta: float, own: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
@@ -97,10 +96,8 @@ def _nodes(delta: float, own: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFra
 
 def printed_map() -> pd.DataFrame:
     """The printed table in MPa."""
-    by_label = read_reference(FILE).set_index("row_label").sort_index() / PRINTED_FACTOR
-    by_label.columns = pd.Index([float(column) for column in by_label.columns], name="psi")
-    by_label.index = pd.Index([float(label) for label in by_label.index], name="row_label")
-    return by_label.sort_index(axis=1)
+    by_label = read_reference(FILE).set_index("row_label").rename(index=float, columns=float) / PRINTED_FACTOR
+    return by_label.sort_index().sort_index(axis=1).rename_axis(columns="psi")
 
 
 def on_printed_nodes(computed: pd.DataFrame, printed: pd.DataFrame, phi_per_label: float) -> pd.DataFrame:
@@ -116,13 +113,9 @@ def core(patch: np.ndarray, depth: int = DEPTH) -> np.ndarray:
 
     Outside the table nothing belongs to the patch.
     """
-    padded = np.pad(patch, depth)
-    rows, columns = patch.shape
-    kept = patch.copy()
-    for k in range(2 * depth + 1):
-        kept &= padded[k : k + rows, depth : depth + columns]
-        kept &= padded[depth : depth + rows, k : k + columns]
-    return kept
+    cross = np.zeros((2 * depth + 1, 2 * depth + 1), bool)
+    cross[depth] = cross[:, depth] = True
+    return np.asarray(binary_erosion(patch, cross))
 
 
 def compare(computed: pd.DataFrame, printed: pd.DataFrame) -> dict[str, float]:

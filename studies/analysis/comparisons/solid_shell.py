@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.comparisons.answers import Answer, Answers
+from studies.analysis.answers import Answer, Answers
 from studies.analysis.richardson import correction, order_of
 from studies.campaigns.report_cells import SOLID, TYRE
 from studies.scenes import SCENES
@@ -53,9 +53,8 @@ def solid_shell(answers: Answers) -> pd.DataFrame:
         hard = next(each for each in bodies["solid"] if each.record["mesh"] == soft.record["mesh"])
         for step in soft.steps:
             change = step["force_N"] / hard.value("force_N", delta_mm=step["delta_mm"]) - 1
-            rows.append(
-                {"quantity": "penalty", "at": f"{step['delta_mm']:g}", "value": change, "command": soft.command}
-            )
+            told = {"at": f"{step['delta_mm']:g}", "value": change, "command": soft.command}
+            rows.append({"quantity": "penalty", **told})
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -67,15 +66,13 @@ def _compared(
     for body, cells in bodies.items():
         sizes, values = [cell.size for cell in cells], [cell.value(quantity, **at) for cell in cells]
         limit, before = (values[k] + correction(sizes[: k + 1], values[: k + 1]) for k in (2, 1))
-        own: dict[str, Any] = {
-            "limit": limit,
-            "order": order_of(sizes, values),
-            "spread": abs(limit - before) / abs(limit),
-        }
-        own |= {"mesh_part": values[-1] / limit - 1, "other": other, "off_other": limit / other - 1, "body": body}
-        for cell, value in zip(cells, values, strict=True):
-            named = {"quantity": quantity, "at": words, "mesh": cell.record["mesh"], "command": cell.command}
-            rows.append({**named, **own, "value": value})
+        own = {"quantity": quantity, "at": words, "body": body, "other": other, "limit": limit}
+        own |= {"order": order_of(sizes, values), "spread": abs(limit - before) / abs(limit)}
+        own |= {"mesh_part": values[-1] / limit - 1, "off_other": limit / other - 1}
+        rows += [
+            {**own, "mesh": cell.record["mesh"], "command": cell.command, "value": value}
+            for cell, value in zip(cells, values, strict=True)
+        ]
     solid, shell = rows[0], rows[-1]
     both = {"model_part": shell["limit"] / solid["limit"] - 1, "known_to": solid["spread"] + shell["spread"]}
     both["cancellation"] = cancellation(bodies["solid"][-1].settings)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.answers import HERE, Answer, Answers
+from studies.analysis.answers import HERE, Answer, Answers
 from studies.campaigns.report_cells import MODELS
 
 DELTA = 20.0  # mm
