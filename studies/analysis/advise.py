@@ -39,13 +39,14 @@ ADVICE_COLUMNS = (
 class Question:
     """Cells of one scene that answer the same question, verified against the same value.
 
-    cells: rows of the table with value, error (no less than the formulation's), uncertainty, bound, and ``cost.NAME``,
-    sorted by cost.
+    cells: rows of the table with value, error (no less than the formulation's), uncertainty, bound, ``cost.NAME``, and
+    the price, which is one of them and sorts the rows.  cost: its name.
     """
 
     scene: str
     quantity: str
     against: str
+    cost: str
     cells: pd.DataFrame
 
     @property
@@ -77,6 +78,10 @@ class Advice:
     next_best: Mapping[str, Any] | None
     nearest: Mapping[str, Any]
 
+    def times(self, other: Mapping[str, Any] | None) -> float:
+        """What another cell costs over the best one; NaN where either is none."""
+        return math.nan if other is None or self.best is None else other["price"] / self.best["price"]
+
 
 def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity: str, cost: str) -> list[Question]:
     """What a scene was asked, each with its cells, the best answered first.
@@ -90,14 +95,14 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     cells = priced(table[(table["scene"] == scene) & (table["outcome"] == "converged")]).merge(facts, on="label")
     if cells.empty:
         return []
-    cells["bound"] = cells["error"] + cells["uncertainty"]
-    cells = cells[cells[f"cost.{cost}"].notna()].sort_values(f"cost.{cost}", kind="stable")
+    cells = cells.assign(bound=cells["error"] + cells["uncertainty"], price=cells[f"cost.{cost}"])
+    cells = cells.dropna(subset="price").sort_values("price", kind="stable")
     found = []
     for _, rows in cells.groupby(keys(cells, *choices()), sort=False):
         referred = rows["against"].str.startswith(REFERENCE)
         answered = rows[referred] if referred.any() else rows
         for against, same in answered.groupby("against", sort=False):
-            found.append(Question(scene, quantity, str(against), same.reset_index(drop=True)))
+            found.append(Question(scene, quantity, str(against), cost, same.reset_index(drop=True)))
     return sorted(found, key=lambda question: -len(question.cells))
 
 
@@ -134,24 +139,20 @@ def _parsed(scene: str, given: Mapping[str, str]) -> dict[str, Value]:
     return {key: known[key].parse(text) if key in known else text for key, text in given.items()}
 
 
-def advise(question: Question, tolerance: float, cost: str = COST) -> Advice:
+def advise(question: Question, tolerance: float) -> Advice:
     """The advice for a relative error."""
     cells = question.cells
     best = _cheapest(cells, tolerance)
     runner_up = next_best = None
     step = next((each for each in STEPS if each < 0.999 * tolerance), math.nan)
     if best is not None:
-        ways = _ways(cells)
+        ways = cells[list(CONFIGURATION)].agg(" ".join, axis=1)
         other = cells[ways != ways[cells["label"] == best["label"]].iloc[0]]
         runner_up = _cheapest(other, tolerance)
         next_best = _cheapest(cells, step)
     nearest = _cheapest(cells.sort_values("bound", kind="stable"), math.inf)
     assert nearest is not None
     return Advice(question, tolerance, best, runner_up, step, next_best, nearest)
-
-
-def _ways(cells: pd.DataFrame) -> pd.Series:
-    return cells[[name for name in CONFIGURATION if name in cells]].astype(str).agg(" ".join, axis=1)
 
 
 def _cheapest(cells: pd.DataFrame, tolerance: float) -> dict[str, Any] | None:
@@ -165,13 +166,11 @@ def seconds_interval(question: Question, cell: Mapping[str, Any]) -> tuple[float
 
     log seconds = a + b log flops over the cells of the scene; NaN when there are less than three.
     """
-    cells = question.cells
-    if not {"cost.flops", "cost.seconds"} <= set(cells):
-        return math.nan, math.nan, math.nan
-    timed = cells[(cells["cost.flops"] > 0) & (cells["cost.seconds"] > 0)]
+    timed = question.cells.reindex(columns=["cost.flops", "cost.seconds"]).astype(float)
+    timed = timed[(timed > 0).all(axis=1)]
     if len(timed) < 3 or timed["cost.flops"].nunique() < 2:
         return math.nan, math.nan, math.nan
-    x, y = np.log(timed["cost.flops"].to_numpy(float)), np.log(timed["cost.seconds"].to_numpy(float))
+    x, y = np.log(timed.to_numpy().T)
     law = np.polyfit(x, y, 1)
     at = float(np.polyval(law, math.log(cell["cost.flops"])))
     low, high = np.quantile(y - np.polyval(law, x), [(1 - COVER) / 2, (1 + COVER) / 2])
@@ -184,28 +183,24 @@ def advice_table(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) 
     for scene in dict.fromkeys(table["scene"]):
         found = questions(table, verified, scene, headline(table, scene) or "", cost)
         for target in TARGETS if found else ():
-            rows.append(_advice_row(advise(found[0], target, cost), cost))
+            rows.append(_advice_row(advise(found[0], target)))
     return pd.DataFrame(rows, columns=list(ADVICE_COLUMNS))
 
 
-def _advice_row(advice: Advice, cost: str) -> list[object]:
+def _advice_row(advice: Advice) -> list[object]:
     question, best = advice.question, advice.best
     named = [question.scene, question.quantity, question.against, advice.tolerance, len(question.cells)]
     if best is None:
         return [*named, "", "", advice.nearest["bound"], *[math.nan] * 4, "", math.nan, math.nan, ""]
-    seconds = seconds_interval(question, best)
-    price = best[f"cost.{cost}"]
-    ratios = [
-        math.nan if other is None else other[f"cost.{cost}"] / price for other in (advice.runner_up, advice.next_best)
-    ]
-    runner_up = "" if advice.runner_up is None else _named(advice.runner_up)
-    numbers = [best["bound"], price, *seconds]
-    return [*named, best["label"], _named(best), *numbers, runner_up, *ratios, best["command"]]
+    numbers = [best["bound"], best["price"], *seconds_interval(question, best)]
+    others: list[object] = ["" if advice.runner_up is None else _named(advice.runner_up)]
+    others += [advice.times(advice.runner_up), advice.times(advice.next_best)]
+    return [*named, best["label"], _named(best), *numbers, *others, best["command"]]
 
 
-def lines(advice: Advice, cost: str = COST) -> Iterator[str]:
+def lines(advice: Advice) -> Iterator[str]:
     """The advice for a terminal."""
-    question = advice.question
+    question, cost = advice.question, advice.question.cost
     asked = f"{question.scene}, {question.quantity} within {advice.tolerance:.3g} of {question.against}"
     if advice.best is None:
         near = advice.nearest
@@ -214,26 +209,18 @@ def lines(advice: Advice, cost: str = COST) -> Iterator[str]:
         yield f"  {near['command']}"
         return
     low, at, high = seconds_interval(question, advice.best)
-    price = advice.best[f"cost.{cost}"]
     yield asked
     yield f"cheapest: {_named(advice.best)}: error at most {100 * advice.best['bound']:.3g} %"
     yield f"  {advice.best['command']}"
-    yield f"  {price:.4g} {cost}, about {at:.2g} s on this machine, in [{low:.2g}, {high:.2g}] s"
-    if advice.runner_up is None:
-        yield "runner-up: no other configuration qualifies"
-    else:
-        ratio = advice.runner_up[f"cost.{cost}"] / price
-        yield f"runner-up: {_named(advice.runner_up)}: {ratio:.3g} times the {cost}"
-    if math.isnan(advice.next_step):
-        return
-    if advice.next_best is None:
-        yield f"next step, {100 * advice.next_step:g} %: none qualifies"
-    else:
-        ratio = advice.next_best[f"cost.{cost}"] / price
-        yield f"next step, {100 * advice.next_step:g} %: {_named(advice.next_best)}: {ratio:.3g} times the {cost}"
+    yield f"  {advice.best['price']:.4g} {cost}, about {at:.2g} s on this machine, in [{low:.2g}, {high:.2g}] s"
+    told = [("runner-up", advice.runner_up, "no other configuration qualifies")]
+    if not math.isnan(advice.next_step):
+        told.append((f"next step, {100 * advice.next_step:g} %", advice.next_best, "none qualifies"))
+    for name, other, without in told:
+        words = without if other is None else f"{_named(other)}: {advice.times(other):.3g} times the {cost}"
+        yield f"{name}: {words}"
 
 
 def _named(cell: Mapping[str, Any]) -> str:
-    words = [str(cell[name]) for name in CONFIGURATION if name in cell and not pd.isna(cell[name]) and cell[name] != ""]
-    tolerance = f", tolerance {float(cell['tolerance']):g}" if not pd.isna(cell.get("tolerance", math.nan)) else ""
-    return " ".join([*words, str(cell["mesh"])]) + tolerance
+    words = [cell[name] for name in (*CONFIGURATION, "mesh") if cell[name]]
+    return " ".join(words) + ("" if pd.isna(cell["tolerance"]) else f", tolerance {cell['tolerance']:g}")

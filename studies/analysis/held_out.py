@@ -50,9 +50,7 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> p
     ratios = [(scene, ratios_of(cells)) for scene, _, _, cells in known]
     factors = {scene: factor_of([own for it, own in ratios if it != scene]) for scene, _ in ratios}
     rows = [
-        [scene, name, first, *row]
-        for scene, name, first, cells in known
-        for row in _advised(cells, factors[scene], cost)
+        [scene, name, first, *row] for scene, name, first, cells in known for row in _advised(cells, factors[scene])
     ]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
@@ -85,7 +83,7 @@ def factor_of(others: list[np.ndarray]) -> float:
     return float(np.quantile(np.concatenate(told), COVER, method="inverted_cdf", weights=weights))
 
 
-def _advised(cells: pd.DataFrame, factor: float, cost: str) -> Iterator[list[object]]:
+def _advised(cells: pd.DataFrame, factor: float) -> Iterator[list[object]]:
     """From the tolerance to the estimate, for each tolerance that can be decided."""
     uncertainty = float(cells["uncertainty"].iloc[0])
     for target in TARGETS:
@@ -97,7 +95,7 @@ def _advised(cells: pd.DataFrame, factor: float, cost: str) -> Iterator[list[obj
             yield [target, factor, "", best, math.nan, math.nan, math.nan, math.nan]
             continue
         advised = offered.iloc[0]
-        regret = math.nan if good.empty else advised[f"cost.{cost}"] / good[f"cost.{cost}"].iloc[0]
+        regret = math.nan if good.empty else advised["price"] / good["price"].iloc[0]
         met = float(advised["error"] <= target)
         yield [target, factor, advised["label"], best, met, regret, advised["error"], advised["estimate"]]
 

@@ -28,6 +28,6 @@ def run(options: argparse.Namespace) -> int:
     tolerance, given = parse_error(options.error), pairs(options.settings)
     table = collect(options.store, options.campaign)
     question = asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
-    found = advise(question, tolerance, options.cost)
-    print("\n".join(lines(found, options.cost)))
+    found = advise(question, tolerance)
+    print("\n".join(lines(found)))
     return OK if found.best is not None else FAILED

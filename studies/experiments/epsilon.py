@@ -8,7 +8,6 @@ method does: the matrix loses its condition, and the pressure, epsilon times a g
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -20,6 +19,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from studies.campaigns.cell import Cell
 from studies.complete import complete
 from studies.walk import walk
 
@@ -29,24 +29,13 @@ STEADY = 8  # iterations on one contact set after which what is left is rounding
 FORMS = ("multiplier", "displacement")
 
 
-@dataclass(frozen=True)
-class Case:
-    """A contact problem of a scene at the end of its path."""
-
-    name: str
-    scene: str
-    mesh: str
-    measure: str
-    settings: dict[str, str]
-
-
-CASES = (
-    Case("tyre", "tyre", "20x20", "exact", {"delta_mm": "20", "element": "paper"}),
-    Case("strip", "strip-contact", "64x1", "linear", {"load_fraction": "5"}),
+CASES = (  # problems at the end of a path
+    Cell("tyre", "tyre", {"mesh": "20x20", "measure": "exact"}, {"delta_mm": "20", "element": "paper"}),
+    Cell("strip", "strip-contact", {"mesh": "64x1", "measure": "linear"}, {"load_fraction": "5"}),
 )
 
 
-def epsilon_study(cases: Sequence[Case] = CASES, epsilons: Sequence[float] = EPSILONS) -> pd.DataFrame:
+def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPSILONS) -> pd.DataFrame:
     """One row for each case, form and epsilon; every solve starts from the state before contact.
 
     penetration_mm: the largest.  force_error: relative to the exact multiplier's sum of nodal forces.  nodes_unlike:
@@ -58,15 +47,12 @@ def epsilon_study(cases: Sequence[Case] = CASES, epsilons: Sequence[float] = EPS
         problem, start = before_contact(case)
         exact = _solved(problem, start, np.inf)
         if not exact.outcome.converged:
-            raise RuntimeError(f"{case.name}: the exact multiplier did not converge: {exact.outcome.value}")
+            raise RuntimeError(f"{case.label}: the exact multiplier did not converge: {exact.outcome.value}")
         for epsilon in (*epsilons, np.inf):
             for form in FORMS if np.isfinite(epsilon) else FORMS[:1]:
-                found = (
-                    _solved(problem, start, epsilon)
-                    if form == "multiplier"
-                    else by_displacements(problem, start, epsilon)
-                )
-                rows.append((case.name, form, epsilon, *_measured(problem, exact, found, form, epsilon)))
+                solve = _solved if form == "multiplier" else by_displacements
+                found = solve(problem, start, epsilon)
+                rows.append((case.label, form, epsilon, *_measured(problem, exact, found, form, epsilon)))
     names = ["case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"]
     return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition"])
 
@@ -76,9 +62,9 @@ def _solved(problem: ContactProblem, start: ContactSolution, epsilon: float) -> 
     return Semismooth(epsilon, settle=1.0, max_iterations=MOST_ITERATIONS).solve(problem, start)
 
 
-def before_contact(case: Case) -> tuple[ContactProblem, ContactSolution]:
+def before_contact(case: Cell) -> tuple[ContactProblem, ContactSolution]:
     """The last problem of the scene's last stage and the state that stage begins with."""
-    scene, request = complete(case.scene, case.settings, case.mesh, measure=case.measure, model="full")
+    scene, request = complete(case.scene, case.settings, **case.options, model="full")
     *before, last = scene.build(request).stages()
     visited = list(walk(before, Semismooth()))
     problem_at, start = last.begin(visited[-1].state if visited else None)

@@ -15,7 +15,7 @@ from studies.request import Request
 from studies.scene import Scene
 from studies.solving import solve
 
-SQUARE = tuple((n, n) for n in range(20, 84, 4))  # of the uniform and of the patch family
+FAMILIES = dict.fromkeys(("uniform", "patch"), tuple((n, n) for n in range(20, 84, 4)))
 ELEMENTS = (400, 500, 600, 700, 800, 900, 1000, 1200, 1400, 1700, 2000, 2500)  # of the adapted one
 REFERENCE = (7000, 10_000)  # elements of adapted grids whose mean force is the extrapolated value where none is given
 COLUMNS = ("family", "mesh", "unknowns", "force_N", "error", "factorisation_s", "total_s")
@@ -23,7 +23,7 @@ COLUMNS = ("family", "mesh", "unknowns", "force_N", "error", "factorisation_s", 
 
 def work_precision(
     settings: Mapping[str, str],
-    families: Mapping[str, Sequence[tuple[int, int]]] | None = None,
+    families: Mapping[str, Sequence[tuple[int, int]]] = FAMILIES,
     elements: Sequence[int] = ELEMENTS,
     reference: float | None = None,
 ) -> pd.DataFrame:
@@ -32,8 +32,10 @@ def work_precision(
     families: grids of each grading but "adapted", whose numbers of elements are ``elements``; the total time of each of
     these includes the estimate on coarse grids, once. reference [N]: what the errors are against.
     """
-    families = {"uniform": SQUARE, "patch": SQUARE} if families is None else families
-    rows = [_row(settings, family, mesh) for family, meshes in families.items() for mesh in meshes]
+    rows = []
+    for family, meshes in families.items():
+        scene, request = complete("tyre", {**settings, "grading": family})
+        rows += [_solved(scene, request, mesh, 0.0) for mesh in meshes]
     scene, request = complete("tyre", {**settings, "grading": "adapted"})
     assert isinstance(scene, AdaptiveScene)
     start = time.perf_counter()
@@ -50,16 +52,9 @@ def work_precision(
 
 def work_precision_study() -> pd.DataFrame:
     """The paper's tyre at 20 mm with the paper's element and with the default one, told apart by a column."""
-    tables = [
-        work_precision({"element": element, "delta_mm": "20"}).assign(element=element)
-        for element in ("paper", "refined")
-    ]
+    elements = ("paper", "refined")
+    tables = [work_precision({"element": each, "delta_mm": "20"}).assign(element=each) for each in elements]
     return pd.concat(tables, ignore_index=True)
-
-
-def _row(settings: Mapping[str, str], family: str, mesh: tuple[int, int]) -> dict[str, Any]:
-    scene, request = complete("tyre", {**settings, "grading": family})
-    return _solved(scene, request, mesh, 0.0)
 
 
 def _solved(scene: Scene, request: Request, mesh: tuple[int, int], before: float) -> dict[str, Any]:

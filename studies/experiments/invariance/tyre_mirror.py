@@ -18,6 +18,7 @@ from scipy.optimize import minimize_scalar
 from contact.continuation.critical_points import negative_eigenvalues
 from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import configured
+from studies.campaigns.cell import Cell
 from studies.complete import complete
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
@@ -44,11 +45,10 @@ class Sweep:
         central_MPa: from the image under the half turn.
         """
         settings = {"gamma_deg": f"{gamma:.6g}", "delta_mm": self.delta_mm, "element": "paper"}
-        _, request = complete("tyre", settings, self.mesh, measure=self.measure, model="half")
+        cell = Cell("", "tyre", {"measure": self.measure, "mesh": self.mesh, "model": "half"}, settings)
+        _, request = complete(cell.scene, cell.settings, **cell.options)
         row: dict[str, object] = {"measure": self.measure, "mesh": self.mesh, "gamma_deg": gamma, "kind": kind}
-        words = [f"--measure {self.measure} --mesh {self.mesh} --model half"]
-        words += [f"--set {key}={value}" for key, value in settings.items()]
-        row["command"] = f"footprint solve tyre {' '.join(words)} --out DIR"
+        row["command"] = cell.command
         model = Tyre().build(request)
         *_, last = walk(model.stages(), configured(request.contact, request.settings), request.steps)
         if not last.converged:

@@ -117,17 +117,10 @@ def table(problems: Iterable[Body] | None = None, who: dict[str, Contender] | No
         claims = [(body, contender(body)) for body in problems]
         claimed = [(body, claim) for body, claim in claims if claim.success]
         errors = [_error(claim.u, exact[body.name], body.start) for body, claim in claimed]
-        rows.append(
-            {
-                "contender": name,
-                "problems": len(problems),
-                "refused": sum(bool(claim.refused) for _, claim in claims),
-                "claimed": len(claimed),
-                "false": sum(bool(failures(body, claim)) for body, claim in claimed),
-                "largest_error": max(errors, default=math.nan),
-            }
-        )
-    return pd.DataFrame(rows)
+        refused = sum(bool(claim.refused) for _, claim in claims)
+        wrong = sum(bool(failures(body, claim)) for body, claim in claimed)
+        rows.append((name, len(problems), refused, len(claimed), wrong, max(errors, default=math.nan)))
+    return pd.DataFrame(rows, columns=["contender", "problems", "refused", "claimed", "false", "largest_error"])
 
 
 def _error(x: np.ndarray, exact: np.ndarray, start: np.ndarray) -> float:

@@ -8,13 +8,14 @@ import pytest
 from scipy import sparse
 
 from contact.problem import ContactSolution, Outcome
+from studies.campaigns.cell import Cell
 from studies.experiments import epsilon as study
 from support.contact_problems import Quadratic, dual_by_nnls, random_quadratic
 
 
 @pytest.fixture(scope="module")
 def strip() -> pd.DataFrame:
-    case = study.Case("strip", "strip-contact", "16x1", "linear", {"load_fraction": "5"})
+    case = Cell("strip", "strip-contact", {"mesh": "16x1", "measure": "linear"}, {"load_fraction": "5"})
     return study.epsilon_study((case,), (1.0, 1e2, 1e4, 1e6, 1e8, 1e13))
 
 
