@@ -54,11 +54,20 @@ EXACT = quadratic_measure(
     rigid_body_law=EXACT_LAW,
 )
 
+
+def _keeping(*quantities: str) -> Terms:
+    """The linear terms of the exact measure, and its products of two of the quantities."""
+    kept = set(quantities)
+    return {
+        strain: {
+            monomial: c for monomial, c in terms.items() if " " not in monomial or kept.issuperset(monomial.split())
+        }
+        for strain, terms in EXACT_TERMS.items()
+    }
+
+
 # Linear: the same without its quadratic terms.
-LINEAR_TERMS: Terms = {
-    strain: {monomial: c for monomial, c in polynomial.items() if " " not in monomial}
-    for strain, polynomial in EXACT_TERMS.items()
-}
+LINEAR_TERMS = _keeping()
 LINEAR = quadratic_measure(
     "linear",
     LINEAR_TERMS,
@@ -68,12 +77,9 @@ LINEAR = quadratic_measure(
 )
 
 # Von Karman: t_a^2 and t1 t2 in the tangential strains, everything else linear.
-VON_KARMAN_TERMS: Terms = {
-    **LINEAR_TERMS,
-    "E11": {"l1": 1, "t1 t1": 1 / 2},
-    "E22": {"l2": 1, "t2 t2": 1 / 2},
-    "2E12": {"w1": 1, "w2": 1, "t1 t2": 1},
-}
+#   E_aa  = l_a + t_a^2/2
+#   2E_12 = w1 + w2 + t1 t2
+VON_KARMAN_TERMS = _keeping("t1", "t2")
 VON_KARMAN = quadratic_measure(
     "von-karman",
     VON_KARMAN_TERMS,
@@ -88,12 +94,7 @@ DONNELL = quadratic_measure(
     VON_KARMAN_TERMS,
     meaning="von Kármán for shallow shells; neglects tangential displacements in the slopes, too",
     reference="Donnell, NACA Report 479 (1933); Mushtari (1938)",
-    rigid_body_law=RigidBodyLaw(
-        translation=_slope,
-        out_of_plane=_quartic,
-        drilling=_cosine,
-        axis=_cosine,
-    ),
+    rigid_body_law=RigidBodyLaw(translation=_slope, out_of_plane=_quartic, drilling=_cosine, axis=_cosine),
     kinematics=Kinematics(shallow=True),
 )
 
@@ -112,29 +113,28 @@ SANDERS = quadratic_measure(
 )
 
 # Novozhilov, small elongations: l_a and beta3 dropped beside 1 in the products, rotations kept.
+#   E_aa  = l_a + (w_a^2 + t_a^2)/2
+#   2E_12 = w1 + w2 + t1 t2
+#   2E_a3 = beta_a - t_a + beta_g w_a
+#   E_33  = beta3 + (beta1^2 + beta2^2)/2
 NOVOZHILOV = quadratic_measure(
     "novozhilov",
-    {
-        "E11": {"l1": 1, "w1 w1": 1 / 2, "t1 t1": 1 / 2},
-        "E22": {"l2": 1, "w2 w2": 1 / 2, "t2 t2": 1 / 2},
-        "2E12": {"w1": 1, "w2": 1, "t1 t2": 1},
-        "2E13": {"beta1": 1, "t1": -1, "beta2 w1": 1},
-        "2E23": {"beta2": 1, "t2": -1, "beta1 w2": 1},
-        "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2},
-    },
+    _keeping("w1", "w2", "t1", "t2", "beta1", "beta2"),
     meaning="small elongations, large rotations; neglects l and beta3 beside 1",
     reference="Novozhilov, Foundations of the Nonlinear Theory of Elasticity (1953), small elongations (recalled)",
     rigid_body_law=RigidBodyLaw(out_of_plane=_quartic, drilling=_quartic, axis=_quartic),
 )
 
 # Moderate rotations of a shear-deformable shell: the director's products with the gradients kept, but beta3 t_a.
+#   E_aa, 2E_12 of von Karman
+#   2E_a3 = beta_a - t_a + beta_a l_a + beta_g w_a
+#   E_33  = beta3 + (beta1^2 + beta2^2)/2
+_DIRECTOR = _keeping("l1", "l2", "w1", "w2", "beta1", "beta2")
 MODERATE_ROTATION = quadratic_measure(
     "moderate-rotation",
     {
         **VON_KARMAN_TERMS,
-        "2E13": {"beta1": 1, "t1": -1, "beta1 l1": 1, "beta2 w1": 1},
-        "2E23": {"beta2": 1, "t2": -1, "beta2 l2": 1, "beta1 w2": 1},
-        "E33": {"beta3": 1, "beta1 beta1": 1 / 2, "beta2 beta2": 1 / 2},
+        **{strain: _DIRECTOR[strain] for strain in ("2E13", "2E23", "E33")},
     },
     meaning="moderate rotations of a director; neglects beta3 t and tangential products but those of t",
     reference="Schmidt and Reddy, J. Appl. Mech. 55 (1988) 611-617; Librescu and Schmidt (1988) (recalled)",
