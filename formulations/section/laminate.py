@@ -50,10 +50,7 @@ class Ply:
     thickness: float
 
     def __post_init__(self) -> None:
-        values = {"thickness": self.thickness, "E_L": self.E_L, "E_T": self.E_T, "G_LT": self.G_LT, "G_TT": self.G_TT}
-        for name, value in values.items():
-            if not (value > 0 and math.isfinite(value)):
-                raise ValueError(f"ply {name} = {value:g} must be a positive number")
+        check_positive(thickness=self.thickness, E_L=self.E_L, E_T=self.E_T, G_LT=self.G_LT, G_TT=self.G_TT)
         if not abs(self.nu_TT) < 1:
             raise ValueError(f"ply nu_TT = {self.nu_TT:g} must lie in (-1, 1)")
         determinant = 1 - self.nu_TT - 2 * self.nu_LT**2 * self.E_T / self.E_L
@@ -73,19 +70,31 @@ class Ply:
 
     def stiffness(self) -> np.ndarray:
         """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
-        compliance = np.zeros((6, 6))
-        compliance[0, 0] = 1 / self.E_L
-        compliance[1, 1] = compliance[3, 3] = 1 / self.E_T
-        for i, j, value in (
-            (0, 1, -self.nu_LT / self.E_L),
-            (0, 3, -self.nu_LT / self.E_L),
-            (1, 3, -self.nu_TT / self.E_T),
-        ):
-            compliance[i, j] = compliance[j, i] = value
-        compliance[2, 2] = compliance[4, 4] = 1 / self.G_LT
-        compliance[5, 5] = 1 / self.G_TT
-        turn = strain_rotation(self.angle)
-        return turn.T @ np.linalg.inv(compliance) @ turn
+        E, G, nu = (
+            (self.E_L, self.E_T, self.E_T),
+            (self.G_LT, self.G_LT, self.G_TT),
+            (self.nu_LT, self.nu_LT, self.nu_TT),
+        )
+        return orthotropic_stiffness(E, G, nu, self.angle)
+
+
+def orthotropic_stiffness(E: Sequence[float], G: Sequence[float], nu: Sequence[float], angle: float) -> np.ndarray:
+    """B (6, 6) [MPa] in the shell axes of E1, E2, E3, G12, G13, G23, nu12, nu13, nu23 in the axes of the ply.
+
+    nu_ij: contraction along j under tension along i. Axis 1 lies at ``angle`` [rad] from a1 towards a2, axis 3 across.
+    """
+    compliance = np.diag([1 / E[0], 1 / E[1], 1 / G[0], 1 / E[2], 1 / G[1], 1 / G[2]])
+    for (i, j), value in zip(((0, 1), (0, NORMAL), (1, NORMAL)), nu, strict=True):
+        compliance[i, j] = compliance[j, i] = -value / E[i]
+    turn = strain_rotation(angle)
+    return turn.T @ np.linalg.inv(compliance) @ turn
+
+
+def check_positive(**values: float) -> None:
+    """Raise ValueError naming the constant of a ply that is not a positive number."""
+    for name, value in values.items():
+        if not (value > 0 and math.isfinite(value)):
+            raise ValueError(f"ply {name} = {value:g} must be a positive number")
 
 
 def strain_rotation(angle: float) -> np.ndarray:

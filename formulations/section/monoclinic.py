@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from formulations.section.laminate import NORMAL, PLANE, SHEAR, strain_rotation
+from formulations.section.laminate import NORMAL, PLANE, SHEAR, check_positive, orthotropic_stiffness
 
 _NAMES = ("11", "22", "12", "33", "13", "23")
 _IN_PLANE_AND_NORMAL = (*range(PLANE.start, PLANE.stop), NORMAL)
@@ -34,8 +34,7 @@ class MonoclinicPly:
         B = np.array(self.B, float)
         if B.shape != (6, 6) or not np.all(np.isfinite(B)):
             raise ValueError(f"ply stiffness must be 6 x 6 finite numbers, got the shape {B.shape}")
-        if not (self.thickness > 0 and np.isfinite(self.thickness)):
-            raise ValueError(f"ply thickness = {self.thickness:g} must be a positive number")
+        check_positive(thickness=self.thickness)
         for i, name in enumerate(_NAMES):
             if not B[i, i] > 0:
                 raise ValueError(f"ply is not positive definite: B_{name},{name} = {B[i, i]:g} must be > 0")
@@ -71,12 +70,8 @@ class MonoclinicPly:
         1 - nu_ij nu_ji > 0, 1 - nu12 nu21 - nu23 nu32 - nu31 nu13 - 2 nu21 nu32 nu13 > 0.
         Source: Jones, Mechanics of Composite Materials (1975), sect. 2.4 (recalled).
         """
-        constants = zip(("E1", "E2", "E3", "G12", "G13", "G23"), (*E, *G), strict=True)
-        for name, value in constants:
-            if not (value > 0 and np.isfinite(value)):
-                raise ValueError(f"ply {name} = {value:g} must be a positive number")
-        pairs = {(0, 1): nu[0], (0, 2): nu[1], (1, 2): nu[2]}
-        product = {pair: value**2 * E[pair[1]] / E[pair[0]] for pair, value in pairs.items()}
+        check_positive(**dict(zip(("E1", "E2", "E3", "G12", "G13", "G23"), (*E, *G), strict=True)))
+        product = {(i, j): n**2 * E[j] / E[i] for (i, j), n in zip(((0, 1), (0, 2), (1, 2)), nu, strict=True)}
         for (i, j), value in product.items():
             if not value < 1:
                 name = f"nu_{i + 1}{j + 1} nu_{j + 1}{i + 1}"
@@ -87,12 +82,7 @@ class MonoclinicPly:
                 "ply is not positive definite: 1 - nu_12 nu_21 - nu_23 nu_32 - nu_31 nu_13 - 2 nu_21 nu_32 nu_13 "
                 f"= {determinant:.4g} must be > 0"
             )
-        compliance = np.diag([1 / E[0], 1 / E[1], 1 / G[0], 1 / E[2], 1 / G[1], 1 / G[2]])
-        voigt = (0, 1, NORMAL)
-        for (i, j), value in pairs.items():
-            compliance[voigt[i], voigt[j]] = compliance[voigt[j], voigt[i]] = -value / E[i]
-        turn = strain_rotation(angle)
-        return cls(turn.T @ np.linalg.inv(compliance) @ turn, thickness)
+        return cls(orthotropic_stiffness(E, G, nu, angle), thickness)
 
     def stiffness(self) -> np.ndarray:
         """B (6, 6) [MPa] in the shell axes."""
