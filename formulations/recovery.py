@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from formulations.element.mixed import MODES
+from formulations.element.mixed import MODE_ROWS
 from formulations.geometry.grid import Grid
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E
@@ -67,10 +67,8 @@ def _spline(grid: Grid, fine: Grid, v: np.ndarray, axis: int) -> np.ndarray:
 def _at_parts(modes: np.ndarray, axis: int) -> np.ndarray:
     """The strains (E, PARTS, 11) of the elements in the middles of their parts, of mode strains (E, 22)."""
     xi = (2 * np.arange(PARTS) + 1) / PARTS - 1
-    found, start = np.zeros((len(modes), PARTS, N_E)), 0
-    for (r1, r2), rows in MODES.items():
-        along, across = (r1, r2) if axis == 0 else (r2, r1)
-        if across == 0:
-            found[:, :, list(rows)] += modes[:, None, start : start + len(rows)] * xi[:, None] ** along
-        start += len(rows)
+    found = np.zeros((len(modes), PARTS, N_E))
+    for m, (mode, row) in enumerate(MODE_ROWS):
+        if mode[1 - axis] == 0:
+            found[:, :, row] += modes[:, None, m] * xi ** mode[axis]
     return found

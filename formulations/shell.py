@@ -88,11 +88,13 @@ class ShellModel:
 
     def scaled(self, factor: float) -> ShellModel:
         """The same shell under ``factor`` times its pressure, forces, couples and prescribed displacements."""
-        pressure = None if self.pressure is None else replace(self.pressure, value=factor * self.pressure.value)
-        forces = None if self.forces is None else factor * self.forces
-        couples = None if self.couples is None else self.couples.scaled(factor)
-        prescribed = None if self.prescribed is None else factor * self.prescribed
-        return replace(self, pressure=pressure, forces=forces, couples=couples, prescribed=prescribed)
+        return replace(
+            self,
+            pressure=self.pressure and self.pressure.scaled(factor),
+            forces=None if self.forces is None else factor * self.forces,
+            couples=self.couples and self.couples.scaled(factor),
+            prescribed=None if self.prescribed is None else factor * self.prescribed,
+        )
 
     def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
         """Residual, tangent and what to remember at the free displacements u (n,).

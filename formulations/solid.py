@@ -122,8 +122,8 @@ class SolidModel:
 
     def scaled(self, factor: float) -> SolidModel:
         """The same body under ``factor`` times its loads."""
-        pressure = None if self.pressure is None else replace(self.pressure, value=factor * self.pressure.value)
-        return replace(self, pressure=pressure, forces=None if self.forces is None else factor * self.forces)
+        forces = None if self.forces is None else factor * self.forces
+        return replace(self, pressure=self.pressure and self.pressure.scaled(factor), forces=forces)
 
     def linearise(self, u: np.ndarray, memory: object = None) -> Linearisation:
         """Residual and tangent at u (n,); ``memory`` is not used."""

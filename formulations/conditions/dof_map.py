@@ -89,11 +89,6 @@ class DofMap:
         return int(self.number.max()) + 1
 
     @property
-    def signed(self) -> bool:
-        """True when some displacement is the negative of an unknown."""
-        return bool(np.any(self.sign < 0))
-
-    @property
     def held(self) -> np.ndarray:
         """(N, 6) bool: displacements held at zero, or at a prescribed value."""
         return (self.sign == 0).reshape(-1, N_V)

@@ -18,6 +18,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
@@ -31,7 +32,8 @@ MODES = {
     (1, 0): (2, 3, 8, 9, 10),
     (1, 1): (10,),
 }
-MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), rows in MODES.items() for _ in rows])
+MODE_ROWS = [(mode, row) for mode, rows in MODES.items() for row in rows]
+MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), _ in MODE_ROWS])
 N_M = len(MODE_WEIGHTS)
 E33 = 10
 N_SAMPLES = N_GAUSS * N_E
@@ -47,14 +49,12 @@ def _projection(nodal: float) -> np.ndarray:
     Samples at the Gauss points give the L2 projection on xi1^r1 xi2^r2; those at the nodes are interpolated bilinearly
     and projected, which is exact. ``nodal``: their share of E33; where it is 0, their rows are left out.
     """
-    projection, start = np.zeros((N_SAMPLES + N_GAUSS, N_M)), 0
+    projection = np.zeros((N_SAMPLES + N_GAUSS, N_M))
     at_gauss = projection[:N_SAMPLES].reshape(N_GAUSS, N_E, N_M)
-    for (r1, r2), rows in MODES.items():
-        for m, row in enumerate(rows, start):
-            share = nodal if row == E33 else 0.0
-            at_gauss[:, row, m] = (1 - share) * 3.0 ** (r1 + r2) * GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 / N_GAUSS
-            projection[N_SAMPLES:, m] = share * CORNERS[:, 0] ** r1 * CORNERS[:, 1] ** r2 / N_GAUSS
-        start += len(rows)
+    for m, ((r1, r2), row) in enumerate(MODE_ROWS):
+        share = nodal if row == E33 else 0.0
+        at_gauss[:, row, m] = (1 - share) * 3.0 ** (r1 + r2) * GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 / N_GAUSS
+        projection[N_SAMPLES:, m] = share * CORNERS[:, 0] ** r1 * CORNERS[:, 1] ** r2 / N_GAUSS
     return projection if nodal else projection[:N_SAMPLES]
 
 
@@ -96,12 +96,7 @@ class MixedElement:
             raise ValueError(f"thickness strain {thickness_strain!r} is not one of {', '.join(THICKNESS_STRAINS)}")
         if membrane not in MEMBRANES:
             raise ValueError(f"membrane {membrane!r} is not one of {', '.join(MEMBRANES)}")
-        blocks = np.zeros((N_M, N_M))
-        start = 0
-        for rows in MODES.values():
-            stop = start + len(rows)
-            blocks[start:stop, start:stop] = D[np.ix_(rows, rows)]
-            start = stop
+        blocks = block_diag(*(D[np.ix_(rows, rows)] for rows in MODES.values()))
         on_modes = np.zeros(N_M)
         on_modes[:N_E] = initial  # uniform over the element: only the mode 00
         nodal = THICKNESS_STRAINS[thickness_strain]

@@ -79,7 +79,7 @@ class ElementGeometry:
     ) -> ElementGeometry:
         """Evaluate surface and thickness on the grid; raises ValueError for an interpolation that does not exist."""
         d_minus, d_plus = laminate.d_minus, laminate.d_plus
-        points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
+        points = grid.points(GAUSS)
         geometry = surface.geometry(points[..., 0], points[..., 1])
         if interpolation == "curvilinear":
             turn = np.broadcast_to(np.eye(3), (1, N_GAUSS, 4, 3, 3))
@@ -135,8 +135,7 @@ def _curvilinear(coefficients: tuple[np.ndarray, np.ndarray, np.ndarray], grid: 
 
 def _frames_turn(surface: Surface, points: np.ndarray, grid: Grid) -> np.ndarray:
     """e_i at the Gauss point . e_j at the node, (E, 4, 4, 3, 3)."""
-    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
-    at_gauss, at_node = (surface.frame(x[..., 0], x[..., 1]) for x in (points, corners))
+    at_gauss, at_node = (surface.frame(x[..., 0], x[..., 1]) for x in (points, grid.points(CORNERS)))
     return np.einsum("egix,erjx->egrij", at_gauss, at_node)
 
 
@@ -157,7 +156,7 @@ def _isoparametric(
         for i in range(3):
             sign = (2 * face - 1) / laminate.thickness
             Q[:, :, BETA.start + i, :, face::2] = sign * value[:, :, None] * turn[:, :, :, i, :]
-    corners = grid.centre[:, None, :] + grid.half[:, None, :] * CORNERS
+    corners = grid.points(CORNERS)
     x, at_node = (at(corners[..., 0], corners[..., 1]) for at in (surface.position, surface.frame))
     nodal = np.empty((len(turn), 4, N_V))
     for face, d in enumerate((laminate.d_minus, laminate.d_plus)):

@@ -69,6 +69,10 @@ class Grid:
 
         return MeshQuad.init_tensor(*self.lines)
 
+    def points(self, xi: np.ndarray) -> np.ndarray:
+        """Coordinates (E, k, 2) of the points xi (k, 2) of the reference square in every element."""
+        return self.centre[:, None, :] + self.half[:, None, :] * xi
+
     @property
     def n_nodes(self) -> int:
         """Number of nodes."""

@@ -34,6 +34,10 @@ class Pressure:
         if self.area not in PRESSURE_AREAS:
             raise ValueError(f"pressure area {self.area!r} is not one of {', '.join(PRESSURE_AREAS)}")
 
+    def scaled(self, factor: float) -> Pressure:
+        """The same pressure times ``factor``."""
+        return replace(self, value=factor * self.value)
+
     def weights(self, geometry: ElementGeometry) -> np.ndarray:
         """Area carried by each Gauss point, (E,)."""
         area = geometry.weight if self.area == "mid" else geometry.face_weight[:, 0]

@@ -22,12 +22,12 @@ from studies.scenes.contact.strip import ClampedStrip
 from studies.scenes.tyre.scene import Tyre
 from studies.scenes.tyre.solid import SolidTyre
 
-FIRST: tuple[Scene, ...] = (Tyre(), Cantilever(), Hemisphere())
-NONLINEAR: tuple[Scene, ...] = (SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap())
-PRESSURISED: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())
-LINEAR: tuple[Scene, ...] = (ScordelisLo(), PinchedCylinder(), Pagano())
-CONTACT: tuple[Scene, ...] = (ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel())
-SOLID: tuple[Scene, ...] = (SolidTyre(),)
-SCENES: dict[str, Scene] = {
-    scene.name: scene for scene in (*FIRST, *NONLINEAR, *PRESSURISED, *LINEAR, *CONTACT, *SOLID)
-}
+_ALL: tuple[Scene, ...] = (
+    *(Tyre(), Cantilever(), Hemisphere()),
+    *(SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap()),  # nonlinear
+    *(PressurisedCylinder(), PressurisedSphere(), PressurisedTorus()),
+    *(ScordelisLo(), PinchedCylinder(), Pagano()),  # linear
+    *(ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel()),  # contact
+    SolidTyre(),
+)
+SCENES: dict[str, Scene] = {scene.name: scene for scene in _ALL}

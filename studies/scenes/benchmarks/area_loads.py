@@ -62,8 +62,7 @@ def area_load(
     element interpolates there; projecting it at the nodes instead would differ by O(l^2).
     """
     grid = discretisation.grid
-    points = grid.centre[:, None, :] + grid.half[:, None, :] * GAUSS
-    a1, a2 = points[..., 0], points[..., 1]
+    a1, a2 = np.moveaxis(grid.points(GAUSS), -1, 0)
     p = np.broadcast_to(density(a1, a2), (*a1.shape, 3))
     local = np.einsum("...ij,...j->...i", discretisation.surface.frame(a1, a2), p)
     weight = discretisation.geometry.weight / N_GAUSS

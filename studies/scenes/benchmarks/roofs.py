@@ -13,7 +13,7 @@ from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
-from studies.scenes.data import read_reference
+from studies.scenes.data import read_reference, references
 from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, normal_at, normal_forces
 
@@ -46,39 +46,33 @@ def published_limit(table: np.ndarray) -> tuple[float, float]:
 class Roof:
     """A quarter with two symmetry planes; the straight edges are hinged at the middle surface, the curved ones free.
 
-    angles: fibre directions of three equal plies from the inside out, degrees from the generator; none: isotropic.
-    data: the published curve.  uncertainty: relative, of its limit load (where the table is sparse, of that, too).
-    solid: load fraction and displacement of the first limit point of a 3D solid.
+    layers: "isotropic", or the fibre directions of three equal plies from the inside out, degrees from the generator.
+    data: the published curve.  solid: load fraction and displacement of the first limit point of a 3D solid.
+    uncertainty: relative, of the published limit load (where the table is sparse, of that, too).
     """
 
     name: str
     title: str
     thickness: float
-    angles: tuple[float, ...]
+    layers: str
     data: str
     solid: tuple[float, float]
-    uncertainty: float = 0.015
+    uncertainty: float
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = (CURVE_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
 
     @property
     def references(self) -> tuple[Reference, ...]:
         """The first limit point, of the published curve and of a solid."""
-        table = read_reference(self.data).to_numpy()
-        return tuple(
-            Reference(quantity, value, {}, kind, source, weight * uncertainty)
-            for kind, source, uncertainty, values in (
-                ("read", SZE, self.uncertainty, published_limit(table)),
-                ("computed", SOLID, 3e-3, self.solid),
-            )
-            for quantity, value, weight in zip(("limit_load_fraction", "limit_w_C_mm"), values, (1, 2), strict=True)
-        )
+        published = published_limit(read_reference(self.data).to_numpy())
+        return _limit("read", SZE, self.uncertainty, published) + _limit("computed", SOLID, 3e-3, self.solid)
 
     def laminate(self) -> Laminate:
         """One isotropic layer or the three plies, about the middle surface."""
-        if not self.angles:
+        if self.layers == "isotropic":
             return Laminate.single(Ply.isotropic(E, NU, self.thickness))
-        plies = (Ply(E_L, E_T, G, G, NU_LT, NU_LT, np.deg2rad(a), self.thickness / 3) for a in self.angles)
+        angles = (np.deg2rad(float(angle)) for angle in self.layers.split("/"))
+        plies = (Ply(E_L, E_T, G, G, NU_LT, NU_LT, angle, self.thickness / 3) for angle in angles)
         return Laminate(tuple(plies), -0.5 * self.thickness)
 
     def build(self, request: Request) -> SceneModel:
@@ -90,14 +84,24 @@ class Roof:
         return CurveModel.of(request, quarter, normal_at(quarter, {"w_C_mm": (centre, -1)}), forces=forces)
 
 
-ROOFS = tuple(
-    Roof(f"roof-{letter}", f"Hinged roof, {h:g} mm, {layers} (Sze 3.8{letter})", h, angles, data, solid, uncertainty)
-    for letter, h, layers, angles, data, solid, uncertainty in (
-        ("a", 12.7, "isotropic", (), "sze2004_3.8a_hinged_roof_h12.7_isotropic.csv", (0.7387, 10.85), 0.015),
-        ("b", 12.7, "0/90/0", (0, 90, 0), "sze2004_3.8b_hinged_roof_h12.7_0-90-0.csv", (0.3592, 9.80), 0.015),
-        ("c", 12.7, "90/0/90", (90, 0, 90), "sze2004_3.8c_hinged_roof_h12.7_90-0-90.csv", (0.5919, 13.94), 0.015),
-        ("d", 6.35, "isotropic", (), "sze2004_3.8d_hinged_roof_h6.35_isotropic.csv", (0.1943, 13.21), 0.01),
-        ("e", 6.35, "0/90/0", (0, 90, 0), "sze2004_3.8e_hinged_roof_h6.35_0-90-0.csv", (0.0807, 10.88), 0.03),
-        ("f", 6.35, "90/0/90", (90, 0, 90), "sze2004_3.8f_hinged_roof_h6.35_90-0-90.csv", (0.1579, 15.82), 0.01),
-    )
+def _limit(kind: str, source: str, uncertainty: float, values: tuple[float, float]) -> tuple[Reference, ...]:
+    """Load fraction and displacement of a limit point, the second one twice as uncertain."""
+    within = {"limit_load_fraction": uncertainty, "limit_w_C_mm": 2 * uncertainty}
+    return references(kind, source, within, [({}, dict(zip(within, values, strict=True)))])
+
+
+def _roof(letter: str, h: float, layers: str, solid: tuple[float, float], uncertainty: float) -> Roof:
+    """A roof by the letter of its section in the paper."""
+    title = f"Hinged roof, {h:g} mm, {layers} (Sze 3.8{letter})"
+    data = f"sze2004_3.8{letter}_hinged_roof_h{h:g}_{layers.replace('/', '-')}.csv"
+    return Roof(f"roof-{letter}", title, h, layers, data, solid, uncertainty)
+
+
+ROOFS = (
+    _roof("a", 12.7, "isotropic", (0.7387, 10.85), 0.015),
+    _roof("b", 12.7, "0/90/0", (0.3592, 9.80), 0.015),
+    _roof("c", 12.7, "90/0/90", (0.5919, 13.94), 0.015),
+    _roof("d", 6.35, "isotropic", (0.1943, 13.21), 0.01),
+    _roof("e", 6.35, "0/90/0", (0.0807, 10.88), 0.03),
+    _roof("f", 6.35, "90/0/90", (0.1579, 15.82), 0.01),
 )

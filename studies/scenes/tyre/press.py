@@ -68,10 +68,9 @@ class Wall:
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One column of elements all around: body (n unknowns); lift(u) -> unknowns of the tyre in the same state."""
+    """One column of elements all around; lift(u) -> unknowns of the tyre in the same state."""
 
     body: Body
-    n: int
     lift: Callable[[np.ndarray], np.ndarray]
 
 
@@ -92,18 +91,15 @@ class PressedTyre:
     @property
     def n_unknowns(self) -> int:
         """Number of unknowns."""
-        return int(self.candidates.operator.shape[1])
+        return self.body.discretisation.n_free
 
     def stages(self) -> Iterator[Stage]:
         """Inflation by a pressure factor, of a column first, then the foundation by delta [mm]."""
         if self.column is not None:
-            begin = partial(_inflation, self.column.body, self.column.n)
+            begin = partial(inflation, self.column.body)
             yield Stage("column", begin, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
-        yield Stage("inflation", self._begin_inflation, (1.0,), self._observe_inflation)
+        yield Stage("inflation", partial(inflation, self.body), (1.0,), self._observe_inflation)
         yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
-
-    def _begin_inflation(self, previous: ContactSolution | None) -> Begun:
-        return _inflation(self.body, self.n_unknowns, previous)
 
     def _begin_press(self, previous: ContactSolution | None) -> Begun:
         assert previous is not None
@@ -170,8 +166,9 @@ class PressedTyre:
         return pd.DataFrame(columns)
 
 
-def _inflation(body: Body, n: int, previous: ContactSolution | None) -> Begun:
+def inflation(body: Body, previous: ContactSolution | None) -> Begun:
     """From rest, or from what a column has found."""
+    n = body.discretisation.n_free
     start = ContactSolution.at_rest(n, 0) if previous is None else previous
     return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
 
@@ -203,7 +200,5 @@ def to_edges(x: np.ndarray, active: np.ndarray) -> float:
 def asymmetries(pressure: np.ndarray) -> dict[str, float]:
     """Central and mirror asymmetry of a pressure map (psi, phi), as fractions of its peak."""
     peak = float(pressure.max())
-    if peak <= 0:
-        return {"central_asymmetry": 0.0, "mirror_asymmetry": 0.0}
-    central, mirror = central_asymmetry(pressure), mirror_asymmetry(pressure)
-    return {"central_asymmetry": central / peak, "mirror_asymmetry": mirror / peak}
+    found = {"central_asymmetry": central_asymmetry(pressure), "mirror_asymmetry": mirror_asymmetry(pressure)}
+    return {name: value / peak if peak > 0 else 0.0 for name, value in found.items()}

@@ -16,7 +16,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
-from contact.problem import ContactSolution
 from formulations.element.strain_operator import CORNER_MASS
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
@@ -24,21 +23,12 @@ from studies.request import Request
 from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import LineSize, tyre_lines
 from studies.scenes.tyre.model import TyreModel
-from studies.walk import walk
+from studies.walk import Visited, walk
 
 COARSE = (20, 20)
 PASSES = 2
 SECANT = 0.1  # of the travel, for the rate of the displacements
 LARGEST = (np.pi / 8, np.pi / 8)  # rad, along psi and phi: what no estimate of a coarse grid may exceed
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A tyre pressed by delta [mm]; gap (m,) [mm] of the candidates."""
-
-    delta: float
-    solution: ContactSolution
-    gap: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,32 +84,30 @@ def _estimate(request: Request, psi: np.ndarray, phi: np.ndarray) -> tuple[LineS
     return found[0], found[1]
 
 
-def strain_errors(model: TyreModel, before: State, state: State, finer: TyreModel, axis: int) -> np.ndarray:
+def strain_errors(model: TyreModel, before: Visited, state: Visited, finer: TyreModel, axis: int) -> np.ndarray:
     """(E,) [N]: what the size of each element along one coordinate adds to the error of the force, 2 |dE| |dE'|."""
-    dE, dE_before = (recovery_errors(model.shell, s.solution.u, finer.shell, axis) for s in (state, before))
-    return 2 * energy_products(model.shell, dE, (dE - dE_before) / (state.delta - before.delta))
+    dE, dE_before = (recovery_errors(model.shell, at.state.u, finer.shell, axis) for at in (state, before))
+    return 2 * energy_products(model.shell, dE, (dE - dE_before) / (state.point.requested - before.point.requested))
 
 
-def rim_errors(model: TyreModel, state: State) -> np.ndarray:
+def rim_errors(model: TyreModel, state: Visited) -> np.ndarray:
     """(E, 2) [N]: w = int p g dA of an element is lost or won each time the rim passes one more line of nodes.
 
     The rim a moves by a' = a/(2 delta), as that of a parabola cut by a plane does, past a'/h lines per travel: w a'/h,
     split by how much the gap changes along a1 and a2 inside the element.
     """
     grid, geometry = model.shell.discretisation.grid, model.shell.discretisation.geometry
-    own = model.part.merging()
-    pressure, gap = np.zeros(grid.n_nodes), np.zeros(grid.n_nodes)
-    pressure[model.nodes] = state.solution.pressure
-    gap[model.nodes] = state.gap
-    p, g = pressure[own][grid.elements], gap[own][grid.elements]
+    own, pressure, gap = model.part.merging(), model.outer_pressure(state.state), np.zeros(grid.n_nodes)
+    gap[model.nodes] = state.problem.gap(state.state.u)
+    p, g = pressure[grid.elements], gap[own][grid.elements]
     w = np.maximum(geometry.weight * np.einsum("er,rs,es->e", p, CORNER_MASS, g), 0.0)
     slope = np.stack([(g @ CORNERS[:, a]) ** 2 for a in (0, 1)], axis=-1)
     share = slope / np.maximum(slope.sum(axis=1, keepdims=True), np.finfo(float).tiny)
-    rim = np.max(np.abs(grid.nodes[own][np.flatnonzero(pressure[own] > 0)]), axis=0, initial=0.0)
-    return w[:, None] * share * rim / (2 * state.delta) / (2 * grid.half)
+    rim = np.max(np.abs(grid.nodes[own][np.flatnonzero(pressure > 0)]), axis=0, initial=0.0)
+    return w[:, None] * share * rim / (2 * state.point.requested) / (2 * grid.half)
 
 
-def pressed(request: Request, model: TyreModel) -> list[State]:
+def pressed(request: Request, model: TyreModel) -> list[Visited]:
     """The states at the travels of the request; raises UsageError when one is not reached."""
     algorithm = Semismooth(
         epsilon=request.number("epsilon"), tolerance=request.number("tolerance"), solver=request.choice("solver")
@@ -128,5 +116,4 @@ def pressed(request: Request, model: TyreModel) -> list[State]:
     last = visited[-1]
     if not last.converged:
         raise UsageError(f"grading 'adapted': the coarse tyre is not pressed beyond {last.point.reached:g}")
-    pressed = (each for each in visited if each.stage is last.stage)
-    return [State(each.point.requested, each.state, each.problem.gap(each.point.solution.u)) for each in pressed]
+    return [each for each in visited if each.stage is last.stage]

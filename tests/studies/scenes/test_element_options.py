@@ -73,12 +73,12 @@ def test_balanced_thickness_strain_rolls_a_strip_with_the_order_four() -> None:
     assert found["projected"][1] > limit > found["nodal"][1]  # too stiff, too soft
 
 
-def half_pipe(interpolation: str, **loads: object) -> ShellModel:
+def half_pipe(interpolation: str, pressure: Pressure) -> ShellModel:
     grid = Grid.tensor(np.array([0.0, 0.4, 1.0]), np.linspace(0, np.pi, 7))
     fixed = np.zeros((grid.n_nodes, 6), bool)
     laminate = Laminate.single(Ply.isotropic(1.0, 0.3, 0.2))
     discretisation = Discretisation.build(cylinder(2.0), grid, laminate, fixed, interpolation=interpolation)
-    return ShellModel(discretisation, EXACT, **loads)  # type: ignore[arg-type]
+    return ShellModel(discretisation, EXACT, pressure=pressure)
 
 
 def total(shell: ShellModel, forces: np.ndarray) -> np.ndarray:
