@@ -116,7 +116,8 @@ class Couples:
 
         dF/dd = M ([a x] - 2 (a x d) d^T/|d|^2)/|d|^2. Each node acts through the first element that has it.
         """
-        element, corner = _first_elements(grid, self.nodes)
+        first = np.unique(grid.elements, return_index=True)[1][self.nodes]
+        element, corner = divmod(first, 4)
         inner = _INNER[corner]  # (m, 3) columns of the element vector
         outer = inner + 1
         each = element[:, None]
@@ -136,11 +137,3 @@ class Couples:
         sign = np.repeat([1.0, -1.0], 3)
         block = np.tile(slope, (1, 2, 2)) * sign[:, None] * sign
         np.add.at(tangent, (element[:, None, None], both[:, :, None], both[:, None, :]), -block)
-
-
-def _first_elements(grid: Grid, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For each node an element that has it, and the corner it is there."""
-    first = np.full(grid.n_nodes, -1)
-    flat = grid.elements.ravel()
-    first[flat[::-1]] = np.arange(len(flat))[::-1]
-    return first[nodes] // 4, first[nodes] % 4

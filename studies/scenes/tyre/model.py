@@ -16,7 +16,7 @@ from studies.scene import Begun, Observation, ShellSceneModel, Stage, nodal_pres
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, part_of
-from studies.scenes.tyre.press import Column, PressedTyre, Wall, inflation
+from studies.scenes.tyre.press import Column, PressedTyre, Wall, begin_inflation
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within
 from studies.scenes.tyre.wall import checked_wall, inflated_shell
 
@@ -129,7 +129,7 @@ class InflatedTyre(ShellSceneModel, PressedTyre):
         yield Stage("inflation", self._begin, (1.0,), self._observe)
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
-        problem_at, start = inflation(self.body, previous)
+        problem_at, start = begin_inflation(self.body, previous)
         # the forces of the neighbours on the two sides of the column are not counted: no balance of forces
         return lambda t: replace(with_balances(problem_at(t), self.shell.scaled(t)), others=None), start
 

@@ -116,9 +116,9 @@ def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
         row = np.where(behind, n1 - row, row)
         sign[behind] = TURNED
         images = _turned(grid)
-    middle, seam = "symmetric" if half_psi else "clamped", "symmetric" if model == "quarter" else "free"
+    inside, seam = "symmetric" if half_psi else "clamped", "symmetric" if model == "quarter" else "free"
     copies, node = 2 ** (half_psi + half_phi), row * grid.node_shape[1] + column
-    return Part(grid, (middle, "clamped", seam, seam), images, copies, angles, shape, node, sign)
+    return Part(grid, (inside, "clamped", seam, seam), images, copies, angles, shape, node, sign)
 
 
 def _turned(grid: Grid) -> Images:

@@ -96,9 +96,9 @@ class PressedTyre:
     def stages(self) -> Iterator[Stage]:
         """Inflation by a pressure factor, of a column first, then the foundation by delta [mm]."""
         if self.column is not None:
-            begin = partial(inflation, self.column.body)
+            begin = partial(begin_inflation, self.column.body)
             yield Stage("column", begin, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
-        yield Stage("inflation", partial(inflation, self.body), (1.0,), self._observe_inflation)
+        yield Stage("inflation", partial(begin_inflation, self.body), (1.0,), self._observe_inflation)
         yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
 
     def _begin_press(self, previous: ContactSolution | None) -> Begun:
@@ -166,7 +166,7 @@ class PressedTyre:
         return pd.DataFrame(columns)
 
 
-def inflation(body: Body, previous: ContactSolution | None) -> Begun:
+def begin_inflation(body: Body, previous: ContactSolution | None) -> Begun:
     """From rest, or from what a column has found."""
     n = body.discretisation.n_free
     start = ContactSolution.at_rest(n, 0) if previous is None else previous
