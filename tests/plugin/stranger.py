@@ -20,7 +20,7 @@ from formulations.strains.catalogue import EXACT_TERMS, MEASURES
 from formulations.strains.measure import RigidBodyLaw, quadratic_measure
 from studies.scene import EPSILON, SOLVER, Reference, Setting
 from studies.scenes import SCENES
-from studies.scenes.contact.base import ContactModel, outer_face
+from studies.scenes.contact.base import ContactModel
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell
 
@@ -87,16 +87,14 @@ class Arch:
         supports = Supports.none(grid).symmetric(crown, 1).clamped(foot)
         discretisation = discretise(request, cylinder(R), grid, laminate, *supports.masks)
         shell = loaded_shell(discretisation, request)
-        nodes = np.setdiff1d(np.arange(grid.n_nodes), foot)
         return ContactModel(
             shell=shell,
-            key="delta_mm",
+            held=foot,
             targets=request.numbers("delta_mm"),
-            body_at=lambda delta: shell,
             plane_at=lambda delta: RigidPlane(np.array([1.0, 0.0, 0.0]), R + H / 2 - delta),
-            nodes=nodes,
-            candidates=outer_face(discretisation, nodes),
             measure_at=lambda delta, touch: {"force_N": 2 * float(touch.force.sum())},
+            key="delta_mm",
+            body_at=lambda delta: shell,
         )
 
 

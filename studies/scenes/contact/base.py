@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,7 +15,6 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
-from studies.request import Request
 from studies.scene import Begun, Observation, ShellSceneModel, Stage, nodal_pressure
 
 OUTER = 1  # the face that touches
@@ -48,42 +48,30 @@ class Touch:
 
 @dataclass(frozen=True, eq=False)
 class ContactModel(ShellSceneModel):
-    """One path of the parameter ``key``, from rest.
+    """One path of the parameter ``key``, from rest; every node that is not ``held`` may touch.
 
-    body_at(t): the shell under its loads.  plane_at(t): the foundation.  nodes (m,): grid nodes of the candidates.
-    measure_at(t, touch): what is read, {name_unit: value}.  lying: everything touches without pressure at rest.
+    plane_at(t): the foundation.  measure_at(t, touch): what is read, {name_unit: value}.  body_at(t): the shell under
+    its loads, t times those it has unless given.  lying: everything touches without pressure at rest.
     """
 
     shell: ShellModel
-    key: str
+    held: np.ndarray
     targets: Sequence[float]
-    body_at: Callable[[float], ShellModel]
     plane_at: Callable[[float], Foundation]
-    nodes: np.ndarray
-    candidates: Candidates
     measure_at: Callable[[float, Touch], dict[str, float]]
+    key: str = "load_fraction"
+    body_at: Callable[[float], ShellModel] | None = None
     lying: bool = False
 
-    @classmethod
-    def of(
-        cls,
-        request: Request,
-        shell: ShellModel,
-        held: np.ndarray,
-        plane_at: Callable[[float], Foundation],
-        measure_at: Callable[[float, Touch], dict[str, float]],
-        *,
-        key: str = "load_fraction",
-        body_at: Callable[[float], ShellModel] | None = None,
-        lying: bool = False,
-    ) -> ContactModel:
-        """The path of the values of the setting ``key``; all nodes but those ``held`` may touch.
+    @cached_property
+    def nodes(self) -> np.ndarray:
+        """Grid nodes (m,) of the candidates."""
+        return np.setdiff1d(np.arange(self.shell.discretisation.grid.n_nodes), self.held)
 
-        body_at: the fraction t of the loads of the shell unless given.
-        """
-        nodes = np.setdiff1d(np.arange(shell.discretisation.grid.n_nodes), held)
-        path = (key, request.numbers(key), body_at or shell.scaled, plane_at)
-        return cls(shell, *path, nodes, outer_face(shell.discretisation, nodes), measure_at, lying)
+    @cached_property
+    def candidates(self) -> Candidates:
+        """What may touch."""
+        return outer_face(self.shell.discretisation, self.nodes)
 
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
@@ -96,7 +84,7 @@ class ContactModel(ShellSceneModel):
 
     def problem_at(self, t: float) -> ContactProblem:
         """The shell and the foundation at a point of the path."""
-        body = self.body_at(t)
+        body = (self.body_at or self.shell.scaled)(t)
         return replace(against(body.linearise, self.candidates, self.plane_at(t)), ordered=body.ordered)
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:

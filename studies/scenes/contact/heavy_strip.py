@@ -68,5 +68,5 @@ class HeavyStrip:
             lift = (total - float(touch.force.sum())) / (WEIGHT * UNIT * B)  # what the plane does not carry
             return {"free_length": begins, "lift_force": lift}
 
-        plane = RigidPlane(UP, H / 2)
-        return ContactModel.of(request, shell, end, lambda t: plane, measured, body_at=lifted, lying=True)
+        plane, lifts = RigidPlane(UP, H / 2), request.numbers("load_fraction")
+        return ContactModel(shell, end, lifts, lambda t: plane, measured, body_at=lifted, lying=True)

@@ -19,7 +19,7 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, UsageError
-from studies.scenes.contact.base import ContactModel, Touch, outer_face
+from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell
 
@@ -74,16 +74,15 @@ class Panel:
         surface, halves = _shape(request, unit)
         across = lines(n2, halves[1], request.number("irregular"))
         grid = Grid.tensor(lines(n1, halves[0], request.number("irregular")), across)
-        edge = np.unique([node for axis in (0, 1) for s in (-1, 1) for node in grid.on_line(axis, s * halves[axis])])
-        supports = Supports.none(grid).clamped(edge)
+        supports = Supports.of_edges(grid, *["clamped"] * 4)
+        edge = np.flatnonzero(supports.held.any(axis=1))
         h = RADIUS * request.number("h_over_R") * unit
         discretisation = discretise(request, surface, grid, _wall(request, h, stress), *supports.masks)
         p = request.number("inflation") * E * stress * h / (RADIUS * unit)
         shell = loaded_shell(discretisation, request, pressure=Pressure(p, request.choice("load") == "follower"))
-        nodes = np.setdiff1d(np.arange(grid.n_nodes), edge)
-        candidates = outer_face(discretisation, nodes)
+        outer = np.delete(discretisation.positions()[OUTER], edge, axis=0)
         normal = np.array([0.0, 0.0, 1.0]) if request.choice("shape") == "plate" else np.array([1.0, 0.0, 0.0])
-        front, delta = float(np.max(candidates.reference @ normal)), request.number("delta_mm") * unit
+        front, delta = float(np.max(outer @ normal)), request.number("delta_mm") * unit
         ball = request.number("ball_mm") * unit if request.choice("foundation") == "ball" else None
 
         def foundation(t: float) -> Foundation:
@@ -94,7 +93,7 @@ class Panel:
             force, peak = float(touch.force.sum()), float(np.max(touch.pressure))
             return {"force_N": force / (stress * unit**2), "peak_MPa": peak / stress}
 
-        return ContactModel(shell, "load_fraction", (1.0,), shell.scaled, foundation, nodes, candidates, measured)
+        return ContactModel(shell, edge, (1.0,), foundation, measured)
 
 
 def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]:

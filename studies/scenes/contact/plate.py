@@ -70,4 +70,5 @@ class PlateContact:
             return {"contact_force": force, "contact_radius": float(np.sqrt(excess @ r**2 / excess.sum()) / A)}
 
         shell, foundation = loaded_shell(quarter, request, forces=forces), RigidPlane(DOWN, H / 2 + GAP)
-        return ContactModel.of(request, shell, quarter.grid.on_line(0, A), lambda t: foundation, measured)
+        clamp, pressures = quarter.grid.on_line(0, A), request.numbers("load_fraction")
+        return ContactModel(shell, clamp, pressures, lambda t: foundation, measured)

@@ -65,4 +65,5 @@ class Ring:
         def plate(delta: float) -> RigidPlane:
             return RigidPlane(AWAY, RADIUS + h / 2 - delta)
 
-        return ContactModel.of(request, shell, side, plate, measured, key="delta_mm", body_at=lambda delta: shell)
+        deltas = request.numbers("delta_mm")
+        return ContactModel(shell, side, deltas, plate, measured, key="delta_mm", body_at=lambda delta: shell)

@@ -100,4 +100,4 @@ class ClampedStrip:
             return {"half_force": half_force, "free_length": begins, "edge_pressure": at_edge}
 
         clamp, plane = half.grid.on_line(0, 0.0), RigidPlane(UP, H / 2 + GAP)
-        return ContactModel.of(request, shell, clamp, lambda q: plane, measured)
+        return ContactModel(shell, clamp, request.numbers("load_fraction"), lambda q: plane, measured)
