@@ -3,44 +3,52 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from string import Formatter
+from typing import Any
 
 NOTHING = "–"  # for a number that does not exist: None or NaN
 
 
-def fixed(value: float | None, decimals: int = 0, sign: bool = False) -> str:
-    """``decimals`` places; a value that rounds to zero has no sign."""
+def formatted(value: float | None, form: str) -> str:
+    """A number by a format of Python's: "+.2f", ".1e", "g", or ".1%" for a fraction in per cent.
+
+    What does not exist is a dash, what rounds to zero has no sign, and of exact zero no exponent is shown.
+    """
     if value is None or math.isnan(value):
         return NOTHING
-    text = f"{value:+.{decimals}f}" if sign else f"{value:.{decimals}f}"
-    return text.lstrip("+-") if float(text) == 0.0 else text
+    text = "0" if value == 0.0 and form.endswith("e") else f"{value:{form}}"
+    return (text.lstrip("+-") if float(text.rstrip("%")) == 0.0 else text).replace("%", " %")
 
 
-def percent(fraction: float | None, decimals: int = 2, sign: bool = True) -> str:
-    """A fraction in per cent: a change with its sign, a size without."""
-    return NOTHING if fraction is None or math.isnan(fraction) else fixed(100 * fraction, decimals, sign) + " %"
+def fixed(value: float | None, decimals: int = 0, sign: bool = False) -> str:
+    """``decimals`` places."""
+    return formatted(value, f"{'+' if sign else ''}.{decimals}f")
+
+
+def percent(fraction: float | None, decimals: int = 2) -> str:
+    """A change in per cent, with its sign."""
+    return formatted(fraction, f"+.{decimals}%")
 
 
 def share(fraction: float | None, decimals: int = 2) -> str:
-    """A fraction in per cent that is a size, without a sign."""
-    return percent(fraction, decimals, sign=False)
+    """A size in per cent, without a sign."""
+    return formatted(fraction, f".{decimals}%")
 
 
 def digits(value: float, count: int) -> str:
     """``count`` significant digits, trailing zeros kept."""
-    return NOTHING if math.isnan(value) else f"{value + 0.0:#.{count}g}"
+    return formatted(value, f"#.{count}g")
 
 
 def number(value: float) -> str:
     """Six significant digits at most."""
-    return NOTHING if math.isnan(value) else f"{value:g}"
+    return formatted(value, "g")
 
 
 def scientific(value: float | None, decimals: int = 1) -> str:
-    """Mantissa and exponent; exact zero is 0."""
-    if value is None or math.isnan(value):
-        return NOTHING
-    return "0" if value == 0.0 else f"{value:.{decimals}e}"
+    """Mantissa and exponent."""
+    return formatted(value, f".{decimals}e")
 
 
 def code(name: object) -> str:
@@ -48,11 +56,38 @@ def code(name: object) -> str:
     return NOTHING if name == "" else f"`{name}`"
 
 
+def said(words: str) -> str:
+    """Words; a dash for none."""
+    return words or NOTHING
+
+
 def interval(ends: Iterable[float], decimals: int = 2) -> str:
     """Two ends in brackets."""
     return f"[{', '.join(fixed(end, decimals) for end in ends)}]"
 
 
-def residual(judged: Mapping[str, float], name: str) -> str:
-    """One of the residuals that the judge has recomputed."""
-    return scientific(judged[name])
+class Line(Formatter):
+    """Fills in "{name:format}" from a record, a mapping or an object, as str.format does but for the formats.
+
+    They are those of ``formatted``, or ``named`` ones; without one a value is printed as it is. In "{kkt[tension]:.1e}"
+    an entry of a value is meant.
+    """
+
+    def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
+        self.named = named
+
+    def filled(self, text: str, record: Any) -> str:
+        """The text with the values of a record."""
+        return self.vformat(text, (record,), record if isinstance(record, Mapping) else {})
+
+    def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
+        """A value by its name, which may have a dot in it."""
+        if field_name in kwargs:
+            return kwargs[field_name], field_name
+        return super().get_field(field_name if kwargs else f"0.{field_name}", args, kwargs)
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        """A value as text."""
+        if format_spec in self.named:
+            return self.named[format_spec](value)
+        return formatted(value, format_spec) if format_spec else str(value)

@@ -12,9 +12,10 @@ from typing import Any
 
 import pandas as pd
 
+from reports.formats import Line
+
+Form = Callable[[Any], str]
 MACHINE, END_MACHINE = "<!-- machine -->", "<!-- /machine -->"
-Column = str | tuple[Any, ...] | Callable[[Any], object]
-Columns = Mapping[str, Column]  # by head
 
 
 @dataclass(frozen=True)
@@ -38,21 +39,19 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[object]], w
     return "\n".join([*lines, *(_line(row) for row in rows)])
 
 
-def listing(title: str, records: pd.DataFrame | Iterable[Any], columns: Columns, words: int = 1) -> str:
-    """A table with a line a record, whose ``columns`` are heads with what stands below them.
+def listing(
+    title: str, records: pd.DataFrame | Iterable[Any], heads: str, line: str, words: int = 1, **named: Form
+) -> str:
+    """A table with a line a record: its heads as "a | b", and its line of what stands below them as "{x:.1f} | {y}".
 
-    That is a name, whose value is printed as it is; a name, a format and what else the format takes; or a function of
-    the record.
+    The fields of the line are filled in as by ``Line``. Raises ValueError when there are not as many of one as of the
+    other.
     """
-    lines = records.to_dict("records") if isinstance(records, pd.DataFrame) else records
-    return table(title, list(columns), ([_entry(each, line) for each in columns.values()] for line in lines), words)
-
-
-def _entry(column: Column, record: Any) -> object:
-    if callable(column):
-        return column(record)
-    name, form, *more = (column, str) if isinstance(column, str) else column
-    return form(record[name], *more)
+    names, columns, filler = heads.split(" | "), line.split(" | "), Line(named)
+    if len(names) != len(columns):
+        raise ValueError(f"{title}: {len(names)} heads over {len(columns)} columns")
+    each = records.to_dict("records") if isinstance(records, pd.DataFrame) else records
+    return table(title, names, ([filler.filled(column, record) for column in columns] for record in each), words)
 
 
 def _line(entries: Sequence[object]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from reports.compare import differences, same_number
-from reports.formats import digits, fixed, percent, scientific
+from reports.formats import digits, fixed, percent, scientific, share
 from reports.markdown import machine, prose
 
 
@@ -41,7 +41,7 @@ def test_zero_has_no_sign_in_any_format() -> None:
     assert fixed(-0.0004, 2) == "0.00"
     assert fixed(-0.0004, 2, sign=True) == "0.00"
     assert percent(-1e-9) == "0.00 %"
-    assert (percent(-0.0123), percent(0.0123), percent(-0.0123, sign=False)) == ("-1.23 %", "+1.23 %", "-1.23 %")
+    assert (percent(-0.0123), percent(0.0123), share(-0.0123)) == ("-1.23 %", "+1.23 %", "-1.23 %")
     assert digits(-0.0, 3) == "0.00"
     assert scientific(-0.0) == "0"
     assert fixed(None, 2) == scientific(None) == percent(None) == "–"

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from reports.chapter import Chapter
-from reports.chapters.contact.agreement_cases import CASE, SAME, Entry, entries, outcome, refusals
+from reports.chapters.contact.agreement_cases import CASE, OF_CASE, SAME, Entry, entries, refusals
 from reports.chapters.tyre.figures import load_deflection
 from reports.formats import digits, fixed, scientific
-from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 
@@ -75,24 +75,18 @@ def _word(agrees: bool) -> str:
 def _disagreements(others: list[Entry]) -> str:
     """Who does not agree, and how it ended."""
     odd = [entry for entry in others if not entry.agrees]
-    columns: Columns = {**CASE, "outcome": outcome("outcome"), "reason": outcome("reason")}
+    heads, line = f"{CASE} | outcome | reason", f"{OF_CASE} | {{cell.result[outcome]}} | {{cell.reason}}"
     if not odd:
         return "No solve with the exact condition disagrees."
-    return listing("Solves that do not agree", odd, columns, words=5)
+    return listing("Solves that do not agree", odd, heads, line, words=5)
 
 
 def _finite(found: list[Entry]) -> str:
     """What a finite epsilon, the default of some algorithms, changes."""
     soft = [entry for entry in found if not entry.exact and not entry.cell.unsupported]
-    columns: Columns = {
-        **CASE,
-        "force off, at most": lambda entry: scientific(entry.largest_difference),
-        "nodes unlike, at most": lambda entry: fixed(entry.most_nodes_unlike),
-        "penetration [mm]": lambda entry: scientific(
-            max((step["kkt"]["penetration"] for step in entry.cell.steps), default=None)
-        ),
-    }
-    return listing("Against the reference, a finite ε", soft, columns, words=3) if soft else ""
+    heads = f"{CASE} | force off, at most | nodes unlike, at most | penetration [mm]"
+    line = OF_CASE + " | {largest_difference:.1e} | {most_nodes_unlike:.0f} | {penetration:.1e}"
+    return listing("Against the reference, a finite ε", soft, heads, line, words=3) if soft else ""
 
 
 CHAPTER = Chapter(

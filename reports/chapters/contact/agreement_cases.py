@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from reports.chapters.tyre.cells import change, nodes_unlike
 from reports.formats import code
-from reports.markdown import Column, Columns, listing
+from reports.markdown import listing
 from reports.reading import StoreError
 from reports.tables import Cell, Store
 
@@ -74,26 +74,22 @@ class Entry:
         return max(known) if known and len(known) == len(self.travels) else None
 
     @property
+    def penetration(self) -> float | None:
+        """The largest of all travels [mm]."""
+        return max((step["kkt"]["penetration"] for step in self.cell.steps), default=None)
+
+    @property
     def agrees(self) -> bool:
         """Same contact set and same force at every travel?"""
         return self.most_nodes_unlike == 0 and self.largest_difference <= SAME
 
 
-CASE: Columns = {
-    "algorithm": lambda entry: entry.way,
-    "load": lambda entry: entry.case[0],
-    "section": lambda entry: entry.case[1],
-}
-
-
-def outcome(name: str) -> Column:
-    """A column of how a cell ended: its "outcome" or "reason"."""
-    return lambda entry: entry.cell.result[name]
+CASE, OF_CASE = "algorithm | load | section", "{way} | {case[0]} | {case[1]}"  # heads and line of an entry
 
 
 def refusals(refused: list[Entry]) -> str:
     """What an algorithm does not do, and why."""
-    return listing("Refused", refused, {**CASE, "reason": outcome("reason")}, words=4)
+    return listing("Refused", refused, f"{CASE} | reason", f"{OF_CASE} | {{cell.reason}}", words=4)
 
 
 def unusual(cell: Cell, usual: Cell) -> tuple[str, ...]:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from reports.chapter import Chapter
-from reports.chapters.contact.agreement_cases import CASE, Entry, entries, outcome, refusals
+from reports.chapters.contact.agreement_cases import CASE, OF_CASE, Entry, entries, refusals
 from reports.chapters.contact.robustness import robustness
 from reports.chapters.tyre.figures import iterations
 from reports.formats import fixed, share
-from reports.markdown import Column, Columns, Part, commands, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
@@ -39,24 +39,19 @@ listed with its reason, not left out.""")
 
 def _counters(solved: list[Entry]) -> Part:
     """Counters; those of a path with a rejected step are the machine's."""
-    columns: Columns = {
-        **CASE,
-        "outcome": outcome("outcome"),
-        **{name.replace("_", " "): _counted(name) for name in COUNTERS},
-    }
+    heads = " | ".join([CASE, "outcome", *(name.replace("_", " ") for name in COUNTERS)])
+    line = " | ".join(
+        [OF_CASE, "{cell.result[outcome]}", *(f"{{cell.result[counters][{name}]:.0f}}" for name in COUNTERS)]
+    )
     steady, cut = ([entry for entry in solved if bool(entry.cell.cuts) is rejected] for rejected in (False, True))
     text = prose("""## Iterations
 
 How far an iteration gets is a matter of the algorithm: one that solves a whole complementarity problem in each counts
 one for it, one that guesses a set counts every guess.""")
-    blocks = [text, listing("Counters over the whole path", steady, columns, words=4)]
+    blocks = [text, listing("Counters over the whole path", steady, heads, line, words=4)]
     if cut:
-        blocks.append(machine(listing("Counters of paths with a rejected step", cut, columns, words=4)))
+        blocks.append(machine(listing("Counters of paths with a rejected step", cut, heads, line, words=4)))
     return joined(*blocks)
-
-
-def _counted(name: str) -> Column:
-    return lambda entry: fixed(entry.cell.result["counters"].get(name))
 
 
 def _times(solved: list[Entry]) -> Part:

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, fixed, number, scientific, share
-from reports.markdown import Columns, Part, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 PAPER = 1e4  # MPa/mm
@@ -147,19 +147,13 @@ def _case(own: pd.DataFrame, case: str, level: float) -> Part:
     def size(value: float) -> str:
         return scientific(abs(value), 2) if abs(value) > level else f"< {level:g}"
 
-    columns: Columns = {
-        "ε [MPa/mm]": ("epsilon", number),
-        "outcome": "outcome",
-        "iterations": "iterations",
-        "penetration [mm]": ("penetration_mm", size),
-        "force [N]": ("force_N", "{:.7g}".format),
-        "error of the force": ("force_error", size),
-        "nodes unlike": "nodes_unlike",
-        "condition": ("condition", scientific),
-    }
+    heads = "ε [MPa/mm] | outcome | iterations | penetration [mm] | force [N] | error of the force | "
+    heads += "nodes unlike | condition"
+    line = "{epsilon:g} | {outcome} | {iterations} | {penetration_mm:size} | {force_N:.7g} | {force_error:size} | "
+    line += "{nodes_unlike} | {condition:.1e}"
     blocks = [f"## {case.capitalize()}: all solves"]
     for form, rows in own.groupby("form", sort=False):
-        body = listing(f"The {form} form", rows, columns, words=2)
+        body = listing(f"The {form} form", rows, heads, line, words=2, size=size)
         blocks.append(body if form == "multiplier" else machine(body))
     return joined(*blocks)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from reports.chapters.contact.agreement_cases import unusual
 from reports.chapters.tyre.cells import DELTA, FAR, ONE_STEP
-from reports.formats import fixed, number, scientific
-from reports.markdown import Columns, Part, commands, joined, listing, machine, prose, table
+from reports.formats import fixed, scientific
+from reports.markdown import Part, commands, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 SETTLE, MESHES = (0.05, 1.0), ("28x26", "42x40", "84x80")  # the algorithm's own, and the textbook's
@@ -53,16 +53,11 @@ def _growth(cells: list[Cell]) -> str:
 def _far(store: Store) -> Part:
     """As far as the path goes, and why it ends."""
     cell = store.find(**FAR)
-    columns: Columns = {
-        "travel [mm]": ("delta_mm", number),
-        "force [N]": ("force_N", fixed, 1),
-        "contact nodes": ("contact_nodes", fixed),
-        "iterations": ("newton_iterations", fixed),
-        "sub-steps": ("substeps", fixed),
-    }
+    heads = "travel [mm] | force [N] | contact nodes | iterations | sub-steps"
+    line = "{delta_mm:g} | {force_N:.1f} | {contact_nodes:.0f} | {newton_iterations:.0f} | {substeps:.0f}"
     end = "The path reached all that was asked." if cell.converged else f"The end: {cell.result['reason']}."
     title = f"`{cell.result['contact']}` on {cell.result['mesh']}, as far as it goes"
-    return joined(listing(title, cell.steps, columns), machine(end), commands([cell.command]))
+    return joined(listing(title, cell.steps, heads, line), machine(end), commands([cell.command]))
 
 
 def _cycles(store: Store) -> Part:
@@ -74,12 +69,12 @@ def _cycles(store: Store) -> Part:
 The textbook's active set swaps all violators at once, with both bounds of an unknown as one set; on published problems
 it comes back to a set it has had. Here every bound is a candidate of its own, which alone settles the two-sided ones;
 where sets still repeat, the algorithm says so and swaps only the first violator from then on (Murty's rule).""")
-    columns: Columns = {
-        "problem": "problem",
-        "textbook": ("plain_period", _period),
-        **{_quoted(way): way for way in ways},
-    }
-    return joined(text, listing("From the set that the textbook begins with", found, columns, words=len(columns)))
+    rows = [
+        [line["problem"], _period(line["plain_period"]), *(line[way] for way in ways)]
+        for line in found.to_dict("records")
+    ]
+    header = ["problem", "textbook", *map(_quoted, ways)]
+    return joined(text, table("From the set that the textbook begins with", header, rows, words=len(header)))
 
 
 def _period(period: int) -> str:
@@ -90,8 +85,8 @@ def _claims(store: Store) -> Part:
     """Who says that it has solved a problem, and has not."""
     found = store.table("false_success")
     wrong = found[found["false"] > 0]
-    counts = {name: name for name in ("problems", "refused", "claimed", "false")}
-    columns: Columns = {"who": "contender", **counts, "largest error": ("largest_error", _error)}
+    heads = "who | problems | refused | claimed | false | largest error"
+    line = "{contender} | {problems} | {refused} | {claimed} | {false} | {largest_error:error}"
     ours = found[~found["contender"].str.contains("alone")]
     told = ", ".join(f"{row['contender']} {row['false']} of {row['claimed']}" for _, row in wrong.iterrows())
     text = prose(f"""## Who says that it has solved it
@@ -101,7 +96,7 @@ obstacle problems, classics of linear complementarity and linearised steps of sh
 each answer that is called solved; *false* is one that it does not accept, *largest error* that of a displacement so
 called, over the largest displacement. Of our own {int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are
 false; false are: {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
-    return joined(text, listing("Claims of success, judged", found, columns))
+    return joined(text, listing("Claims of success, judged", found, heads, line, error=_error))
 
 
 def _error(error: float) -> str:

@@ -10,7 +10,7 @@ import pandas as pd
 from reports.chapter import Chapter
 from reports.chapters.limits import figures_extremes
 from reports.formats import fixed, share
-from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Extremes
@@ -68,13 +68,8 @@ solved ones of the same class.""")
     by_class = table("Points of each map by class", header, rows, words=2)
     check = store.table("extremes_check")
     met, lost = (check[np.isfinite(check["distance"]) == finite] for finite in (True, False))
-    columns: Columns = {
-        "map": ("map", titles.get),
-        "points": "points",
-        "solved by the search": "asked",
-        "boundary off by at most [cells]": ("distance", _distance),
-        "points of another class": "unlike",
-    }
+    heads = "map | points | solved by the search | boundary off by at most [cells] | points of another class"
+    line = "{map:name} | {points} | {asked} | {distance:off} | {unlike}"
     passed = ", ".join(f"*{titles[name]}*" for name in lost["map"])
     missed = f"""What is smaller than a block of the first grid can be missed: in {passed} a
 class shows at {int(lost["unlike"].sum())} single points that the search passed by."""
@@ -82,7 +77,8 @@ class shows at {int(lost["unlike"].sum())} single points that the search passed 
 
 {len(check)} of the maps are cheap enough to be solved at all of their points. Where a boundary was met, it is nowhere
 further than {fixed(float(met["distance"].max()), 1)} cells from the true one. {missed if len(lost) else ""}""")
-    return joined(text, by_class, told, listing("Boundaries found against brute force", check, columns))
+    title, named = "Boundaries found against brute force", titles.__getitem__
+    return joined(text, by_class, told, listing(title, check, heads, line, name=named, off=_distance))
 
 
 def _distance(cells: float) -> str:

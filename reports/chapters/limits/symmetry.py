@@ -7,7 +7,7 @@ import pandas as pd
 from reports.chapter import Chapter
 from reports.chapters.limits import figures_symmetry
 from reports.formats import code, fixed, scientific
-from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Symmetry and invariance
@@ -64,15 +64,10 @@ own defaults, in the units of the problem.""")
     shown = picture("symmetry-deviations.svg", words, figures_symmetry.deviations(data))
     caption = prose("""A point is a pair of a measure and an algorithm; the grey bar ends where rounding does, in the
 median. Exact zeros are drawn at the left edge.""")
-    columns: Columns = {
-        "check": "check",
-        "measure": "measure",
-        "algorithm": "algorithm",
-        "deviation": ("deviation", scientific),
-        "why": "reason",
-    }
+    heads = "check | measure | algorithm | deviation | why"
+    line = "{check} | {measure} | {algorithm} | {deviation:.1e} | {reason}"
     bad = data[data["class"] == ACCIDENT]
-    broken = listing("Broken by accident", bad, columns, words=3) if len(bad) else ""
+    broken = listing("Broken by accident", bad, heads, line, words=3) if len(bad) else ""
     return joined(text, machine(grid, nearest), shown, caption, broken)
 
 
@@ -81,19 +76,14 @@ def _design(store: Store) -> Part:
     data = store.table("symmetry")
     own = data[data["class"] == DESIGN]
     each = own.groupby(["check", "reason", "measure"])["deviation"].agg(["min", "max"]).reset_index()
-    columns: Columns = {
-        "check": "check",
-        "measure": ("measure", code),
-        "reason": "reason",
-        "smallest": ("min", "{:.4g}".format),
-        "largest": ("max", "{:.4g}".format),
-    }
+    heads = "check | measure | reason | smallest | largest"
+    line = "{check} | `{measure}` | {reason} | {min:.4g} | {max:.4g}"
     text = prose("""## What is broken by design
 
 A measure that strains under a rigid motion says so in its declared law, and a structure without a mirror plane has no
 mirrored answer. Such deviations are demanded: one that were missing would be an accident. They do not depend on the
 algorithm, so the smallest and the largest of all algorithms are given.""")
-    return joined(text, listing("Deviations that must be there", each, columns, words=3))
+    return joined(text, listing("Deviations that must be there", each, heads, line, words=3))
 
 
 def _pairs(store: Store) -> Part:

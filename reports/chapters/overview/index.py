@@ -17,7 +17,7 @@ from reports.chapters.tyre.meshes import isotropic_differences
 from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
 from reports.formats import fixed, percent, scientific, share
-from reports.markdown import Columns, Part, commands, folded, joined, listing, machine, prose, table
+from reports.markdown import Part, commands, folded, joined, machine, prose, table
 from reports.tables import Cell, Store
 
 
@@ -52,12 +52,9 @@ def _counts(cells: list[Cell]) -> list[int]:
 
 def _unusual(cells: list[Cell]) -> Iterator[str]:
     """What became of cells that did not go as asked, and how it ended."""
-    columns: Columns = {
-        "cell": lambda cell: cell.label,
-        "what happened": _happened,
-        "expected": lambda cell: cell.expected or "converges as asked",
-    }
-    yield listing("Cells that did not go as asked, or were not expected to", cells, columns, words=3)
+    header = ["cell", "what happened", "expected"]
+    rows = [(cell.label, _happened(cell), cell.expected or "converges as asked") for cell in cells]
+    yield table("Cells that did not go as asked, or were not expected to", header, rows, words=3)
     events = [[cell.label, event] for cell in cells for event in cell.cuts]
     events += [[cell.label, cell.reason] for cell in cells if not cell.converged]
     if events:

@@ -11,7 +11,7 @@ from reports.chapters.shells.element_choice import element_choice_part
 from reports.chapters.shells.solid_part import solid_part
 from reports.drawing import BLACK, LINES, MARKERS, canvas, look, svg, ticks
 from reports.formats import NOTHING, code, fixed, number, percent, share
-from reports.markdown import Columns, Part, commands, folded, joined, listing, picture, prose, table
+from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
 from reports.tables import Store
 
 DEFAULT = "refined"  # the element of the page
@@ -125,18 +125,8 @@ def mesh_errors(data: pd.DataFrame) -> Figure:
     return figure
 
 
-SPLIT: Columns = {
-    "scene": "ladder",
-    "quantity": ("quantity", code),
-    "reference": "kind",
-    "value": ("value", number),
-    "finest - reference": ("error", percent, 3),
-    "mesh part": ("mesh_part", percent, 3),
-    "model part": ("model_part", percent, 3),
-    "± limit": ("limit_uncertainty", share, 3),
-    "± reference": ("uncertainty", share, 3),
-    "model part is": "verdict",
-}
+SPLIT = "scene | quantity | reference | value | finest - reference | mesh part | model part"
+SPLIT_LINE = "{ladder} | `{quantity}` | {kind} | {value:g} | {error:+.3%} | {mesh_part:+.3%} | {model_part:+.3%}"
 
 
 def _parts(store: Store, data: pd.DataFrame) -> Part:
@@ -148,6 +138,8 @@ def _parts(store: Store, data: pd.DataFrame) -> Part:
     ]
     missing = data[~data["sequence"].isin(found["sequence"])].drop_duplicates("sequence")
     without = ", ".join(f"{row['ladder']} `{row['quantity']}`" for row in missing.to_dict("records"))
+    heads = f"{SPLIT} | ± limit | ± reference | model part is"
+    line = SPLIT_LINE + " | {limit_uncertainty:.3%} | {uncertainty:.3%} | {verdict}"
     text = prose(f"""## Mesh part and model part
 
 The difference of the finest mesh from a reference is the sum of two parts: the *mesh* part, the value on that mesh less
@@ -159,7 +151,7 @@ uncertainties of limit and reference together; that is so in {len(beyond)} of {l
     sources = dict.fromkeys(f"- {row['ladder']}, {row['kind']}: {row['source']}" for row in found.to_dict("records"))
     return joined(
         text,
-        listing("Errors split, relative to the reference", found, SPLIT, words=3),
+        listing("Errors split, relative to the reference", found, heads, line, words=3),
         "\n".join(["Model parts beyond the uncertainties:", "", *beyond]) if beyond else "",
         f"Without any reference: {without}." if without else "",
         folded("Sources of the references", "\n".join(sources)),

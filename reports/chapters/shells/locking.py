@@ -12,8 +12,8 @@ from matplotlib.lines import Line2D
 
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, lines, looks, svg
-from reports.formats import NOTHING, code, fixed, number, scientific, share
-from reports.markdown import Columns, Part, joined, listing, machine, picture, prose, table
+from reports.formats import NOTHING, code, fixed, scientific, share
+from reports.markdown import Part, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Locking
@@ -67,12 +67,8 @@ distance of any ratio from its law is at most {share(miss, 4)} of it.""")
 def _shear(store: Store) -> Part:
     """Straight cantilever, elements of growing slenderness."""
     data = store.table("shear_locking")
-    columns: Columns = {
-        "length over thickness of an element": ("l_over_h", number),
-        "deflection over Timoshenko's": ("ratio", fixed, 5),
-        "law": ("two_node", fixed, 5),
-        "fully integrated (law)": ("fully_integrated", scientific),
-    }
+    heads = "length over thickness of an element | deflection over Timoshenko's | law | fully integrated (law)"
+    line = "{l_over_h:g} | {ratio:.5f} | {two_node:.5f} | {fully_integrated:.1e}"
     n, spread = int(data["elements"].iloc[0]), float((data["ratio"] / data["two_node"] - 1).abs().max())
     text = prose(f"""## Shear locking
 
@@ -82,7 +78,7 @@ any slenderness: the ratio is off that law by at most {share(spread, 3)}. A full
 would keep the last column.""")
     words = "Deflection over the exact one over the slenderness of the elements"
     shown = picture("locking-shear.svg", words, draw_shear(data))
-    return joined(text, listing("Cantilever under end shear", data, columns), shown)
+    return joined(text, listing("Cantilever under end shear", data, heads, line), shown)
 
 
 @svg
@@ -184,21 +180,15 @@ def draw_membrane(data: pd.DataFrame) -> Figure:
 def _against_yardstick(data: pd.DataFrame) -> Part:
     """Where printed errors exist."""
     known = data.dropna(subset=["yardstick_reduced"])
-    columns: Columns = {
-        "shell": lambda row: f"{row['surface']}, {row['end']}",
-        "membrane": "membrane",
-        "elements": "elements",
-        "h/R": ("h_over_R", number),
-        "this element": ("energy_norm_error", fixed, 4),
-        "reduced": ("yardstick_reduced", fixed, 4),
-        "unreduced": ("yardstick_unreduced", fixed, 4),
-    }
+    heads = "shell | membrane | elements | h/R | this element | reduced | unreduced"
+    line = "{surface}, {end} | {membrane} | {elements} | {h_over_R:g} | {energy_norm_error:.4f} | "
+    line += "{yardstick_reduced:.4f} | {yardstick_unreduced:.4f}"
     better = int((known["energy_norm_error"] < known["yardstick_reduced"]).sum())
     least = float((known["yardstick_unreduced"] / known["energy_norm_error"]).min())
     text = prose(f"""The yardstick are the errors of bilinear elements that Elmer prints for the cylinder of Pitkäranta
 and others, with and without strain reduction. This element is below the reduced one in {better} of {len(known)} cases
 and below the unreduced one by a factor of at least {fixed(least, 1)}.""")
-    return joined(text, listing("Errors in the energy norm against the yardstick", known, columns, words=2))
+    return joined(text, listing("Errors in the energy norm against the yardstick", known, heads, line, words=2))
 
 
 def _energies(data: pd.DataFrame) -> str:

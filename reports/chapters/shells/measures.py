@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, digits, fixed, percent
-from reports.markdown import Columns, Part, commands, joined, listing, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Strain measures
@@ -41,14 +41,11 @@ def enough_part(store: Store) -> Part:
     found, blocks = store.analysis("measure_limits"), []
     for scene, own in found.groupby("scene", sort=False):
         what, load = WORDS[str(scene)]
-        columns: Columns = {
-            "measure": "measure",
-            f"error at {digits(own['load'].iloc[0], 3)}": ("error", percent),
-            "first above 1 %": ("first_1", _first),
-            "first above 5 %": ("first_5", _first),
-            "largest error": lambda row: f"{percent(row['largest'])} at {digits(row['largest_at'], 3)}",
-        }
-        blocks.append(listing(f"{scene}: {what} by {load}", own, columns))
+        heads = (
+            f"measure | error at {digits(own['load'].iloc[0], 3)} | first above 1 % | first above 5 % | largest error"
+        )
+        line = "{measure} | {error:+.2%} | {first_1:first} | {first_5:first} | {largest:+.2%} at {largest_at:#.3g}"
+        blocks.append(listing(f"{scene}: {what} by {load}", own, heads, line, first=_first))
     text = prose("""## Which measure is enough
 
 Each scene is solved with every measure on one mesh while its load grows; the error is the difference from the exact

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from reports.formats import fixed, scientific
-from reports.markdown import Columns, Part, commands, joined, listing, machine, prose, table
+from reports.markdown import Part, commands, joined, machine, prose, table
 from reports.tables import Cell, Store
 
 WHOLE = {"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible"}
@@ -21,15 +21,9 @@ def newton_part(store: Store) -> Part:
     mixed, plain, twenty = load_steps(store)
     cells = (mixed, twenty, plain)
     steady, unsteady = ([cell for cell in cells if bool(cell.cuts) is cut] for cut in (False, True))
-    columns: Columns = {
-        "cell": lambda cell: cell.label,
-        "Newton": lambda cell: cell.result["newton"],
-        "load steps asked for": lambda cell: cell.settings["steps"],
-        "taken": lambda cell: fixed(cell.value("substeps", load_fraction=1.0)),
-        "rejected": lambda cell: len(cell.cuts),
-        "Newton iterations": lambda cell: cell.result["counters"]["newton_iterations"],
-        "inward displacement against mixed": lambda cell: scientific(_inward(cell) / _inward(mixed) - 1.0),
-    }
+    header = ["cell", "Newton", "load steps asked for", "taken", "rejected", "Newton iterations"]
+    header.append("inward displacement against mixed")
+    rows = {cell: _row(cell, mixed) for cell in cells}
     text = prose(f"""## Load steps of Newton's method
 
 The hemisphere's whole load on the coarsest mesh. Mixed Newton keeps the stress resultants of the last linear step in
@@ -37,16 +31,23 @@ the tangent; equations and answer are those of plain Newton. {_one_step(plain)}"
     parts = [text]
     if steady:
         title = "Newton iterations to the full load, every step taken as asked"
-        parts.append(listing(title, steady, columns, words=2))
+        parts.append(table(title, header, (rows[cell] for cell in steady), words=2))
     if unsteady:
         note = "How many iterations a rejected step takes is decided by rounding, and so by the machine."
-        counts = listing("Newton iterations to the full load, with rejected steps", unsteady, columns, words=2)
+        title = "Newton iterations to the full load, with rejected steps"
+        counts = table(title, header, (rows[cell] for cell in unsteady), words=2)
         parts.append(machine(note, counts, _attempts(plain)))
     return joined(*parts, commands(cell.command for cell in cells))
 
 
-def _inward(cell: Cell) -> float:
-    return cell.value("inward_mm", load_fraction=1.0)
+def _row(cell: Cell, mixed: Cell) -> list[object]:
+    taken, inward, answer = (
+        each.value(name, load_fraction=1.0)
+        for each, name in ((cell, "substeps"), (cell, "inward_mm"), (mixed, "inward_mm"))
+    )
+    asked, iterations = cell.settings["steps"], cell.result["counters"]["newton_iterations"]
+    told = [asked, fixed(taken), len(cell.cuts), iterations, scientific(inward / answer - 1.0)]
+    return [cell.label, cell.result["newton"], *told]
 
 
 def _one_step(plain: Cell) -> str:

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, looks, svg
-from reports.formats import NOTHING, fixed, number, scientific
-from reports.markdown import Columns, Part, joined, listing, picture, prose, table
+from reports.formats import NOTHING, fixed, scientific
+from reports.markdown import Part, joined, listing, picture, prose, table
 from reports.tables import Store
 
 INTRODUCTION = prose("""# Rigid motions
@@ -101,16 +101,11 @@ def _power(row: pd.Series, name: str) -> str:
 def _karman(store: Store) -> str:
     """The fourth power, number by number."""
     data = _case(store.table("small_motions"), "von-karman", "plate", "out of plane")
-    columns: Columns = {
-        "θ [rad]": ("amount", number),
-        "measured": ("strain", _strain),
-        "declared, -(1 - cos θ)²/2": ("declared", _strain),
-        "-θ⁴/8": ("leading", _strain),
-        "measured over -θ⁴/8": ("over", fixed, 5),
-    }
+    heads = "θ [rad] | measured | declared, -(1 - cos θ)²/2 | -θ⁴/8 | measured over -θ⁴/8"
+    line = "{amount:g} | {strain:strain} | {declared:strain} | {leading:strain} | {over:.5f}"
     leading = -(data["amount"] ** 4) / 8
     told = data.assign(leading=leading, over=data["strain"] / leading)
-    return listing("Von Kármán's plate turned out of its plane", told, columns)
+    return listing("Von Kármán's plate turned out of its plane", told, heads, line, strain=_strain)
 
 
 def _case(data: pd.DataFrame, measure: str, surface: str, motion: str) -> pd.DataFrame:
@@ -119,12 +114,8 @@ def _case(data: pd.DataFrame, measure: str, surface: str, motion: str) -> pd.Dat
 
 def _donnell(store: Store) -> Part:
     """The translation of a cylinder, for teaching."""
-    columns: Columns = {
-        "U over the size of the sample": ("amount", number),
-        "E22, outer face": ("strain", _strain),
-        "declared": ("declared", _strain),
-        "largest of all strains": ("largest", _strain),
-    }
+    heads = "U over the size of the sample | E22, outer face | declared | largest of all strains"
+    line = "{amount:g} | {strain:strain} | {declared:strain} | {largest:strain}"
     data, found = store.table("small_motions"), store.analysis("rigid_body_powers")
     cylinder, plate = (_case(found, "donnell", name, "translation").iloc[0] for name in ("cylinder", "plate"))
     text = prose(f"""## Why Donnell fails
@@ -147,7 +138,7 @@ first power it is a transverse shear, since the director has not moved: the larg
 The theory was made for shells that buckle in many small waves, where v3,φ is much larger than v2; it must not be used
 where a shell moves far compared with its buckles.""")
     moved = _case(data, "donnell", "cylinder", "translation")
-    return joined(text, listing("Donnell's cylinder, translated", moved, columns))
+    return joined(text, listing("Donnell's cylinder, translated", moved, heads, line, strain=_strain))
 
 
 def _turn(store: Store) -> Part:
@@ -173,20 +164,14 @@ def _everything(store: Store) -> Part:
 The strain named in the third column, on the outer face; *largest* is that of all eleven strains on both faces. A dash
 stands where no law is declared: with Donnell's slopes or thin-shell gradients the strain depends on more than the
 stretch of the face.""")
-    columns: Columns = {
-        "motion": "motion",
-        "measure": "measure",
-        "strain": "component",
-        "measured": ("strain", _strain),
-        "declared": ("declared", _strain),
-        "difference": lambda row: scientific(abs(row["strain"] - row["declared"])),
-        "largest": ("largest", _size),
-    }
+    heads = "motion | measure | strain | measured | declared | difference | largest"
+    line = "{motion} | {measure} | {component} | {strain:strain} | {declared:strain} | {off:.1e} | {largest:size}"
     order = {motion: i for i, motion in enumerate(MOTIONS)}
-    data = data.sort_values("motion", key=lambda motions: motions.map(order), kind="stable")
+    told = data.assign(off=(data["strain"] - data["declared"]).abs())
+    told = told.sort_values("motion", key=lambda motions: motions.map(order), kind="stable")
     tables = (
-        listing(f"Rigid motions of the {surface}", data[data["surface"] == surface], columns, words=3)
-        for surface in dict.fromkeys(store.table("rigid_body")["surface"])
+        listing(f"Rigid motions of the {surface}", own, heads, line, words=3, strain=_strain, size=_size)
+        for surface, own in told.groupby("surface", sort=False)
     )
     return joined(text, *tables)
 

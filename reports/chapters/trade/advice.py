@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+import math
 
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
-from reports.formats import NOTHING, code, digits, fixed, interval, share
-from reports.markdown import Column, Columns, Part, commands, joined, listing, machine, picture, prose, table
+from reports.formats import NOTHING, code, fixed, said, share
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 ENGINEER = 0.01  # the tolerance that is listed in full
@@ -56,51 +55,34 @@ def _listed(store: Store) -> Part:
     """All that is known at one tolerance."""
     data = store.analysis("advice")
     own = data[(data["tolerance"] - ENGINEER).abs() < 1e-12]
-    given = own[own["label"] != ""]
-    columns: Columns = {
-        "scene": ("scene", code),
-        "configuration": lambda row: (
-            row["configuration"] if row["label"] else f"none qualifies; nearest {share(row['bound'])}"
-        ),
-        "error at most": _if_given("bound", share),
-        "seconds": _if_given("cost", digits, 2),
-        "runner-up": _if_given("runner_up", lambda name: name or NOTHING),
-        "its cost": _if_given("runner_up_ratio", fixed, 2),
-        "next step": _if_given("next_ratio", fixed, 2),
-    }
-    spent: Columns = {
-        "scene": ("scene", code),
-        "time [s]": ("seconds", fixed, 3),
-        "90 % of the cells within [s]": lambda row: interval((row["seconds_low"], row["seconds_high"]), 3),
-    }
+    heads = "scene | configuration | error at most | seconds | runner-up | its cost | next step"
+    line = "`{scene}` | {configuration} | {bound:.2%} | {cost:#.2g} | {runner_up:said} | {runner_up_ratio:.2f} | "
+    line += "{next_ratio:.2f}"
+    none = own["label"] == ""
+    nearest = own["bound"].map(lambda bound: f"none qualifies; nearest {share(bound)}")
+    shown = own.assign(configuration=own["configuration"].where(~none, nearest))
+    shown.loc[none, "runner_up"] = ""
+    shown.loc[none, ["bound", "cost", "runner_up_ratio", "next_ratio"]] = math.nan
+    of_time = "`{scene}` | {seconds:.3f} | [{seconds_low:.3f}, {seconds_high:.3f}]"
     text = prose(f"""## In full, at {share(ENGINEER, 0)}
 
 *Runner-up*: the cheapest of another measure, algorithm, iteration or element, and its cost over that of the advice;
 *next step*: the cost of half the tolerance over that of the advice.""")
-    listed = listing(f"Advice at {share(ENGINEER, 0)}", own, columns, words=2)
-    times = listing("Times by the law of its scene", given, spent)
-    return joined(text, machine(listed, times, commands(given["command"])))
-
-
-def _if_given(name: str, form: Callable[..., str], *more: Any) -> Column:
-    """A column with a dash where no configuration is advised."""
-    return lambda row: form(row[name], *more) if row["label"] else NOTHING
+    listed = listing(f"Advice at {share(ENGINEER, 0)}", shown, heads, line, words=2, said=said)
+    times = listing(
+        "Times by the law of its scene", own[~none], "scene | time [s] | 90 % of the cells within [s]", of_time
+    )
+    return joined(text, machine(listed, times, commands(own["command"][~none])))
 
 
 def _worth(store: Store) -> Part:
     """The advice on scenes that were left out."""
     cases = store.analysis("held_out")
     summary = store.analysis("held_out_summary")
-    columns: Columns = {
-        "quantities": lambda row: "headline of each scene" if row["quantities"] == "headline" else "all quantities",
-        "cases": "cases",
-        "advised": "advised",
-        "met": ("met", share, 1),
-        "median regret": ("median_regret", fixed, 2),
-        "mean regret": ("mean_regret", fixed, 2),
-        "no advice, though some would do": "abstained",
-        "nothing would do": "truly_none",
-    }
+    heads = "quantities | cases | advised | met | median regret | mean regret | "
+    heads += "no advice, though some would do | nothing would do"
+    line = "{quantities:which} | {cases} | {advised} | {met:.1%} | {median_regret:.2f} | {mean_regret:.2f} | "
+    line += "{abstained} | {truly_none}"
     headline = summary[summary["quantities"] == "headline"].iloc[0]
     met, regret = float(headline["met"]), float(headline["median_regret"])
     verdict = "as was aimed at" if met >= AIM_MET and regret < AIM_REGRET else "short of the aim"
@@ -119,9 +101,9 @@ of {fixed(regret, 2)}: {verdict} ({share(AIM_MET, 0)}, {fixed(AIM_REGRET, 1)}); 
 {fixed(headline["mean_regret"], 2)}. Over all quantities {share(dear, 0)} of the advised cases cost more
 than {fixed(AIM_REGRET, 1)} times the best. Factors of safety: {fixed(cases["factor"].min(), 2)} to
 {fixed(cases["factor"].max(), 2)}.""")
-    parts = [told, listing("Advice on scenes left out", summary, columns)]
+    parts = [told, listing("Advice on scenes left out", summary, heads, line, which=_which)]
     if len(failed):
-        parts.append(listing("Where the tolerance was missed", failed, MISSED, words=2))
+        parts.append(listing("Where the tolerance was missed", failed, *MISSED, words=2))
     scenes = [_by_scene(str(scene), own) for scene, own in cases.groupby("scene", sort=False)]
     header = ["scene", "cases", "advised", "met", "median regret", "largest regret"]
     parts.append(table("By scene, all quantities", header, scenes))
@@ -129,14 +111,14 @@ than {fixed(AIM_REGRET, 1)} times the best. Factors of safety: {fixed(cases["fac
     return joined(text, picture("advice-held-out.svg", words, figures_tradeoff.held_out(cases)), machine(*parts))
 
 
-MISSED: Columns = {
-    "scene": ("scene", code),
-    "quantity": ("quantity", code),
-    "tolerance": ("tolerance", share),
-    "true error": ("true_error", share),
-    "estimate": ("estimate", share),
-    "advised": ("advised", code),
-}
+MISSED = (
+    "scene | quantity | tolerance | true error | estimate | advised",
+    "`{scene}` | `{quantity}` | {tolerance:.2%} | {true_error:.2%} | {estimate:.2%} | `{advised}`",
+)
+
+
+def _which(quantities: str) -> str:
+    return "headline of each scene" if quantities == "headline" else "all quantities"
 
 
 def _by_scene(scene: str, cases: pd.DataFrame) -> list[object]:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
-from reports.formats import NOTHING, code, fixed, percent, scientific, share
-from reports.markdown import Columns, Part, commands, joined, listing, machine, picture, prose, table
+from reports.formats import NOTHING, fixed, said, scientific, share
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 WITHIN = 0.01
@@ -35,15 +33,16 @@ def _models(store: Store) -> Part:
     for row in found.to_dict("records"):
         result = store.find(group="models", plies=PLIES[row["plies"]], model=row["model"], mesh=row["mesh"]).result
         records.append({**row, **result["counters"], **dict.fromkeys(TIMES, 0.0), **result["timing_s"]})
-    named: Columns = {"plies": "plies", "model": ("model", code)}
-    counted: Columns = {
-        "unknowns": "dofs",
-        "iterations": "newton_iterations",
-        "factorisations": "factorisations",
-        "force off": ("force_off", _difference, same_at),
-        "pressure off": ("pressure_off", _difference, same_at),
-    }
-    spent: Columns = {f"{name} [s]": (name, fixed, 2) for name in TIMES} | {"of the whole": ("time_share", share, 0)}
+
+    def off(value: float) -> str:
+        return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)
+
+    heads = "plies | model | unknowns | iterations | factorisations | force off | pressure off"
+    line = (
+        "{plies} | `{model}` | {dofs} | {newton_iterations} | {factorisations} | {force_off:off} | {pressure_off:off}"
+    )
+    spent = " | ".join(["plies", "model", *(f"{name} [s]" for name in TIMES), "of the whole"])
+    times = " | ".join(["{plies}", "`{model}`", *(f"{{{name}:.2f}}" for name in TIMES), "{time_share:.0%}"])
     delta = fixed(DELTA, 0)
     text = prose(f"""## Do less: a part of the tyre
 
@@ -52,8 +51,8 @@ Inflation is the same all around and is solved on one column of elements; presse
 is a quarter between two mirror planes. {found["same"].sum()} of {len(found)} models give the force, the pressures and
 the contact set of the whole to {scientific(same_at, 0)} of their value. `--model auto` takes the smallest valid one; a
 mirror is refused for angle plies.""")
-    steady = listing(f"Inflation and {delta} mm, against the whole", records, {**named, **counted}, words=2)
-    timed = machine(listing("Wall times", records, {**named, **spent}, words=2))
+    steady = listing(f"Inflation and {delta} mm, against the whole", records, heads, line, words=2, off=off)
+    timed = machine(listing("Wall times", records, spent, times, words=2))
     return joined(text, steady, timed, commands(found["command"]))
 
 
@@ -61,17 +60,10 @@ def _precision(store: Store) -> Part:
     """Force against unknowns on uniform, hand-made and adapted grids."""
     needed, delta = store.analysis("grids_reaching"), fixed(DELTA, 0)
     within = share(store.rules()["within"], 0)
-    named: Columns = {"element": ("element", code), "grid": ("family", code)}
-    first: Columns = {
-        "first mesh": lambda row: NOTHING if math.isnan(row["unknowns"]) else row["mesh"],
-        "unknowns": ("unknowns", fixed),
-        "force [N]": ("force_N", fixed, 1),
-        "error": ("error", percent),
-    }
-    spent: Columns = {
-        "factorisation [s]": ("factorisation_s", fixed, 2),
-        "total with its estimate [s]": ("total_s", fixed, 2),
-    }
+    heads, line = "element | grid | first mesh | unknowns | force [N] | error", "`{element}` | `{family}` | "
+    line += "{mesh:said} | {unknowns:.0f} | {force_N:.1f} | {error:+.2%}"
+    spent = "element | grid | factorisation [s] | total with its estimate [s]"
+    times = "`{element}` | `{family}` | {factorisation_s:.2f} | {total_s:.2f}"
     adapted = needed[(needed["family"] == "adapted") & needed["share"].notna()]
     found = [
         f"element `{row['element']}`: {share(row['share'], 0)} of the unknowns of a uniform grid"
@@ -84,9 +76,9 @@ finer around the patch; `adapted` follows an estimate of the error of the force 
 up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
 *reaches* {within} when all finer ones of its family stay below. Adapted grids need,
 {"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` chooses such a grid by itself.""")
-    body = listing(f"Grids that reach {within}", needed, {**named, **first}, words=2)
+    body = listing(f"Grids that reach {within}", needed.fillna({"mesh": ""}), heads, line, words=2, said=said)
     known, title = needed[needed["unknowns"].notna()], f"Wall times of the grids that reach {within}"
-    timed = machine(listing(title, known, {**named, **spent}, words=2))
+    timed = machine(listing(title, known, spent, times, words=2))
     drawn = precision(store.table("work_precision"))
     return joined(
         text, body, timed, picture("cost-precision.svg", "Error of the force over the unknowns, by grid", drawn)
@@ -135,25 +127,14 @@ def _peers(store: Store) -> Part:
     heading = "## Beside three-dimensional solids of another program"
     if not store.has_table("peers"):
         return joined(heading, machine(f"Not measured here; `{command}` does, with the extra peers."))
-    columns: Columns = {
-        "program": "program",
-        "mesh": "elements",
-        "unknowns": "unknowns",
-        "force [N]": ("force_N", fixed, 2),
-        "error": ("error", percent),
-        "time [s]": ("seconds", fixed, 2),
-        "ratio": ("ratio", fixed, 1),
-    }
+    heads = "program | mesh | unknowns | force [N] | error | time [s] | ratio"
+    line = "{program} | {elements} | {unknowns} | {force_N:.2f} | {error:+.2%} | {seconds:.2f} | {ratio:.1f}"
     text = prose("""The isotropic tyre at 10 mm, a quarter against a quarter, by shells and by NGSolve's cubic hexahedra
 in the same run: processor time of one thread from the request to the force. Meshes of `footprint` count the whole tyre,
 those of `ngsolve` the quarter. *Error*: of the force against a finer solid, which is known to 0.3 %. *Ratio*: of the
 time to that of the coarsest shell from which on all finer ones are within 0.3 %.""")
-    body = listing("Force against cost", store.table("peers"), columns, words=2)
+    body = listing("Force against cost", store.table("peers"), heads, line, words=2)
     return joined(heading, machine(text, body, commands([command])))
-
-
-def _difference(value: float, same: float) -> str:
-    return f"under {scientific(same, 0)}" if value <= same else scientific(value)
 
 
 CHAPTER = Chapter(

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
-from reports.formats import NOTHING, code, fixed, interval, scientific, share
-from reports.markdown import Columns, Part, commands, folded, joined, listing, machine, picture, prose, table
+from reports.formats import code, said, share
+from reports.markdown import Part, commands, folded, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 COST = "seconds"  # of processor time; other runs and machines have others
@@ -57,16 +57,9 @@ def _fronts(store: Store) -> Part:
     data = data[data["main"].astype(bool)]
     front = data[data[f"front.{COST}"].astype(bool)].sort_values(["scene", f"cost.{COST}"], kind="stable")
     wrong = int((data["flag"] == "wrong").sum())
-    columns: Columns = {
-        "scene": ("scene", code),
-        "measure": ("measure", code),
-        "contact": ("contact", code),
-        "mesh": "mesh",
-        "tolerance": ("tolerance", scientific, 0),
-        "error": ("error", share, 3),
-        "reference known to": ("uncertainty", share, 3),
-        "seconds": (f"cost.{COST}", scientific),
-    }
+    heads = "scene | measure | contact | mesh | tolerance | error | reference known to | seconds"
+    line = "`{scene}` | `{measure}` | `{contact}` | {mesh} | {tolerance:.0e} | {error:.3%} | {uncertainty:.3%} | "
+    line += f"{{cost.{COST}:.1e}}"
     text = prose(f"""## Cost against verified error
 
 Of {len(data)} planned cells those compete that were asked the same question; shown is the one that each scene was asked
@@ -74,7 +67,7 @@ most often. On the front of its scene is a cell to which nobody is both cheaper 
 the reference is uncertain by (the grey band) counts as that. {wrong} answers are wrong by more than
 {share(figures_tradeoff.WORST, 0)}, or rest on a formulation that is: however cheap, they are on no
 front.""")
-    listed = folded("The fronts as a table", listing("Fronts per scene", front, columns, words=3))
+    listed = folded("The fronts as a table", listing("Fronts per scene", front, heads, line, words=3))
     found = machine(f"{len(front)} cells are on the front of their scene.", listed, commands(front["command"]))
     drawn = figures_tradeoff.work_precision(data, COST)
     return joined(text, picture("tradeoff-precision.svg", "Verified error over cost, by scene", drawn), found)
@@ -86,19 +79,15 @@ def _families(store: Store) -> Part:
     front = data[data[f"front.{COST}"].astype(bool)].sort_values(["family", f"cost.{COST}"], kind="stable")
     front = front.groupby("family", sort=False).head(FEW)
     names = [name for name in ("measure", "contact", "newton", "element") if name in front]
-    columns: Columns = {
-        "family": "family",
-        "scenes": "scenes",
-        **{name: (name, code) for name in names},
-        "mesh": lambda row: int(row["rung"]) + 1,
-        "error": ("error", share, 3),
-        "cost": (f"cost.{COST}", fixed, 1),
-    }
+    heads = " | ".join(["family", "scenes", *names, "mesh", "error", "cost"])
+    coded = " | ".join(f"{{{name}:code}}" for name in names)
+    line = f"{{family}} | {{scenes}} | {coded} | {{rung:.0f}} | {{error:.3%}} | {{cost.{COST}:.1f}}"
     text = prose("""## Fronts of families
 
 Configurations that have solved all scenes of a family, none wrongly: geometric means over its scenes of the error and
 of the cost, the latter over the cheapest cell of each scene. *Mesh*: 1 is the coarsest of each scene.""")
-    return joined(text, machine(listing("Fronts per family", front, columns, words=2 + len(names))))
+    front = front.assign(rung=front["rung"] + 1)
+    return joined(text, machine(listing("Fronts per family", front, heads, line, words=2 + len(names), code=code)))
 
 
 def _solved(store: Store) -> Part:
@@ -106,20 +95,16 @@ def _solved(store: Store) -> Part:
     data = store.analysis("solved")
     if data.empty:
         return Part("## Solved and failed\n\nNo problem was put to two algorithms.")
-    columns: Columns = {
-        "algorithm": ("competitor", code),
-        "scene": lambda row: code(row["scene"]) if row["scene"] else "all",
-        "put to it": "asked",
-        "solved": "solved",
-        "share": lambda row: share(row["solved"] / row["asked"], 1),
-        "how the others ended": lambda row: row["ended"] or NOTHING,
-    }
+    heads = "algorithm | scene | put to it | solved | share | how the others ended"
+    line = "`{competitor}` | {scene:scene} | {asked} | {solved} | {share:.1%} | {ended:said}"
+    named: dict[str, Callable[[str], str]] = {"scene": lambda name: code(name) if name else "all", "said": said}
+    data = data.assign(share=data["solved"] / data["asked"])
     shown = data[(data["scene"] == "") | (data["solved"] < data["asked"])]
     text = prose("""## Solved and failed
 
 Of the problems that were put to two algorithms, or iterations, at least: how many each has solved, in all, and in each
 scene in which it has failed. What an algorithm refuses, and what is not solved yet, is not put to it.""")
-    return joined(text, listing("Problems solved", shown, columns, words=2))
+    return joined(text, listing("Problems solved", shown, heads, line, words=2, **named))
 
 
 def _profiles(store: Store) -> Part:
@@ -158,22 +143,12 @@ def _ranking(axis: str, checked: pd.DataFrame) -> str:
 def _pairs(pairs: pd.DataFrame, cost: str) -> str:
     """The pairs with enough problems in common, the largest ratio first within each axis."""
     own = pairs[(pairs["cost"] == cost) & pairs["ratio"].notna()]
-    columns: Columns = {
-        "axis": "axis",
-        "a": ("a", code),
-        "b": ("b", code),
-        "put to both": "problems",
-        "both solve": "both",
-        "scenes": "scenes",
-        "a cheaper": "a_better",
-        "b cheaper": "b_better",
-        "median of b over a [95 %]": lambda row: (
-            f"{fixed(row['ratio'], 2)} {interval((row['ratio_low'], row['ratio_high']))}"
-        ),
-    }
+    heads = "axis | a | b | put to both | both solve | scenes | a cheaper | b cheaper | median of b over a [95 %]"
+    line = "{axis} | `{a}` | `{b}` | {problems} | {both} | {scenes} | {a_better} | {b_better} | "
+    line += "{ratio:.2f} [{ratio_low:.2f}, {ratio_high:.2f}]"
     if own.empty:
         return f"No pair has enough problems in common ({cost})."
-    return listing(f"Pairs, {cost}", own, columns, words=3)
+    return listing(f"Pairs, {cost}", own, heads, line, words=3)
 
 
 def _attribution(store: Store) -> Part:
@@ -224,27 +199,19 @@ def _flags(store: Store) -> Part:
 A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early. An error that
 stands still while the mesh goes on converging has met a wall: digits of the reference, its uncertainty, or the
 formulation itself.""")
-    without: Columns = {
-        "scene": ("scene", code),
-        "algorithm": "subject",
-        "without effect": lambda row: f"{row['cases']} of {row['of']}",
-        "most iterations": ("size", fixed),
-        "cause": "cause",
-    }
-    wall: Columns = {
-        "scene": ("scene", code),
-        "quantity": "subject",
-        "wall": ("size", share, 3),
-        "cause": "cause",
-        "finest cell": ("label", code),
-    }
+    without = "scene | algorithm | without effect | most iterations | cause"
+    inert_line = "`{scene}` | {subject} | {cases:.0f} of {of:.0f} | {size:.0f} | {cause}"
+    wall, line = (
+        "scene | quantity | wall | cause | finest cell",
+        "`{scene}` | {subject} | {size:.3%} | {cause} | `{label}`",
+    )
     parts = ["Every tolerance has an effect somewhere."]
     if len(inert):
-        parts = [listing("Tolerances without effect", inert, without, words=2)]
+        parts = [listing("Tolerances without effect", inert, without, inert_line, words=2)]
     if not lost.all():
-        parts.append(listing("Walls", walls[~lost], wall, words=2))
+        parts.append(listing("Walls", walls[~lost], wall, line, words=2))
     if lost.any():
-        shown = listing("Walls of measures that approximate", walls[lost], wall, words=2)
+        shown = listing("Walls of measures that approximate", walls[lost], wall, line, words=2)
         parts.append(folded("What other measures than the exact one lose on scenes with a reference", shown))
     return joined(text, *parts)
 

@@ -10,18 +10,11 @@ import pandas as pd
 from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import ALGORITHMS, BASE, CONSISTENT, DELTA, SLOWEST, SOFT, change, nodes_unlike
 from reports.chapters.tyre.printed_pressures import HALF
-from reports.formats import NOTHING, code, digits, fixed, percent, scientific
+from reports.formats import NOTHING, digits, fixed, percent, scientific
 from reports.maps import at_delta, pressure_map
-from reports.markdown import Columns, Part, commands, folded, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, folded, joined, listing, machine, picture, prose, table
 from reports.tables import Cell, Store
 
-COUNTERS = {  # by their heads
-    "unknowns": "dofs",
-    "Newton iterations": "newton_iterations",
-    "factorisations": "factorisations",
-    "assemblies": "assemblies",
-    "set changes": "set_changes",
-}
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 ELSEWHERE = ("agreement", "models")  # lists of cells whose costs are on other pages
 DRAWN_ROWS = (0.0, 30.0)  # labels of the printed rows beside which the couplings are drawn
@@ -144,22 +137,24 @@ def costs_part(store: Store) -> Part:
     cells = [cell for cell in store.cells if cell.scene == "tyre" and cell.group not in ELSEWHERE]
     steady, cut = ([_costs(cell) for cell in cells if bool(cell.cuts) is rejected] for rejected in (False, True))
     every = [_costs(cell) for cell in cells]
-    counters: Columns = {"cell": "cell", **COUNTERS}
-    spent: Columns = {"cell": "cell", **{name: (name, fixed, 2) for name in TIMES}}
-    parts = [listing("Wall times [s], one run each", every, spent)]
+    counters = "cell | unknowns | Newton iterations | factorisations | assemblies | set changes"
+    counts = "{cell} | {dofs} | {newton_iterations} | {factorisations} | {assemblies} | {set_changes}"
+    times = "".join(f" | {{{name}:.2f}}" for name in TIMES)
+    parts = [listing("Wall times [s], one run each", every, " | ".join(["cell", *TIMES]), "{cell}" + times)]
     if cut:
         note = "How many iterations a rejected step takes is decided by rounding, and so by the machine."
         parts = [
             note,
-            listing("Counters of the cells in which a load step was rejected and cut", cut, counters),
+            listing("Counters of the cells in which a load step was rejected and cut", cut, counters, counts),
             *parts,
         ]
-    asked: Columns = {"cell": "cell", "command": ("command", code)}
     return joined(
         "## Costs",
-        listing("Counters of the cells whose load steps were all taken as asked", steady, counters),
+        listing("Counters of the cells whose load steps were all taken as asked", steady, counters, counts),
         machine(*parts),
-        folded("Every cell and its command", listing("Commands", every, asked, words=2)),
+        folded(
+            "Every cell and its command", listing("Commands", every, "cell | command", "{cell} | `{command}`", words=2)
+        ),
     )
 
 

@@ -7,8 +7,8 @@ import pandas as pd
 
 from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import BASE, DELTA, FINE, FOLLOWER, FOLLOWER_FINE, ISOTROPIC, ISOTROPIC_FINE, change
-from reports.formats import fixed, number, percent, share
-from reports.markdown import Columns, Part, commands, joined, listing, picture, prose, table
+from reports.formats import fixed, percent, share
+from reports.markdown import Part, commands, joined, listing, picture, prose, table
 from reports.tables import Cell, Store
 
 SOLID, INFLATION = "isotropic_tyre_3d_solid.csv", "isotropic_tyre_3d_inflation.csv"
@@ -112,8 +112,7 @@ def _solid_inflation(store: Store) -> Part:
         for mesh, ours in moved.items():
             shown[f"{name} {mesh}"] = np.interp(solid["psi_deg"], ours["psi_deg"], ours[f"{name}_mm"])
         shown[f"{name} solid"] = solid[f"{name}_mm"]
-    angle, *columns = shown.columns
-    heads: Columns = {angle: (angle, number), **{name: (name, fixed, 4) for name in columns}}
+    heads, line = " | ".join(shown.columns), "{ψ [deg]:g}" + "".join(f" | {{{name}:.4f}}" for name in shown.columns[1:])
     words = "Radial and axial displacement of the mid-surface by inflation, shell and solid"
     drawn = figures.inflated_displacement({f"shell {mesh}": each for mesh, each in moved.items()}, solid, "3D solid")
     return joined(
@@ -121,7 +120,7 @@ def _solid_inflation(store: Store) -> Part:
         _equator(store, inflated),
         "Displacement of the mid-surface, that is the mean of both faces, by the angle ψ of the meridian; between "
         "nodes the shell's is interpolated linearly.",
-        listing("Displacement of the mid-surface by inflation [mm]", shown, heads),
+        listing("Displacement of the mid-surface by inflation [mm]", shown, heads, line),
         picture("tyre-isotropic-inflation.svg", words, drawn),
         commands(cell.command for cell in cells),
     )

@@ -8,25 +8,11 @@ import numpy as np
 
 from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import CURVES, DELTA, FOLLOWER, ISOTROPIC, LINEAR, PAPER
-from reports.formats import fixed, number, residual
+from reports.formats import fixed
 from reports.maps import along_meridian, at_delta, pressure_map
-from reports.markdown import Column, Columns, Part, commands, joined, listing, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, picture, prose, table
 from reports.result_figures import mm_per_degree
 from reports.tables import Cell, Store
-
-STEP: Columns = {
-    "Δ [mm]": ("delta_mm", number),
-    "force P [N]": ("force_N", fixed, 2),
-    "centre pressure [MPa]": ("centre_pressure_MPa", fixed, 4),
-    "nodes in contact": "contact_nodes",
-    "half length [mm]": ("half_length_mm", fixed, 2),
-    "half width [mm]": ("half_width_mm", fixed, 2),
-    "Newton iterations": "newton_iterations",
-    "equilibrium [-]": ("kkt", residual, "equilibrium"),
-    "penetration [mm]": ("kkt", residual, "penetration"),
-    "tension [MPa]": ("kkt", residual, "tension"),
-    "complementarity [MPa mm]": ("kkt", residual, "complementarity"),
-}
 
 
 def paper_part(store: Store) -> Part:
@@ -55,7 +41,12 @@ A torus of {s["plies"]} plies at ±{s["gamma_deg"]:g} deg to the meridian, held 
 inflated by {s["p0_MPa"]:g} MPa ({s["load"]} load, mesh {cell.result["mesh"]}). A rigid frictionless plane then moves
 towards the axis by Δ, counted from first touch. Half lengths are measured along φ, around the axis, half widths along
 ψ, on the deformed outer face. The last four columns are residuals that a judge recomputes from the answer.""")
-    return joined(text, listing("Load, patch and residuals of the paper's tyre", cell.steps, STEP))
+    heads = "Δ [mm] | force P [N] | centre pressure [MPa] | nodes in contact | half length [mm] | half width [mm] | "
+    heads += "Newton iterations | equilibrium [-] | penetration [mm] | tension [MPa] | complementarity [MPa mm]"
+    line = "{delta_mm:g} | {force_N:.2f} | {centre_pressure_MPa:.4f} | {contact_nodes} | {half_length_mm:.2f} | "
+    line += "{half_width_mm:.2f} | {newton_iterations} | {kkt[equilibrium]:.1e} | {kkt[penetration]:.1e} | "
+    line += "{kkt[tension]:.1e} | {kkt[complementarity]:.1e}"
+    return joined(text, listing("Load, patch and residuals of the paper's tyre", cell.steps, heads, line))
 
 
 def _linear_and_exact(store: Store) -> Part:
@@ -80,13 +71,13 @@ The paper says "about two". Each measure counts Δ from the first touch of its o
 
 def _inflation(store: Store) -> Part:
     text = "Which way the equator moves is up to the cords. A positive number is a growth of the radius."
-    columns: Columns = {"tyre": _description, "inner face": _growth("inner"), "outer face": _growth("outer")}
-    body = listing("Displacement of the equator by inflation [mm]", _tyres(store), columns)
+    rows = [[_description(cell), _growth(cell, "inner"), _growth(cell, "outer")] for cell in _tyres(store)]
+    body = table("Displacement of the equator by inflation [mm]", ["tyre", "inner face", "outer face"], rows)
     return joined("### Inflation", text, body)
 
 
-def _growth(face: str) -> Column:
-    return lambda cell: fixed(cell.result["quantities"].get(f"inflated_equator_{face}_mm"), 3, sign=True)
+def _growth(cell: Cell, face: str) -> str:
+    return fixed(cell.result["quantities"].get(f"inflated_equator_{face}_mm"), 3, sign=True)
 
 
 def _description(cell: Cell) -> str:

@@ -10,24 +10,19 @@ import pandas as pd
 
 from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import DELTA, PAPER
-from reports.formats import fixed, number, scientific, share
+from reports.formats import fixed, scientific, share
 from reports.maps import at_delta
-from reports.markdown import Columns, Part, commands, folded, joined, listing, picture, prose, table
+from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
 from reports.tables import Cell, Store
 
 PRINTED_FACTOR = 10.0  # the table gives -10 q
 PRINTED_DIGIT = 0.001  # MPa, one unit of its last digit
 HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
-COMPARED: Columns = {
-    "centre ours [MPa]": ("centre_MPa", fixed, 4),
-    "printed [MPa]": ("printed_centre_MPa", fixed, 3),
-    "core rms": ("core_rms", share),
-    "core nodes": "core_nodes",
-    "nodes ours": "nodes",
-    "printed": "printed_nodes",
-    "both": "both",
-    "in one only": "in_one_only",
-}
+COMPARED = "centre ours [MPa] | printed [MPa] | core rms | core nodes | nodes ours | printed | both | in one only"
+COMPARISON = (
+    "{centre_MPa:.4f} | {printed_centre_MPa:.3f} | {core_rms:.2%} | {core_nodes} | "
+    "{nodes} | {printed_nodes} | {both} | {in_one_only}"
+)
 
 
 def printed_part(store: Store) -> Part:
@@ -51,8 +46,8 @@ def _readings(store: Store, cell: Cell, found: pd.DataFrame, best: float) -> Par
         {"reading": f"(b) Δ = {best:g} mm, φ = row label / 2", **reading(found, best)},
         {"reading": f"(c) Δ = {DELTA:g} mm, φ = row label", **literal},
     ]
-    sums: Columns = {"P ours [N]": ("force_N", fixed, 1), "P printed [N]": ("printed_sum_N", fixed, 1)}
-    own, whole = {"Δ [mm]": ("delta_mm", number), **COMPARED}, {"reading": "reading", **COMPARED, **sums}
+    heads, line = f"reading | {COMPARED} | P ours [N] | P printed [N]", f"{{reading}} | {COMPARISON}"
+    line += " | {force_N:.1f} | {printed_sum_N:.1f}"
     text = prose(f"""## The printed table
 
 The paper prints one table of contact pressures, for Δ = {DELTA:g} mm. Its columns are ψ in degrees; what its
@@ -64,8 +59,9 @@ travel of the cell `{cell.label}` that has the smallest core rms; where the pape
 - *nodes*: places of the printed table in contact in ours, in print, in both, and in exactly one of them.
 - *P printed*: the printed pressures times the mid-surface areas of their nodes. The same sum over our own pressures of
   reading (a) gives {fixed(first["own_sum_N"], 1)} N.""")
-    body = listing("The printed pressure table against ours, by reading", readings, whole)
-    by_delta = listing("The same for every travel, φ = row label / 2", found[found["phi_per_label"] == HALF], own)
+    body = listing("The printed pressure table against ours, by reading", readings, heads, line)
+    own, title = found[found["phi_per_label"] == HALF], "The same for every travel, φ = row label / 2"
+    by_delta = listing(title, own, f"Δ [mm] | {COMPARED}", f"{{delta_mm:g}} | {COMPARISON}")
     return joined(text, body, _literal(store, cell, literal), by_delta)
 
 
@@ -117,7 +113,8 @@ def _symmetry(store: Store, cell: Cell, best: float) -> Part:
     for name, each in maps.items():
         shown[f"{name}, blank = 0"] = each["blank_is_zero_MPa"].to_numpy()
         shown[f"{name}, both touch"] = each["both_touch_MPa"].to_numpy()
-    columns: Columns = {"largest difference [MPa]": "image", **{name: (name, _small) for name in shown.columns[1:]}}
+    heads = " | ".join(["largest difference [MPa]", *shown.columns[1:]])
+    line = "{image}" + "".join(f" | {{{name}:small}}" for name in shown.columns[1:])
     central, mirror = (float(value) for value in print_["both_touch_MPa"].iloc[:2])
     to_what = "to its last digit" if central < PRINTED_DIGIT / 2 else f"to {fixed(central, 3)} MPa"
     off = float(ours[DELTA]["blank_is_zero_MPa"].iloc[1:].max())
@@ -132,7 +129,7 @@ Ours at Δ = {DELTA:g} mm differs by {_small(turned)} of its peak under the half
 to {fixed(off, 3)} MPa or {share(off / peak, 1)} of its peak between mirror images. The parts
 that change under reflection correlate between ours and the printed table with {fixed(own["handedness"], 2, sign=True)};
 the opposite sign of the cord angle would change this sign, too.""")
-    return joined(text, listing("Central and mirror asymmetry", shown, columns))
+    return joined(text, listing("Central and mirror asymmetry", shown, heads, line, small=_small))
 
 
 def _small(value: float) -> str:
