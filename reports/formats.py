@@ -69,12 +69,12 @@ def interval(ends: Iterable[float], decimals: int = 2) -> str:
 class Line(Formatter):
     """Fills in "{name:format}" from a record, a mapping or an object, as str.format does but for the formats.
 
-    They are those of ``formatted``, or ``named`` ones; without one a value is printed as it is. In "{kkt[tension]:.1e}"
-    an entry of a value is meant.
+    They are those of ``formatted``, "code", "said", or ``named`` ones; without one a value is printed as it is. In
+    "{kkt[tension]:.1e}" an entry of a value is meant.
     """
 
     def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
-        self.named = named
+        self.named = {"code": code, "said": said, **named}
 
     def filled(self, text: str, record: Any) -> str:
         """The text with the values of a record."""

@@ -47,11 +47,17 @@ def listing(
     The fields of the line are filled in as by ``Line``. Raises ValueError when there are not as many of one as of the
     other.
     """
-    names, columns, filler = heads.split(" | "), line.split(" | "), Line(named)
+    names, columns = heads.split(" | "), line.split(" | ")
     if len(names) != len(columns):
         raise ValueError(f"{title}: {len(names)} heads over {len(columns)} columns")
-    each = records.to_dict("records") if isinstance(records, pd.DataFrame) else records
-    return table(title, names, ([filler.filled(column, record) for column in columns] for record in each), words)
+    each = records.to_dict("records") if isinstance(records, pd.DataFrame) else list(records)
+    return table(title, names, zip(*(filled(column, each, **named) for column in columns), strict=True), words)
+
+
+def filled(line: str, records: pd.DataFrame | Iterable[Any], **named: Form) -> list[str]:
+    """A line for each record, its fields filled in as by ``Line``."""
+    filler, each = Line(named), records.to_dict("records") if isinstance(records, pd.DataFrame) else records
+    return [filler.filled(line, record) for record in each]
 
 
 def _line(entries: Sequence[object]) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import product
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,8 +12,8 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
-from reports.formats import NOTHING, fixed, number, scientific, share
-from reports.markdown import Part, joined, listing, machine, picture, prose, table
+from reports.formats import NOTHING, fixed, scientific, share
+from reports.markdown import Part, joined, listing, machine, picture, prose
 from reports.tables import Store
 
 PAPER = 1e4  # MPa/mm
@@ -25,9 +24,6 @@ PANELS = (  # column, words, what is drawn of it
     ("condition", "condition (1-norm)", (1e4, 1e18)),
 )
 SIZE = {"tyre": "the tyre at 20 mm", "strip": "the clamped strip at five times its touching pressure"}
-
-
-Laws = Mapping[Any, Mapping[Any, Any]]  # by case, the row of the table of laws
 
 
 def epsilon_page(store: Store) -> Part:
@@ -42,7 +38,7 @@ The paper replaces the contact condition by p = ε <-g>: a pressure proportional
 the exact multiplier: {" and ".join(SIZE.get(case, case) for case in cases)}. Two forms of one equation: the
 *multiplier* form keeps the pressure as an unknown; the *displacement* form eliminates it, K + ε GᵀWG, as penalty
 methods do. The error of the force is that of the sum of the contact forces.""")
-    laws, rule = store.analysis("epsilon_laws").set_index("case").to_dict("index"), store.rules()
+    laws, rule = store.analysis("epsilon_laws"), store.rules()
     words = "Penetration, error of the force and condition over ε, two cases in two forms"
     return joined(
         text,
@@ -78,17 +74,15 @@ def draw_epsilon(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _laws(laws: Laws, rule: Mapping[str, float]) -> tuple[str, str, str]:
-    rows, ends = [], []
-    for case, law in laws.items():
-        slopes = [w for name in ("penetration", "force") for w in (fixed(law[f"{name}_slope"], 3), _range(law, name))]
-        rows.append([case, *slopes, number(law["soft_until"]), number(law["level_from"])])
-        ends.append([case, number(law["breaks_at"]), scientific(law["best_error"]), number(law["best"])])
-    header = ["case", "slope of the penetration", "over ε", "slope of the force error", "over ε"]
-    header += [
-        f"error above {share(rule['epsilon_soft'], 0)} up to",
-        f"error below {scientific(rule['epsilon_level'], 0)} from",
-    ]
+def _laws(laws: pd.DataFrame, rule: Mapping[str, float]) -> tuple[str, str, str]:
+    soft, level = share(rule["epsilon_soft"], 0), scientific(rule["epsilon_level"], 0)
+    heads = "case | slope of the penetration | over ε | slope of the force error | over ε | "
+    heads += f"error above {soft} up to | error below {level} from"
+    line = "{case} | {penetration_slope:.3f} | {penetration_over} | {force_slope:.3f} | {force_over} | "
+    line += "{soft_until:g} | {level_from:g}"
+    over = {f"{name}_over": _ranges(laws, name) for name in ("penetration", "force")}
+    broken = "case | does not converge from | smallest error of a converged force | at ε"
+    ends = "{case} | {breaks_at:g} | {best_error:.1e} | {best:g}"
     text = prose("""## Slopes, plateau, break-down
 
 Penetration and force error fall as 1/ε; the slopes are fitted by least squares over the longest run of decades whose
@@ -96,27 +90,27 @@ local slopes are -1. The multiplier form ends on a plateau of rounding and stays
 where ε times the rounding of a gap exceeds what the forces may be out of balance: its pressures lose the digits that
 the condition of its matrix takes. How far ε may go depends on the problem, since the stiffness of the body and the
 size of its pressures stand beside it: the thin strip breaks down first.""")
-    broken = ["case", "does not converge from", "smallest error of a converged force", "at ε"]
-    laws_table = table("Laws and limits, ε in MPa/mm", header, rows)
+    slopes = listing("Laws and limits, ε in MPa/mm", laws.assign(**over), heads, line)
     # one decade more or less is a matter of rounding
-    return text, laws_table, machine(table("Break-down of the displacement form, ε in MPa/mm", broken, ends))
+    return text, slopes, machine(listing("Break-down of the displacement form, ε in MPa/mm", laws, broken, ends))
 
 
-def _range(law: Mapping[Any, Any], name: str) -> str:
-    low, high = (law[f"{name}_{end}"] for end in ("low", "high"))
-    return NOTHING if math.isnan(low) else f"{low:g} … {high:g}"
+def _ranges(laws: pd.DataFrame, name: str) -> list[str]:
+    """Where a slope was fitted, case by case."""
+    ends = zip(laws[f"{name}_low"], laws[f"{name}_high"], strict=True)
+    return [NOTHING if math.isnan(low) else f"{low:g} … {high:g}" for low, high in ends]
 
 
-def _paper(data: pd.DataFrame, laws: Laws) -> Part:
+def _paper(data: pd.DataFrame, laws: pd.DataFrame) -> Part:
     """The paper's epsilon on the tyre, and how far it is from either end."""
     lines, ends = [], []
-    for case, law in laws.items():
+    for case, breaks_at in zip(laws["case"], laws["breaks_at"], strict=True):
         own = data[data["case"] == case]
         row = own[(own["form"] == "multiplier") & (own["epsilon"] == PAPER)].iloc[0]
         penalised = own[(own["form"] == "displacement") & (own["epsilon"] == PAPER)].iloc[0]
         exact = own[~np.isfinite(own["epsilon"])].iloc[0]
         growth = float(penalised["condition"]) / float(exact["condition"])
-        ends.append(f"- {SIZE.get(case, case)}: {_room(law['breaks_at'])}")
+        ends.append(f"- {SIZE.get(case, case)}: {_room(breaks_at)}")
         lines.append(
             f"- {SIZE.get(case, case)}: force off by {scientific(abs(row['force_error']))} of itself, "
             f"penetration {scientific(row['penetration_mm'])} mm, {int(row['nodes_unlike'])} nodes unlike the exact "

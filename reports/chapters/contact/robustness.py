@@ -5,7 +5,7 @@ from __future__ import annotations
 from reports.chapters.contact.agreement_cases import unusual
 from reports.chapters.tyre.cells import DELTA, FAR, ONE_STEP
 from reports.formats import fixed, scientific
-from reports.markdown import Part, commands, joined, listing, machine, prose, table
+from reports.markdown import Part, commands, filled, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 SETTLE, MESHES = (0.05, 1.0), ("28x26", "42x40", "84x80")  # the algorithm's own, and the textbook's
@@ -88,7 +88,7 @@ def _claims(store: Store) -> Part:
     heads = "who | problems | refused | claimed | false | largest error"
     line = "{contender} | {problems} | {refused} | {claimed} | {false} | {largest_error:error}"
     ours = found[~found["contender"].str.contains("alone")]
-    told = ", ".join(f"{row['contender']} {row['false']} of {row['claimed']}" for _, row in wrong.iterrows())
+    told = ", ".join(filled("{contender} {false} of {claimed}", wrong))
     text = prose(f"""## Who says that it has solved it
 
 Every algorithm and setting, and the solvers of quadratic programmes alone and at their word (*alone*), over published

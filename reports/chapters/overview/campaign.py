@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.formats import NOTHING, code, digits, fixed, percent, scientific
-from reports.markdown import Part, joined, machine, prose, table
+from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
@@ -75,7 +75,7 @@ def _unfinished(store: Store) -> str:
     found = [each for each in store.planned if each.ended in ("wrong", "not-converged", "cap-hit")]
     if not found:
         return "## Not converged\n\nNone."
-    rows = ([each.label, each.ended] for each in found)
-    names = table("Cells that were solved and did not converge", ["cell", "class"], rows, words=2)
-    reasons = table("How they ended", ["cell", "reason"], ([each.label, each.reason] for each in found), words=2)
+    title = "Cells that were solved and did not converge"
+    names = listing(title, found, "cell | class", "{label} | {ended}", words=2)
+    reasons = listing("How they ended", found, "cell | reason", "{label} | {reason}", words=2)
     return f"## Not converged\n\n{names}\n\n{machine(reasons)}"

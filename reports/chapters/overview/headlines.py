@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 from reports.chapters.overview.outcomes import completeness_line
 from reports.chapters.trade.tradeoff import explained
 from reports.formats import fixed, interval, share
-from reports.markdown import machine, prose
+from reports.markdown import filled, machine, prose
 from reports.tables import Store
 
 COST = "seconds"  # of processor time
@@ -83,7 +83,7 @@ def _share(row: dict, solved: pd.DataFrame) -> str:
     own = (solved["competitor"] == row["competitor"]) & (solved["scene"] != "") & (solved["axis"] == row["axis"])
     lost = solved[own].assign(failed=solved["asked"] - solved["solved"])
     lost = lost[lost["failed"] > 0].sort_values("failed", ascending=False, kind="stable")
-    where = ", ".join(f"{each['failed']} of {each['asked']} in {each['scene']}" for each in lost.to_dict("records"))
+    where = ", ".join(filled("{failed} of {asked} in {scene}", lost))
     return f"`{row['competitor']}` {_solved(row)} of {row['asked']}" + (f" (failed: {where})" if where else "")
 
 

@@ -13,7 +13,7 @@ from reports.chapters.shells.locking import worst_energy
 from reports.chapters.shells.newton_steps import load_steps
 from reports.chapters.tyre.algorithms import yardstick
 from reports.chapters.tyre.cells import ALGORITHMS, BASE, DELTA, FINE, FOLLOWER, SLOWEST, change, nodes_unlike
-from reports.chapters.tyre.meshes import isotropic_differences
+from reports.chapters.tyre.meshes import beside_solids
 from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
 from reports.formats import fixed, percent, scientific, share
@@ -130,8 +130,7 @@ def _limitations(store: Store) -> str:
     c = reading(store.analysis("tyre_comparison"), DELTA)
     mesh = change(store.find(**FINE), store.find(**BASE))
     follower = change(store.find(**FOLLOWER), store.find(**BASE))
-    _, *columns = zip(*isotropic_differences(store), strict=True)
-    coarse, fine = (max((abs(d) for d in column if not math.isnan(d)), default=None) for column in columns)
+    coarse, fine = (beside_solids(store)[f"{mesh}_off"].abs().max() for mesh in ("coarse", "fine"))
     hemisphere = BENCHMARKS[-1]
     quantity = list(hemisphere.quantities)[-1]
     errors = hemisphere.errors(store, "read")

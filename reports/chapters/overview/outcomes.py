@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from reports.formats import digits
-from reports.markdown import Part, joined, machine, prose, table
+from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.tables import CLASSES, Cell, Store
 
 WORDS = {  # of each class, for people
@@ -41,8 +41,8 @@ def completeness(store: Store) -> Part:
     parts.append(prose("; ".join(f"*{name}*: {WORDS[name]}" for name in present) + "."))
     unsolved = [each for each in store.planned if each.ended not in (*SOLVED, "unsupported")]
     if unsolved:
-        told = ([each.label, each.ended, each.reason] for each in unsolved)
-        parts.append(machine(table("Cells without a result", ["cell", "class", "reason"], told, words=3)))
+        told = "cell | class | reason", "{label} | {ended} | {reason}"
+        parts.append(machine(listing("Cells without a result", unsolved, *told, words=3)))
     return joined(*parts)
 
 

@@ -10,8 +10,8 @@ from reports.chapter import Chapter
 from reports.chapters.shells.element_choice import element_choice_part
 from reports.chapters.shells.solid_part import solid_part
 from reports.drawing import BLACK, LINES, MARKERS, canvas, look, svg, ticks
-from reports.formats import NOTHING, code, fixed, number, percent, share
-from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
+from reports.formats import NOTHING, code, fixed, number, share
+from reports.markdown import Part, commands, filled, folded, joined, listing, picture, prose, table
 from reports.tables import Store
 
 DEFAULT = "refined"  # the element of the page
@@ -132,12 +132,11 @@ SPLIT_LINE = "{ladder} | `{quantity}` | {kind} | {value:g} | {error:+.3%} | {mes
 def _parts(store: Store, data: pd.DataFrame) -> Part:
     """Errors against the references, split."""
     found = comparisons(store, data)
-    beyond = [
-        f"- {row['ladder']}, `{row['quantity']}`, {row['kind']}: {percent(row['model_part'], 2)}"
-        for row in found[found["verdict"].str.startswith("beyond")].to_dict("records")
-    ]
+    beyond = filled(
+        "- {ladder}, `{quantity}`, {kind}: {model_part:+.2%}", found[found["verdict"].str.startswith("beyond")]
+    )
     missing = data[~data["sequence"].isin(found["sequence"])].drop_duplicates("sequence")
-    without = ", ".join(f"{row['ladder']} `{row['quantity']}`" for row in missing.to_dict("records"))
+    without = ", ".join(filled("{ladder} `{quantity}`", missing))
     heads = f"{SPLIT} | ± limit | ± reference | model part is"
     line = SPLIT_LINE + " | {limit_uncertainty:.3%} | {uncertainty:.3%} | {verdict}"
     text = prose(f"""## Mesh part and model part
@@ -148,7 +147,7 @@ not, and tells the shell, its section or the reference itself. A model part coun
 uncertainties of limit and reference together; that is so in {len(beyond)} of {len(found)} comparisons. Kinds:
 *exact* is a closed form, *computed* another program or a solid, *read* a public transcription of published values,
 *printed* the source itself.""")
-    sources = dict.fromkeys(f"- {row['ladder']}, {row['kind']}: {row['source']}" for row in found.to_dict("records"))
+    sources = dict.fromkeys(filled("- {ladder}, {kind}: {source}", found))
     return joined(
         text,
         listing("Errors split, relative to the reference", found, heads, line, words=3),

@@ -8,7 +8,7 @@ import pandas as pd
 
 from reports.chapters.tyre.cells import ISOTROPIC_FINE
 from reports.formats import digits, fixed, percent, share
-from reports.markdown import Part, commands, joined, prose, table
+from reports.markdown import Part, commands, filled, joined, prose, table
 from reports.tables import Store
 
 PENALTY = 20.0  # MPa/mm, NGSolve's
@@ -77,15 +77,14 @@ def _parts(title: str, first: str, data: pd.DataFrame) -> str:
 
 def _penalty(store: Store, changes: pd.DataFrame) -> str:
     soft = store.find(scene="tyre-solid", epsilon=PENALTY).result
-    each = ", ".join(f"{percent(row['value'])} at {row['at']} mm" for row in changes.to_dict("records"))
+    each = ", ".join(filled("{value:+.2%} at {at} mm", changes))
     return prose(f"""NGSolve holds the plane by a penalty of {soft["settings"]["epsilon"]:g} MPa/mm. The same
 penalty changes the force of our solid ({soft["mesh"]}) by {each}; that much of the difference between the two
 solids is the penalty's.""")
 
 
 def _equator(growth: pd.DataFrame) -> str:
-    each = growth.drop_duplicates("at").to_dict("records")
-    parts = " and ".join(f"{percent(row['model_part'])} ({row['at']})" for row in each)
+    parts = " and ".join(filled("{model_part:+.2%} ({at})", growth.drop_duplicates("at")))
     return prose(f"""### The inflated equator
 
 Nothing touches yet, but the difference is larger: {parts}. The radius grows by the hoop strain

@@ -8,7 +8,7 @@ import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
-from reports.formats import NOTHING, code, fixed, said, share
+from reports.formats import NOTHING, code, fixed, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
@@ -63,15 +63,14 @@ def _listed(store: Store) -> Part:
     shown = own.assign(configuration=own["configuration"].where(~none, nearest))
     shown.loc[none, "runner_up"] = ""
     shown.loc[none, ["bound", "cost", "runner_up_ratio", "next_ratio"]] = math.nan
+    heads_of_time = "scene | time [s] | 90 % of the cells within [s]"
     of_time = "`{scene}` | {seconds:.3f} | [{seconds_low:.3f}, {seconds_high:.3f}]"
     text = prose(f"""## In full, at {share(ENGINEER, 0)}
 
 *Runner-up*: the cheapest of another measure, algorithm, iteration or element, and its cost over that of the advice;
 *next step*: the cost of half the tolerance over that of the advice.""")
-    listed = listing(f"Advice at {share(ENGINEER, 0)}", shown, heads, line, words=2, said=said)
-    times = listing(
-        "Times by the law of its scene", own[~none], "scene | time [s] | 90 % of the cells within [s]", of_time
-    )
+    listed = listing(f"Advice at {share(ENGINEER, 0)}", shown, heads, line, words=2)
+    times = listing("Times by the law of its scene", own[~none], heads_of_time, of_time)
     return joined(text, machine(listed, times, commands(own["command"][~none])))
 
 

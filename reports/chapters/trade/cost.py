@@ -8,8 +8,8 @@ from matplotlib.figure import Figure
 from reports.chapter import Chapter
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
-from reports.formats import NOTHING, fixed, said, scientific, share
-from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
+from reports.formats import NOTHING, fixed, scientific, share
+from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 WITHIN = 0.01
@@ -65,10 +65,7 @@ def _precision(store: Store) -> Part:
     spent = "element | grid | factorisation [s] | total with its estimate [s]"
     times = "`{element}` | `{family}` | {factorisation_s:.2f} | {total_s:.2f}"
     adapted = needed[(needed["family"] == "adapted") & needed["share"].notna()]
-    found = [
-        f"element `{row['element']}`: {share(row['share'], 0)} of the unknowns of a uniform grid"
-        for row in adapted.to_dict("records")
-    ]
+    found = filled("element `{element}`: {share:.0%} of the unknowns of a uniform grid", adapted)
     text = prose(f"""## Put the elements where the force is decided
 
 Force of the paper's tyre at {delta} mm against the mean of two fine adapted grids. `patch` is the spacing of the paper,
@@ -76,13 +73,11 @@ finer around the patch; `adapted` follows an estimate of the error of the force 
 up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
 *reaches* {within} when all finer ones of its family stay below. Adapted grids need,
 {"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` chooses such a grid by itself.""")
-    body = listing(f"Grids that reach {within}", needed.fillna({"mesh": ""}), heads, line, words=2, said=said)
+    body = listing(f"Grids that reach {within}", needed.fillna({"mesh": ""}), heads, line, words=2)
     known, title = needed[needed["unknowns"].notna()], f"Wall times of the grids that reach {within}"
     timed = machine(listing(title, known, spent, times, words=2))
-    drawn = precision(store.table("work_precision"))
-    return joined(
-        text, body, timed, picture("cost-precision.svg", "Error of the force over the unknowns, by grid", drawn)
-    )
+    words, drawn = "Error of the force over the unknowns, by grid", precision(store.table("work_precision"))
+    return joined(text, body, timed, picture("cost-precision.svg", words, drawn))
 
 
 @svg

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
-from reports.formats import code, said, share
-from reports.markdown import Part, commands, folded, joined, listing, machine, picture, prose, table
+from reports.formats import code, share
+from reports.markdown import Part, commands, filled, folded, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
 COST = "seconds"  # of processor time; other runs and machines have others
@@ -87,7 +87,7 @@ def _families(store: Store) -> Part:
 Configurations that have solved all scenes of a family, none wrongly: geometric means over its scenes of the error and
 of the cost, the latter over the cheapest cell of each scene. *Mesh*: 1 is the coarsest of each scene.""")
     front = front.assign(rung=front["rung"] + 1)
-    return joined(text, machine(listing("Fronts per family", front, heads, line, words=2 + len(names), code=code)))
+    return joined(text, machine(listing("Fronts per family", front, heads, line, words=2 + len(names))))
 
 
 def _solved(store: Store) -> Part:
@@ -96,15 +96,15 @@ def _solved(store: Store) -> Part:
     if data.empty:
         return Part("## Solved and failed\n\nNo problem was put to two algorithms.")
     heads = "algorithm | scene | put to it | solved | share | how the others ended"
-    line = "`{competitor}` | {scene:scene} | {asked} | {solved} | {share:.1%} | {ended:said}"
-    named: dict[str, Callable[[str], str]] = {"scene": lambda name: code(name) if name else "all", "said": said}
-    data = data.assign(share=data["solved"] / data["asked"])
+    line = "`{competitor}` | {where} | {asked} | {solved} | {share:.1%} | {ended:said}"
+    where = data["scene"].map(code).where(data["scene"] != "", "all")
+    data = data.assign(where=where, share=data["solved"] / data["asked"])
     shown = data[(data["scene"] == "") | (data["solved"] < data["asked"])]
     text = prose("""## Solved and failed
 
 Of the problems that were put to two algorithms, or iterations, at least: how many each has solved, in all, and in each
 scene in which it has failed. What an algorithm refuses, and what is not solved yet, is not put to it.""")
-    return joined(text, listing("Problems solved", shown, heads, line, words=2, **named))
+    return joined(text, listing("Problems solved", shown, heads, line, words=2))
 
 
 def _profiles(store: Store) -> Part:
@@ -134,8 +134,7 @@ def _ranking(axis: str, checked: pd.DataFrame) -> str:
     whole = checked[checked["removed"] == ""].iloc[0]
     if not whole["ranking"]:
         return f"- {axis}: not ranked: problems in common: {whole['problems']}."
-    turned = checked[checked["flips"] != ""].to_dict("records")
-    found = "; ".join(f"without `{row['removed']}`: {row['flips']}" for row in turned)
+    found = "; ".join(filled("without `{removed}`: {flips}", checked[checked["flips"] != ""]))
     verdict = f"not stable, {found} change places" if found else "the same without any one of them"
     return f"- {axis}, {whole['problems']} problems: {whole['ranking']}; {verdict}."
 

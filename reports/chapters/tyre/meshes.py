@@ -15,7 +15,6 @@ SOLID, INFLATION = "isotropic_tyre_3d_solid.csv", "isotropic_tyre_3d_inflation.c
 SOLID_COLUMNS = ("delta_mm", "force_N_ngsolve", "force_N_calculix", "half_length_mm", "half_width_mm")
 EQUATOR = "inflated_equator_{face}_mm"
 DIRECTIONS = ("radial", "axial", "normal")
-EXTENTS = ("length", "width")
 VALUES = {  # head: quantity, decimals
     "force [N]": ("force_N", 2),
     "centre pressure [MPa]": ("centre_pressure_MPa", 4),
@@ -54,39 +53,37 @@ def _isotropic(store: Store) -> list[Cell]:
     return [store.find(**ISOTROPIC), store.find(**ISOTROPIC_FINE)]
 
 
-def isotropic_differences(store: Store) -> list[tuple[float, float, float]]:
-    """Travel and relative difference of the force from NGSolve, on the coarse and on the fine mesh."""
-    solid = store.reference_table(SOLID, SOLID_COLUMNS)
-    coarse, fine = _isotropic(store)
-    return [
-        (float(d), coarse.value("force_N", delta_mm=d) / force - 1.0, fine.value("force_N", delta_mm=d) / force - 1.0)
-        for d, force in zip(solid["delta_mm"], solid["force_N_ngsolve"], strict=True)
-    ]
+def beside_solids(store: Store) -> pd.DataFrame:
+    """Forces and half extents of the solids and of the shell on both meshes, and how far it is from NGSolve's force."""
+    found = store.reference_table(SOLID, SOLID_COLUMNS)
+    for mesh, cell in zip(("coarse", "fine"), _isotropic(store), strict=True):
+        for name in ("force_N", "half_length_mm", "half_width_mm"):
+            found[f"{mesh}_{name}"] = [cell.value(name, delta_mm=delta) for delta in found["delta_mm"]]
+        found[f"{mesh}_off"] = found[f"{mesh}_force_N"] / found["force_N_ngsolve"] - 1.0
+    return found.assign(calculix_off=found["force_N_calculix"] / found["force_N_ngsolve"] - 1.0)
 
 
 def _solid_loads(store: Store) -> Part:
-    solid, cells = store.reference_table(SOLID, SOLID_COLUMNS), _isotropic(store)
-    rows, extents = [], []
-    for row, (delta, *off) in zip(solid.to_dict("records"), isotropic_differences(store), strict=True):
-        solids = row["force_N_ngsolve"], row["force_N_calculix"]
-        forces = [cell.value("force_N", delta_mm=delta) for cell in cells]
-        differences = map(percent, (*off, solids[1] / solids[0] - 1.0))
-        rows.append([f"{delta:g}", *(fixed(force, 2) for force in (*forces, *solids)), *differences])
-        each = [(*(c.value(f"half_{of}_mm", delta_mm=delta) for c in cells), row[f"half_{of}_mm"]) for of in EXTENTS]
-        extents.append([f"{delta:g}", *(fixed(value, 2) for values in each for value in values)])
+    found, cells = beside_solids(store), _isotropic(store)
     meshes = [cell.result["mesh"] for cell in cells]
-    header = ["Δ [mm]", *(f"P {mesh} [N]" for mesh in meshes), "P NGSolve [N]", "P CalculiX [N]"]
-    header += [*(f"{mesh} - NGSolve" for mesh in meshes), "CalculiX - NGSolve"]
-    names = [f"half {name} {who} [mm]" for name in EXTENTS for who in (*meshes, "solid")]
+    forces = ["Δ [mm]", *(f"P {mesh} [N]" for mesh in meshes), "P NGSolve [N]", "P CalculiX [N]"]
+    heads = " | ".join([*forces, *(f"{mesh} - NGSolve" for mesh in meshes), "CalculiX - NGSolve"])
+    line = (
+        "{delta_mm:g} | {coarse_force_N:.2f} | {fine_force_N:.2f} | {force_N_ngsolve:.2f} | {force_N_calculix:.2f} | "
+    )
+    line += "{coarse_off:+.2%} | {fine_off:+.2%} | {calculix_off:+.2%}"
+    extents = ["Δ [mm]", *(f"half {name} {who} [mm]" for name in ("length", "width") for who in (*meshes, "solid"))]
+    extent = "{delta_mm:g} | {coarse_half_length_mm:.2f} | {fine_half_length_mm:.2f} | {half_length_mm:.2f} | "
+    extent += "{coarse_half_width_mm:.2f} | {fine_half_width_mm:.2f} | {half_width_mm:.2f}"
+    by_extent = listing("Half extents of the patch, shell and solid", found, " | ".join(extents), extent)
     source = store.reference("tyre", "force_N", "computed", delta_mm=DELTA)
     s = cells[0].settings
-    by_extent = table("Half extents of the patch, shell and solid", ["Δ [mm]", *names], extents)
     text = prose(f"""## An isotropic tyre against three-dimensional solids
 
 The same torus of one isotropic layer (E = {s["E_MPa"]:g} MPa, ν = {s["nu"]:g}), load {s["load"]}, pressure
 area {s["pressure_area"]}. Reference, computed independently: {source["source"]}; the uncertainty of its force is
 {share(source["uncertainty"], 1)}. Half extents of the patch are known to half an element at best.""")
-    return joined(text, table("Force of shell and solid", header, rows), by_extent)
+    return joined(text, listing("Force of shell and solid", found, heads, line), by_extent)
 
 
 def mid_displacement(profile: pd.DataFrame) -> pd.DataFrame:
