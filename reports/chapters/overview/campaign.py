@@ -2,50 +2,44 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+import pandas as pd
 
 from reports.chapters.overview.outcomes import completeness, origin, refusals
-from reports.formats import NOTHING, code, digits, fixed, percent, scientific
+from reports.formats import NOTHING, code, scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
-LEAST = 3  # meshes of a sequence
 
 
 def campaign_page(store: Store, contents: str = "") -> Part:
     """The whole page; contents: the list of the other pages. Times are those of its last block."""
     head = f"# Campaign `{store.campaign}`\n\n{store.title}." + (f"\n\n{contents}" if contents else "")
-    sections = (_sequences, _outcomes, _refused, _unfinished, origin)
-    return joined(head, "## Completeness", completeness(store), *(section(store) for section in sections))
+    refused = f"## Refused\n\n{refusals(store)}"
+    sections = _sequences(store), _outcomes(store), refused, _unfinished(store), origin(store)
+    return joined(head, "## Completeness", completeness(store), *sections)
 
 
-def _sequences(store: Store) -> str:
+def _sequences(store: Store) -> Part:
+    """A row for each sequence and reference."""
     heading = "## Orders and references"
-    rows = list(_rows(store)) if store.has_analysis("convergence") else []
-    if not rows:
-        return f"{heading}\n\nNo request was solved and analysed on 3 meshes or more."
-    header = ["scene", "measure", "quantity", "meshes", "finest", "order", "limit", "reference", "kind", "error"]
+    data = store.analysis("convergence") if store.has_analysis("convergence") else pd.DataFrame({"ladder": []})
+    own = data[data["ladder"] == ""]
+    if own.empty:
+        return joined(heading, "No request was solved and analysed on 3 meshes or more.")
+    known = store.analysis("convergence_errors").drop_duplicates(["sequence", "reference"], keep="last")
+    known = known.assign(known=known["value"])[["sequence", "known", "kind", "error", "model_part"]]
+    meshes = own.groupby("sequence")["mesh"].agg(", ".join).rename("meshes")
+    finest = own.drop_duplicates("sequence", keep="last").join(meshes, on="sequence")
+    found = finest.merge(known, how="left", on="sequence").fillna({"kind": ""})
+    found["off"] = found["error"].where(found["limit"].isna(), found["model_part"])
+    heads = "scene | measure | quantity | meshes | finest | order | limit | reference | kind | error"
+    line = "{scene} | {measure} | {quantity} | {meshes} | {value:#.6g} | {order:.2f} | {limit:#.6g} | {known:#.6g} | "
+    line += "{kind:said} | {off:+.2%}"
     words = prose("""Requests that were solved on 3 meshes or more and differ in nothing else; of two meshes that hardly
 differ the finer one counts. The order is that of the last three; the error is that of the limit, where there is an
 order, and of the finest mesh elsewhere.""")
-    return f"{heading}\n\n{words}\n\n" + table("Sequences of meshes", header, rows, words=4)
-
-
-def _rows(store: Store) -> Iterator[list[str]]:
-    """A row for each sequence and reference."""
-    data, errors = store.analysis("convergence"), store.analysis("convergence_errors")
-    for sequence, own in data[data["ladder"] == ""].groupby("sequence", sort=False):
-        first, finest = own.iloc[0], own.iloc[-1]
-        head = [first["scene"], first["measure"], first["quantity"], ", ".join(own["mesh"])]
-        told = [digits(finest["value"], 6), fixed(finest["order"], 2), digits(first["limit"], 6)]
-        known = errors[errors["sequence"] == sequence].drop_duplicates("reference", keep="last")
-        if known.empty:
-            yield [*head, *told, NOTHING, NOTHING, NOTHING]
-        for each in known.to_dict("records"):
-            error = each["error"] if math.isnan(first["limit"]) else each["model_part"]
-            yield [*head, *told, digits(each["value"], 6), each["kind"], percent(error)]
+    return joined(heading, words, listing("Sequences of meshes", found, heads, line, words=4))
 
 
 def _outcomes(store: Store) -> str:
@@ -65,10 +59,6 @@ def _outcomes(store: Store) -> str:
     header = ["scene", "algorithm", "tolerance", "solved", "converged", "failed", "Newton iterations"]
     header += ["factorisations", "assemblies", "flops of the factorisations"]
     return "## Outcomes and counters\n\n" + table("Sums over the converged cells of each group", header, rows, words=2)
-
-
-def _refused(store: Store) -> str:
-    return f"## Refused\n\n{refusals(store)}"
 
 
 def _unfinished(store: Store) -> str:
