@@ -58,9 +58,8 @@ def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
     return pd.DataFrame(parts, index=main[axis].unique()).T.fillna(np.inf) if parts else pd.DataFrame()
 
 
-def problems(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
-    """As ``field``: the largest part in which everybody was asked everything, without what nobody solves."""
-    matrix = field(fronts, axis, cost)
+def problems(matrix: pd.DataFrame, axis: str) -> pd.DataFrame:
+    """Of a ``field`` the largest part in which everybody was asked everything, without what nobody solves."""
     if axis in SOLVERS and len(matrix):
         matrix = _together(matrix)
     return matrix[np.isfinite(matrix.min(axis=1))] if len(matrix) else matrix
@@ -125,8 +124,9 @@ def profiles(fronts: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataF
     flips: list[tuple[object, ...]] = []
     for axis in AXES:
         for cost in (name for name in RANKED_BY if f"cost.{name}" in fronts and fronts[axis].nunique() > 1):
-            matrix = problems(fronts, axis, cost)
-            pairs += [(axis, cost, *row) for row in pairs_of(field(fronts, axis, cost))]
+            whole = field(fronts, axis, cost)
+            matrix = problems(whole, axis)
+            pairs += [(axis, cost, *row) for row in pairs_of(whole)]
             if len(matrix) < FEWEST or matrix.shape[1] < 2:
                 flips.append((axis, cost, len(matrix), "", "", ""))
                 continue

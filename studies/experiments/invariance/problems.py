@@ -23,7 +23,7 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, Surface, cylinder, torus
 from formulations.strains.measure import StrainMeasure
-from studies.experiments.conformance import ELEMENTS, Element, Swapped, layup
+from studies.experiments.specimens import ELEMENTS, Element, Swapped, layup
 from studies.scenes.contact.base import outer_face
 
 TRAVEL, BALL = 0.1, 0.6  # lengths: how far the foundation comes, radius of a sphere

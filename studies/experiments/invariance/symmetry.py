@@ -24,9 +24,10 @@ from contact.verify import judge
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from studies.complete import complete
-from studies.experiments.conformance import NOTICED, Element, claims_objectivity
+from studies.experiments.conformance import NOTICED, claims_objectivity
 from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
 from studies.experiments.rigid_body import rotation
+from studies.experiments.specimens import Element
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.parts import settle_model

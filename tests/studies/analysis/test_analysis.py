@@ -14,7 +14,7 @@ from studies.analysis.attribution import INTERACTIONS, REST, shares
 from studies.analysis.everything import analysed
 from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
-from studies.analysis.profiles import flip_check, pairs_of, problems, profiles, solved, within
+from studies.analysis.profiles import field, flip_check, pairs_of, problems, profiles, solved, within
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, printed, walls
 from studies.analysis.verify import verified
@@ -277,12 +277,13 @@ def test_who_was_not_asked_has_not_failed() -> None:
     more = cells("hemisphere", "inward_mm", 8.178, contacts={"semismooth": 1.0, "lcp": 3.0})
     more.loc[more["contact"] == "lcp", "outcome"] = "not-converged"
     both = pd.concat([table, more], ignore_index=True)
-    matrix = problems(fronts(both, verified(both)), "contact", "flops")
+    matrix = problems(field(fronts(both, verified(both)), "contact", "flops"), "contact")
     assert list(matrix.columns) == ["semismooth", "lcp"]
     assert len(matrix) == 8
     assert np.isinf(matrix["lcp"]).sum() == 4
     refused = both.assign(outcome=both["outcome"].replace("not-converged", "unsupported"))
-    assert len(problems(fronts(refused, verified(refused)), "contact", "flops")) == 4
+    asked = field(fronts(refused, verified(refused)), "contact", "flops")
+    assert len(problems(asked, "contact")) == 4
 
 
 def test_a_ranking_that_flips_is_seen() -> None:

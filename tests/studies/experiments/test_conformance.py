@@ -20,7 +20,8 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import EXACT, LINEAR, MEASURES, SANDERS
 from formulations.strains.measure import EXACT_LAW, StrainMeasure
 from formulations.strains.quantities import FULL
-from studies.experiments.conformance import ELEMENTS, Element, claims_objectivity, conformance, layup
+from studies.experiments.conformance import claims_objectivity, conformance
+from studies.experiments.specimens import ELEMENTS, Element, layup
 from support.differences import fitted_order, rotation
 
 PAIRS = [(m, e) for m in MEASURES for e in ELEMENTS if e.suits(MEASURES[m])]
