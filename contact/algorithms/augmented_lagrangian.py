@@ -54,7 +54,7 @@ class AugmentedLagrangian:
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Outer loop from the pressure and set of ``start``."""
         whole = NewtonRun(problem, solver=self.solver)
-        begun, tally = whole.begin(start.u), whole.tally
+        tally, first_gap_size = whole.tally, problem.size_of_gaps(start.u, problem.gap(start.u))
         loosest = max(LOOSEST, self.tolerance)
         state, c, before, tolerance = start, self.c, np.inf, loosest
         for outer in range(self.max_outer):
@@ -67,7 +67,7 @@ class AugmentedLagrangian:
             gap = problem.gap(state.u)
             # a node in the set is off by its spring, which is what the pressure has just changed by
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
-            exact = error <= GAP_TOLERANCE * whole.gap_size(begun, state.u, gap)
+            exact = error <= GAP_TOLERANCE * max(problem.size_of_gaps(state.u, gap), first_gap_size)
             update = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
             tally.tell(Event(EventKind.UPDATE, update), first_row)
             if exact and tolerance == self.tolerance:

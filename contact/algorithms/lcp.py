@@ -10,7 +10,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
-from contact.newton.loop import Iterate, Step, StepError, iterate
+from contact.newton.loop import Step, StepError, iterate
+from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -69,16 +70,16 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
     free_du = run.solution(factor, K, -at.lin.residual)
     free = at.gap + G @ free_du
     # where the set holds a gap closed, rounding is no penetration
-    rounding = GAP_TOLERANCE * run.gap_size(at.state, at.u, at.gap)
+    rounding = GAP_TOLERANCE * run.gap_size(at)
     nodes, columns = np.zeros(0, int), np.zeros((len(free), 0))
     event: Event | None = None
-    multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.expected | (free < -rounding))
+    multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.active | (free < -rounding))
     while len(entering):
         start = run.tally.clock()
         columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
         nodes = np.append(nodes, entering)
         M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
-        found = _solve(method, M, free[nodes], at.expected[nodes])
+        found = _solve(method, M, free[nodes], at.active[nodes])
         multiplier[nodes], event = found.z, found.event
         pushed_in = free + columns @ found.z < -rounding
         pushed_in[nodes] = False

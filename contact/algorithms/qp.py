@@ -11,7 +11,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
-from contact.newton.loop import Iterate, Step, StepError, iterate, settle_set
+from contact.newton.loop import Step, StepError, iterate, settle_set
+from contact.newton.state import Iterate
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -62,7 +63,7 @@ class Qp:
 
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:
-            return settle_set(run, at, at.expected)
+            return settle_set(run, at, at.active)
         K, begun = run.problem.stiffness(at.lin, at.u, at.pressure), run.tally.clock()
         if not symmetric(K):
             off = f"the tangent differs from its transpose by {asymmetry(K):.1e} of its size"
@@ -90,7 +91,7 @@ class Qp:
         The others do not decide, but beside a small step their gaps are so large that OSQP hardly converges: on the
         tyre of 42 x 40 elements up to 8400 iterations with all, 75 without, 50 from the multipliers known already.
         """
-        x, near = np.zeros_like(whole.q), at.expected | (at.gap <= np.min(at.gap))
+        x, near = np.zeros_like(whole.q), at.active | (at.gap <= np.min(at.gap))
         while True:
             part = Programme(whole.P, whole.q, sparse.csc_matrix(whole.A[near]), whole.b[near], (x, y[near]))
             found = ask(self.backend, part, self.eps, self.polish)

@@ -7,7 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from contact.newton.loop import Iterate, Step, iterate
+from contact.newton.loop import Step, iterate
+from contact.newton.state import Iterate
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution
@@ -45,5 +46,5 @@ class Regularised:
 
 
 def _on_penetrated(run: NewtonRun, at: Iterate) -> Step:
-    du, pressure = run.step(at.lin, at.u, at.pressure, at.expected)
-    return Step(du, pressure, at.expected)
+    du, pressure = run.step(at.lin, at.u, at.pressure, at.active)
+    return Step(du, pressure, at.active)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
 
 from contact.newton.loop import CYCLE, first_of
-from contact.newton.state import NewtonState
+from contact.newton.state import Iterate
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -44,51 +44,42 @@ class TrialAndError:
         active = before | (problem.gap(u) < 0)
         seen: set[bytes] = set()
         one_at_a_time = False
-        state = run.begin(u)
+        at: Iterate | None = None
         for _ in range(self.max_sets):
-            state, u, pressure, violated, outcome = self._equilibrium(run, state, u, pressure, active, before)
+            pressed = np.where(active, pressure, 0.0)
+            at, outcome = self._equilibrium(run, run.at(run.linearise(u, None), u, pressed, active, at), before)
             if not outcome.converged:
-                return run.finish(u, pressure, active, outcome)
+                return run.finish(at, outcome)
+            own = np.where(active, 0.0, at.gap)  # in the set only the pressure decides, out of it only the gap
+            violated = run.misplaced(replace(at, gap=own))
             if not violated.any():
-                return run.finish(u, pressure, active, Outcome.CONVERGED)
-            before = active
+                return run.finish(at, Outcome.CONVERGED)
+            u, pressure, before = at.u, at.pressure, active
             if not one_at_a_time and active.tobytes() in seen:
                 one_at_a_time = True
                 run.tally.tell(CYCLE)
             seen.add(active.tobytes())
             active = active ^ (first_of(violated) if one_at_a_time else violated)
-        return run.finish(u, pressure, active, Outcome.CYCLING if one_at_a_time else Outcome.ITERATION_LIMIT)
+        assert at is not None  # there is at least one set
+        ended = Outcome.CYCLING if one_at_a_time else Outcome.ITERATION_LIMIT
+        return run.finish(replace(at, active=active), ended)
 
-    def _equilibrium(
-        self,
-        run: NewtonRun,
-        state: NewtonState,
-        u: np.ndarray,
-        pressure: np.ndarray,
-        active: np.ndarray,
-        before: np.ndarray,
-    ) -> tuple[NewtonState, np.ndarray, np.ndarray, np.ndarray, Outcome]:
-        """Newton on a fixed set: state, u, pressure, the candidates that violate their condition there, outcome."""
-        pressure, memory, nothing = np.where(active, pressure, 0.0), None, np.zeros_like(active)
+    def _equilibrium(self, run: NewtonRun, at: Iterate, before: np.ndarray) -> tuple[Iterate, Outcome]:
+        """Newton on the set of the iterate; ``before`` (m,): the set before it."""
         for iteration in range(self.max_iterations + 1):
-            lin = run.linearise(u, memory)
-            state = run.with_residual(state, lin, u, pressure)
-            run.tally.note(state.residual, active, before if iteration == 0 else active)
-            if np.isinf(state.residual):
-                return state, u, pressure, nothing, Outcome.DIVERGED
-            gap = run.problem.gap(u)
-            closed = run.closed(state, u, gap, pressure, active)
-            if closed and run.balanced(state, lin, u):
-                own = np.where(active, 0.0, gap)  # in the set only the pressure decides, out of it only the gap
-                violated = run.misplaced(state, lin, u, own, pressure, active)
-                return state, u, pressure, violated, Outcome.CONVERGED
-            if closed and run.stuck(state, lin, u):
-                return state, u, pressure, nothing, Outcome.ROUNDING
+            run.tally.note(at.residual, at.active, before if iteration == 0 else at.active)
+            if np.isinf(at.residual):
+                return at, Outcome.DIVERGED
+            closed = run.closed(at)
+            if closed and run.balanced(at):
+                return at, Outcome.CONVERGED
+            if closed and run.stuck(at):
+                return at, Outcome.ROUNDING
             if iteration == self.max_iterations:
                 break
             try:
-                du, pressure = run.step(lin, u, pressure, active)
+                du, pressure = run.step(at.lin, at.u, at.pressure, at.active)
             except SingularMatrixError:
-                return state, u, pressure, nothing, Outcome.SINGULAR
-            state, u, memory = run.advance(state, lin, u, du, active)
-        return state, u, pressure, nothing, Outcome.ITERATION_LIMIT
+                return at, Outcome.SINGULAR
+            at = run.advance(at, du, pressure, at.active)
+        return at, Outcome.ITERATION_LIMIT

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
-from contact.newton.state import NewtonState
+from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.problem import Linearisation, Linearise, Linearised, without_contact
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
@@ -79,21 +79,22 @@ class Curve:
         ``start`` is the converged point that the guess was made from; ``event`` heads its rows of history.
         """
         u, factor, tally = guess[:-1] / self.m, float(guess[-1]), self.run.tally
-        state, memory = self.run.remember(NewtonState(), self.run.linearise(start.u, None), u - start.u)
+        memory, moved = self.run.remember(self.run.linearise(start.u, None), u - start.u)
+        at: Iterate | None = None
         for iteration in range(self.max_iterations + 1):
             lin = self._loaded(u, factor, memory)
-            state = self.run.with_residual(state, lin, u, NO_CONTACT)
-            tally.note(state.residual, NO_SET, NO_SET, Event(EventKind.POINT, event) if iteration == 0 else None)
+            at = replace(self.run.at(lin, u, NO_CONTACT, NO_SET, at), moved=moved)
+            tally.note(at.residual, NO_SET, NO_SET, Event(EventKind.POINT, event) if iteration == 0 else None)
             tally.history[-1] |= {"parameter": factor, "iteration": iteration}
-            if self.run.balanced(state, lin, u):
+            if self.run.balanced(at):
                 return ArcPoint(u, factor, iteration)
-            if iteration == self.max_iterations or not np.isfinite(state.residual):
+            if iteration == self.max_iterations or not np.isfinite(at.residual):
                 return None
             try:
                 step = self._solve(lin, normal, np.append(-lin.residual, 0.0))  # every iterate stays on the plane
             except SingularMatrixError:
                 return None
-            state, memory = self.run.remember(state, lin, step[:-1])
+            memory, moved = self.run.remember(lin, step[:-1])
             u, factor = u + step[:-1], factor + float(step[-1])
             tally.counters["newton_iterations"] += 1
         return None

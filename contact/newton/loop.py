@@ -9,14 +9,14 @@ Source: Josephy, MRC Report 1965, University of Wisconsin (1979); for its use as
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contact.events import Event, EventKind
-from contact.newton.state import NewtonState
+from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
-from contact.problem import ContactSolution, Linearised, Outcome
+from contact.problem import ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
 FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
@@ -30,23 +30,6 @@ class StepError(ArithmeticError):
     def __init__(self, outcome: Outcome, reason: str) -> None:
         super().__init__(reason)
         self.outcome = outcome
-
-
-@dataclass(frozen=True, eq=False)
-class Iterate:
-    """Where the step starts: state, linearisation, u (n,), gap (m,), pressure (m,), the set (m,) expected to press.
-
-    again: whether an iteration before began with this set.  updates: of the set on one linearisation, in all so far.
-    """
-
-    state: NewtonState
-    lin: Linearised
-    u: np.ndarray
-    gap: np.ndarray
-    pressure: np.ndarray
-    expected: np.ndarray
-    again: bool = False
-    updates: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,39 +56,32 @@ def iterate(
 
     Iterations that only release nodes do not count against ``max_iterations``.
     """
-    u, pressure, active, memory = start.u, start.pressure, start.active, None
-    noted, counted, updates, begun = active, 0, 0, set[bytes]()
+    at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
+    noted, counted, updates, begun = at.active, 0, 0, set[bytes]()
     event: Event | None = None
-    state = run.begin(u)
     while True:
-        lin = run.linearise(u, memory)
-        gap = run.problem.gap(u)
-        state = run.with_residual(state, lin, u, pressure)
-        expected = active ^ run.misplaced(state, lin, u, gap, pressure, active, c)
-        run.tally.note(state.residual, expected, noted, event)
+        expected = at.active ^ run.misplaced(at, c)
+        run.tally.note(at.residual, expected, noted, event)
         noted = expected
-        if np.isinf(state.residual):
-            return run.finish(u, pressure, active, Outcome.DIVERGED)
-        settled = np.array_equal(expected, active) and run.closed(state, u, gap, pressure, active)
-        if settled and run.balanced(state, lin, u):
-            return run.finish(u, pressure, active, Outcome.CONVERGED)
-        if settled and run.stuck(state, lin, u):
-            return run.finish(u, pressure, active, Outcome.ROUNDING)
-        counted += not _only_released(active, expected)
+        if np.isinf(at.residual):
+            return run.finish(at, Outcome.DIVERGED)
+        settled = np.array_equal(expected, at.active) and run.closed(at)
+        if settled and run.balanced(at):
+            return run.finish(at, Outcome.CONVERGED)
+        if settled and run.stuck(at):
+            return run.finish(at, Outcome.ROUNDING)
+        counted += not _only_released(at.active, expected)
         if counted > max_iterations:
-            return run.finish(u, pressure, active, Outcome.ITERATION_LIMIT)
+            return run.finish(at, Outcome.ITERATION_LIMIT)
         again = expected.tobytes() in begun
         begun.add(expected.tobytes())
         try:
-            step = solve_step(run, Iterate(state, lin, u, gap, pressure, expected, again, updates))
-        except SingularMatrixError as error:
+            step = solve_step(run, replace(at, active=expected, again=again, updates=updates))
+        except (SingularMatrixError, StepError) as error:
             run.tally.tell(Event(EventKind.FAILED, str(error)))
-            return run.finish(u, pressure, active, Outcome.SINGULAR)
-        except StepError as error:
-            run.tally.tell(Event(EventKind.FAILED, str(error)))
-            return run.finish(u, pressure, active, error.outcome)
-        state, u, memory = run.advance(state, lin, u, step.du, step.active)
-        pressure, active, event, updates = step.pressure, step.active, step.event, updates + step.updates
+            return run.finish(at, error.outcome if isinstance(error, StepError) else Outcome.SINGULAR)
+        at = run.advance(at, step.du, step.pressure, step.active)
+        event, updates = step.event, updates + step.updates
 
 
 def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0) -> Step:
@@ -118,7 +94,7 @@ def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0) -> S
     if at.updates > MOST_UPDATES:
         raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {at.updates} times beyond one an iteration")
     again = settle < 1 and at.again
-    return settle_set(run, at, at.expected, 0.0 if again else settle, c, last=again)
+    return settle_set(run, at, at.active, 0.0 if again else settle, c, last=again)
 
 
 def settle_set(
@@ -137,7 +113,8 @@ def settle_set(
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
         gap = at.gap + jacobian @ du
-        wrong = run.misplaced(at.state, at.lin, at.u + du, gap, pressure, active, c, solved=True)
+        stepped = replace(at, u=at.u + du, gap=gap, pressure=pressure, active=active)
+        wrong = run.misplaced(stepped, c, solved=True)
         after = active ^ wrong
         seen.add(active.tobytes())
         cycling = event is not None or after.tobytes() in seen

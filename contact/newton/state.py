@@ -1,4 +1,4 @@
-"""What a Newton iteration passes from one iterate to the next, and beside it what it has spent and written down."""
+"""An iterate of Newton's method on a contact problem, and beside it what a solve has spent and written down."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contact.events import Event
+from contact.problem import Linearised
 from contact.solvers.sparse import Factor, factor_flops
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops", "set_changes")
@@ -16,22 +17,32 @@ TIMES = ("assembly_s", "factorisation_s", "solve_s", "contact_s")
 
 
 @dataclass(frozen=True, eq=False)
-class NewtonState:
-    """Sizes that the tests of convergence compare with; evaluating a residual or taking a step gives the next one.
+class Iterate:
+    """Where an iteration is, and the sizes that its tests of convergence compare with.
 
+    lin: linearisation at u (n,).  gap, pressure (m,), set (m,) bool; of the iterate that a step starts from, ``active``
+    is the set expected to press.
     scale, first_scale [N]: of the forces in balance, now and at the start.  residual: |r - G^T W p| over the scale,
     infinite once the iteration has blown up.  first_gap_size [mm]: size of the terms of a gap, the first not zero.
-    active (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one before
-    it on the same set.
+    stepped (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one
+    before it on the same set.
+    again: whether an iterate before had this set.  updates: of the set on one linearisation, in all so far.
     """
 
-    scale: float = 0.0
-    first_scale: float = 0.0
-    residual: float = np.inf
-    first_gap_size: float = 0.0
-    active: np.ndarray | None = None
+    lin: Linearised
+    u: np.ndarray
+    gap: np.ndarray
+    pressure: np.ndarray
+    active: np.ndarray
+    scale: float
+    first_scale: float
+    residual: float
+    first_gap_size: float
+    stepped: np.ndarray | None = None
     moved: float = np.inf
     moved_before: float = np.inf
+    again: bool = False
+    updates: int = 0
 
 
 @dataclass

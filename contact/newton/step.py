@@ -12,7 +12,7 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.newton.pivots import Pivots
-from contact.newton.state import NewtonState, Tally
+from contact.newton.state import Iterate, Tally
 from contact.problem import (
     ROUNDING_ALONE,
     ContactProblem,
@@ -34,8 +34,7 @@ BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which no
 class NewtonRun:
     """One solve: a problem, a solver, an epsilon, a tolerance, and the tally of what is spent on them.
 
-    The state of the iteration comes in and goes out: begin, then for each iterate linearise, with_residual, the tests,
-    step, advance.
+    The iterate comes in and the next one goes out: linearise and at for the first, then the tests, step, advance.
     """
 
     problem: ContactProblem
@@ -43,10 +42,6 @@ class NewtonRun:
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
     tally: Tally = field(default_factory=Tally)
-
-    def begin(self, u: np.ndarray) -> NewtonState:
-        """The state before the first iterate, at u (n,)."""
-        return NewtonState(first_gap_size=self.problem.size_of_gaps(u, self.problem.gap(u)))
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearised:
         """Linearise the mechanics, counted and timed."""
@@ -56,73 +51,65 @@ class NewtonRun:
         self.tally.counters["assemblies"] += 1
         return lin
 
-    def with_residual(self, state: NewtonState, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> NewtonState:
-        """|r - G^T W p| over the largest of the forces in balance; infinite once the iteration has blown up."""
-        contact = self.problem.contact_force(u, pressure)
+    def at(
+        self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, before: Iterate | None = None
+    ) -> Iterate:
+        """The iterate at u (n,), the first one or after another: gap, scale and residual are worked out."""
+        gap, contact = self.problem.gap(u), self.problem.contact_force(u, pressure)
         scale = max(lin.scale, float(norm(contact, check_finite=False)))
-        first = state.first_scale or scale
+        first = (before.first_scale if before else 0.0) or scale
         imbalance = float(norm(lin.residual - contact, check_finite=False))
         if not imbalance <= BLOW_UP * max(first, np.finfo(float).tiny):
             residual = float("inf")
         else:
             residual = imbalance / scale if scale > 0 else imbalance
         # where everything just touches at the start, the first gap that is not zero says what rounding there will be
-        gaps = state.first_gap_size or self.problem.size_of_gaps(u, self.problem.gap(u))
-        return replace(state, scale=scale, first_scale=first, residual=residual, first_gap_size=gaps)
+        gaps = (before.first_gap_size if before else 0.0) or self.problem.size_of_gaps(u, gap)
+        found = Iterate(lin, u, gap, pressure, active, scale, first, residual, gaps)
+        if before is None:
+            return found
+        return replace(found, stepped=before.stepped, moved=before.moved, moved_before=before.moved_before)
 
-    def balanced(self, state: NewtonState, lin: Linearised, u: np.ndarray) -> bool:
+    def balanced(self, at: Iterate) -> bool:
         """True when the relative residual is within tolerance, or is rounding and does not matter.
 
         What it still asks for is taken to be what the last step has moved.
         """
-        if state.residual <= self.tolerance:
+        if at.residual <= self.tolerance:
             return True
-        size = float(norm(u, check_finite=False))
-        return excused(state.residual, _rounding(state, lin, u), state.moved / size if size > 0 else np.inf)
+        size = float(norm(at.u, check_finite=False))
+        return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
 
-    def stuck(self, state: NewtonState, lin: Linearised, u: np.ndarray) -> bool:
+    def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
-        return state.residual <= _rounding(state, lin, u) and state.moved > 0.5 * state.moved_before
+        return at.residual <= _rounding(at) and at.moved > 0.5 * at.moved_before
 
-    def closed(
-        self, state: NewtonState, u: np.ndarray, gap: np.ndarray, pressure: np.ndarray, active: np.ndarray
-    ) -> bool:
+    def closed(self, at: Iterate) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
-        mismatch = np.abs(gap + pressure / self.epsilon)[active]
-        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * self.gap_size(state, u, gap))
+        mismatch = np.abs(at.gap + at.pressure / self.epsilon)[at.active]
+        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * self.gap_size(at))
 
-    def misplaced(
-        self,
-        state: NewtonState,
-        lin: Linearised,
-        u: np.ndarray,
-        gap: np.ndarray,
-        pressure: np.ndarray,
-        active: np.ndarray,
-        c: float = 1.0,
-        *,
-        solved: bool = False,
-    ) -> np.ndarray:
+    def misplaced(self, at: Iterate, c: float = 1.0, *, solved: bool = False) -> np.ndarray:
         """Candidates (m,) on the wrong side: in the set with p - c g < 0, or out of it with p - c g > 0.
 
         A node that just touches without pressure has p and g of the size of rounding, and no set is the right one:
         near equilibrium, and where p and g have just been ``solved`` for, what rounding explains swaps nothing.
         """
-        excess = np.where(active, 1.0, -1.0) * (pressure - c * gap)
+        excess = np.where(at.active, 1.0, -1.0) * (at.pressure - c * at.gap)
         wrong = excess < 0
-        if wrong.any() and (solved or state.residual <= ROUNDING_ALONE):
-            force = ROUNDING_MARGIN * (rounding_floor(lin, u) + np.finfo(float).eps * state.scale)
-            in_pressure, in_gap = force / self.problem.weights, c * GAP_TOLERANCE * self.gap_size(state, u, gap)
+        if wrong.any() and (solved or at.residual <= ROUNDING_ALONE):
+            force = ROUNDING_MARGIN * (rounding_floor(at.lin, at.u) + np.finfo(float).eps * at.scale)
+            in_pressure, in_gap = force / self.problem.weights, c * GAP_TOLERANCE * self.gap_size(at)
             # a solved step leaves a pressure in the set and a gap out of it; rounding of the other is none of theirs
-            wrong = excess < -(np.where(active, in_pressure, in_gap) if solved else in_pressure + in_gap)
+            wrong = excess < -(np.where(at.active, in_pressure, in_gap) if solved else in_pressure + in_gap)
         return wrong
 
-    def gap_size(self, state: NewtonState, u: np.ndarray, gap: np.ndarray) -> float:
+    def gap_size(self, at: Iterate) -> float:
         """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself.
 
         Not less than the first that was not zero: a body that goes back to zero brings the rounding of its way with it.
         """
-        return max(self.problem.size_of_gaps(u, gap), state.first_gap_size)
+        return max(self.problem.size_of_gaps(at.u, at.gap), at.first_gap_size)
 
     def step(
         self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray
@@ -163,30 +150,26 @@ class NewtonRun:
         self.tally.spend("solve_s", start)
         return x
 
-    def advance(
-        self, state: NewtonState, lin: Linearised, u: np.ndarray, du: np.ndarray, active: np.ndarray
-    ) -> tuple[NewtonState, np.ndarray, object]:
-        """The next u and its memory: one Newton iteration, however many linear systems its step and its set took."""
-        if state.active is None or not np.array_equal(active, state.active):
-            state = replace(state, active=active, moved=np.inf)
+    def advance(self, at: Iterate, du: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> Iterate:
+        """The next iterate: one Newton iteration, however many linear systems its step and its set took."""
+        same = at.stepped is not None and np.array_equal(active, at.stepped)
         self.tally.counters["newton_iterations"] += 1
-        state, memory = self.remember(state, lin, du)
-        return state, u + du, memory
+        memory, moved = self.remember(at.lin, du)
+        before = replace(at, stepped=active, moved=moved, moved_before=at.moved if same else np.inf)
+        return self.at(self.linearise(at.u + du, memory), at.u + du, pressure, active, before)
 
-    def remember(self, state: NewtonState, lin: Linearised, du: np.ndarray) -> tuple[NewtonState, object]:
-        """The memory of the step, timed as assembly."""
-        state = replace(state, moved_before=state.moved, moved=float(norm(du, check_finite=False)))
+    def remember(self, lin: Linearised, du: np.ndarray) -> tuple[object, float]:
+        """The memory of the step, timed as assembly, and its size |du|."""
         start = self.tally.clock()
         memory = lin.remember(du)
         self.tally.spend("assembly_s", start)
-        return state, memory
+        return memory, float(norm(du, check_finite=False))
 
-    def finish(self, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, outcome: Outcome) -> ContactSolution:
+    def finish(self, at: Iterate, outcome: Outcome) -> ContactSolution:
         """The solution record of this run; pressures of a converged set that rounding made negative become zero."""
-        if outcome.converged:
-            pressure = np.maximum(pressure, 0.0)
-        return ContactSolution(u, pressure, active, outcome, dict(self.tally.counters), tuple(self.tally.history))
+        pressure = np.maximum(at.pressure, 0.0) if outcome.converged else at.pressure
+        return ContactSolution(at.u, pressure, at.active, outcome, dict(self.tally.counters), tuple(self.tally.history))
 
 
-def _rounding(state: NewtonState, lin: Linearised, u: np.ndarray) -> float:
-    return rounding_floor(lin, u) / state.scale if state.scale > 0 else 0.0
+def _rounding(at: Iterate) -> float:
+    return rounding_floor(at.lin, at.u) / at.scale if at.scale > 0 else 0.0

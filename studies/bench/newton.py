@@ -11,7 +11,6 @@ from functools import partial
 import numpy as np
 
 from contact.algorithms.semismooth import Semismooth
-from contact.newton.state import NewtonState
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from formulations.shell import ShellModel
@@ -76,10 +75,9 @@ def _measure(shell: ShellModel, problem: ContactProblem, state: ContactSolution,
 def iterate(run: NewtonRun, state: ContactSolution, memory: object) -> None:
     """Everything an algorithm does between two iterates."""
     lin = run.linearise(state.u, memory)
-    newton = run.with_residual(NewtonState(), lin, state.u, state.pressure)
-    run.closed(newton, state.u, run.problem.gap(state.u), state.pressure, state.active)
+    run.closed(run.at(lin, state.u, state.pressure, state.active))
     du, _ = run.step(lin, state.u, state.pressure, state.active)
-    run.remember(newton, lin, du)
+    run.remember(lin, du)
 
 
 def timed(work: Callable[[], object], clock: Callable[[], float] = time.perf_counter) -> float:
