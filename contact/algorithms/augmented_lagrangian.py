@@ -8,9 +8,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.newton.loop import iterate, settle_most
-from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
+from contact.newton.state import Tally
+from contact.newton.step import GAP_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, STIFFNESS, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 
@@ -21,7 +23,7 @@ SETTLE = 0.05  # as semismooth
 
 
 @dataclass(frozen=True)
-class AugmentedLagrangian:
+class AugmentedLagrangian(NewtonAlgorithm):
     """Uzawa's outer loop p <- max(0, p - c g); the inner Newton balances r = G^T W max(0, p - c g) at fixed p.
 
     c [MPa/mm]: stiffness of the springs, not of the answer. It grows by ``growth`` when an update has not brought
@@ -32,13 +34,9 @@ class AugmentedLagrangian:
     Sources: Hestenes, J. Optim. Theory Appl. 4 (1969) 303-320; Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
     """
 
-    epsilon: float = np.inf
     c: float = 1e3
     growth: float = 10.0
     max_outer: int = 60
-    max_iterations: int = 40
-    solver: str = "splu"
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "augmented-lagrangian"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
@@ -53,8 +51,7 @@ class AugmentedLagrangian:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Outer loop from the pressure and set of ``start``."""
-        whole = NewtonRun(problem, solver=self.solver)
-        tally, first_gap_size = whole.tally, problem.size_of_gaps(start.u, problem.gap(start.u))
+        tally, first_gap_size = Tally(), problem.size_of_gaps(start.u, problem.gap(start.u))
         loosest = max(LOOSEST, self.tolerance)
         state, c, before, tolerance = start, self.c, np.inf, loosest
         for outer in range(self.max_outer):

@@ -9,10 +9,11 @@ from typing import ClassVar
 import numpy as np
 from scipy import sparse
 
+from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.newton.loop import Step, StepError, iterate
 from contact.newton.state import Iterate
-from contact.newton.step import GAP_TOLERANCE, RESIDUAL_TOLERANCE, NewtonRun
+from contact.newton.step import GAP_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import METHODS, LcpError, LcpSolution, NotApplicableError, active_set
@@ -23,7 +24,7 @@ COLUMNS = 64  # right-hand sides at once
 
 
 @dataclass(frozen=True)
-class Lcp:
+class Lcp(NewtonAlgorithm):
     """0 <= f, 0 <= g + G du(f), their product zero, with du(f) = K^-1 (G^T f - r) and nodal forces f = W p.
 
     The Delassus operator G K^-1 G^T (compliance of the candidates, mm/N) costs one solution a candidate. It is built
@@ -34,11 +35,7 @@ class Lcp:
     Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
     """
 
-    epsilon: float = np.inf
     method: str = "lemke"
-    max_iterations: int = 40
-    solver: str = "splu"
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "lcp"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
@@ -55,8 +52,7 @@ class Lcp:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
-        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
-        return iterate(run, start, partial(_step, self.method), self.max_iterations)
+        return iterate(self.run(problem), start, partial(_step, self.method), self.max_iterations)
 
 
 def _step(method: str, run: NewtonRun, at: Iterate) -> Step:

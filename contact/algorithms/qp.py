@@ -10,10 +10,11 @@ from typing import ClassVar
 import numpy as np
 from scipy import sparse
 
+from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.newton.loop import Step, StepError, iterate, settle_set
 from contact.newton.state import Iterate
-from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.newton.step import NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.qp_backends import BACKENDS, Answer, Programme, ask, missing
@@ -23,7 +24,7 @@ SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tan
 
 
 @dataclass(frozen=True)
-class Qp:
+class Qp(NewtonAlgorithm):
     """min du.K.du/2 + r.du subject to g + G du >= 0; a finite epsilon gives every gap a spring of stiffness epsilon w.
 
     backend: ``osqp``, ``clarabel``; with the extra qp ``proxqp``, ``piqp``, and ``daqp`` (dense: small problems).
@@ -36,13 +37,9 @@ class Qp:
     Source: Stellato et al., Math. Program. Comput. 12 (2020) 637-672; its false "solved": osqp#790, osqp#273.
     """
 
-    epsilon: float = np.inf
     backend: str = "osqp"
     eps: float = 1e-8
     polish: bool = True
-    max_iterations: int = 40
-    solver: str = "splu"
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "qp"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
@@ -58,8 +55,7 @@ class Qp:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start``; the outcome is REFUSED where the tangent is not symmetric."""
-        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
-        return iterate(run, start, self._step, self.max_iterations)
+        return iterate(self.run(problem), start, self._step, self.max_iterations)
 
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:

@@ -7,15 +7,15 @@ from typing import ClassVar
 
 import numpy as np
 
+from contact.algorithms.base import NewtonAlgorithm
 from contact.newton.loop import Step, iterate
 from contact.newton.state import Iterate
-from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
-from contact.parameters import SHARED, Parameter
+from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 
 
 @dataclass(frozen=True)
-class Regularised:
+class Regularised(NewtonAlgorithm):
     """The displacement is the only unknown and the set is where g < 0, updated at every Newton iteration.
 
     epsilon [MPa/mm]: stiffness of the foundation, the paper's 1e4; the penetration is p/epsilon. The pressure of an
@@ -25,11 +25,7 @@ class Regularised:
     """
 
     epsilon: float = 1e4
-    max_iterations: int = 40
-    solver: str = "splu"
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "regularised"
-    parameters: ClassVar[tuple[Parameter, ...]] = SHARED
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs a finite epsilon."""
@@ -39,10 +35,9 @@ class Regularised:
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from the displacement of ``start``; its set and pressures follow from the gap."""
-        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         gap = problem.gap(start.u)
         sprung = replace(start, pressure=np.where(start.active, self.epsilon * np.maximum(-gap, 0.0), 0.0))
-        return iterate(run, sprung, _on_penetrated, self.max_iterations)
+        return iterate(self.run(problem), sprung, _on_penetrated, self.max_iterations)
 
 
 def _on_penetrated(run: NewtonRun, at: Iterate) -> Step:

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
 
-import numpy as np
-
+from contact.algorithms.base import NewtonAlgorithm
 from contact.newton.loop import iterate, settle_most
-from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, STIFFNESS, Parameter
 from contact.problem import ContactProblem, ContactSolution
 
 
 @dataclass(frozen=True)
-class Semismooth:
+class Semismooth(NewtonAlgorithm):
     """A node is in contact when p - c g > 0; one linear step on that set; repeat.
 
     epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [MPa/mm] only weighs pressure against gap while both
@@ -30,12 +28,8 @@ class Semismooth:
     Source: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888.
     """
 
-    epsilon: float = np.inf
     c: float = 1.0
     settle: float = 0.05
-    max_iterations: int = 40
-    solver: str = "splu"
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "semismooth"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
@@ -43,12 +37,7 @@ class Semismooth:
         Parameter("c", "weight of gap against pressure", STIFFNESS, low=0, open_low=True),
     )
 
-    def supports(self, problem: ContactProblem) -> str | None:
-        """Applies to every problem."""
-        return None
-
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set repeats and the forces balance."""
-        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
         step = partial(settle_most, settle=self.settle, c=self.c)
-        return iterate(run, start, step, self.max_iterations, self.c)
+        return iterate(self.run(problem), start, step, self.max_iterations, self.c)

@@ -7,16 +7,16 @@ from typing import ClassVar
 
 import numpy as np
 
+from contact.algorithms.base import NewtonAlgorithm
 from contact.newton.loop import CYCLE, first_of
 from contact.newton.state import Iterate
-from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
-from contact.parameters import SHARED, Parameter
+from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
 
 @dataclass(frozen=True)
-class TrialAndError:
+class TrialAndError(NewtonAlgorithm):
     """Guess a set, solve, release nodes under tension, add nodes that penetrate, repeat.
 
     epsilon [MPa/mm]: the paper's regularisation, 1e4; infinity enforces exactly.
@@ -26,20 +26,12 @@ class TrialAndError:
     """
 
     epsilon: float = 1e4
-    max_iterations: int = 40
     max_sets: int = 200
-    solver: str = "splu"
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "trial-and-error"
-    parameters: ClassVar[tuple[Parameter, ...]] = SHARED
-
-    def supports(self, problem: ContactProblem) -> str | None:
-        """Applies to every problem."""
-        return None
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Start from the set of ``start`` and the nodes that already penetrate."""
-        run = NewtonRun(problem, self.epsilon, self.solver, tolerance=self.tolerance)
+        run = self.run(problem)
         u, pressure, before = start.u, start.pressure, start.active
         active = before | (problem.gap(u) < 0)
         seen: set[bytes] = set()
