@@ -74,11 +74,13 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
         x, y = programme.guess
         solver.warm_start(x=x, y=-y)
     found = solver.solve(raise_error=False)
-    if polish and np.any(found.y):  # with nothing to polish it prints so, quiet or not
+    success = int(osqp.SolverStatus.OSQP_SOLVED)
+    # it polishes on the rows whose multiplier is above their slack; where there are none it prints so, quiet or not
+    pressed = np.any(-found.y > np.maximum(programme.A @ found.x - programme.b, eps))
+    if polish and np.any(found.y) and (pressed or found.info.status_val != success):  # a second attempt may succeed
         solver.update_settings(polishing=True)
         found = solver.solve(raise_error=False)
-    solved = found.info.status_val == int(osqp.SolverStatus.OSQP_SOLVED)
-    return Answer(found.x, -found.y, solved, found.info.status)
+    return Answer(found.x, -found.y, found.info.status_val == success, found.info.status)
 
 
 def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
