@@ -71,16 +71,15 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
     event: Event | None = None
     multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.active | (free < -rounding))
     while len(entering):
-        start = run.tally.clock()
-        columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
-        nodes = np.append(nodes, entering)
-        M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
-        found = _solve(method, M, free[nodes], at.active[nodes])
-        multiplier[nodes], event = found.z, found.event
-        pushed_in = free + columns @ found.z < -rounding
-        pushed_in[nodes] = False
-        entering = np.flatnonzero(pushed_in)
-        run.tally.spend("contact_s", start)
+        with run.tally.timed("contact_s"):
+            columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
+            nodes = np.append(nodes, entering)
+            M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
+            found = _solve(method, M, free[nodes], at.active[nodes])
+            multiplier[nodes], event = found.z, found.event
+            pushed_in = free + columns @ found.z < -rounding
+            pushed_in[nodes] = False
+            entering = np.flatnonzero(pushed_in)
     du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
     pressure, active = multiplier / per_pressure, multiplier > 0
     return Step(_closed(run, at, G, du, pressure, active), pressure, active, event)

@@ -60,16 +60,10 @@ class Qp(NewtonAlgorithm):
     def _step(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:
             return settle_set(run, at, at.active)
-        K, begun = run.problem.stiffness(at.lin, at.u, at.pressure), run.tally.clock()
-        if not symmetric(K):
-            off = f"the tangent differs from its transpose by {asymmetry(K):.1e} of its size"
-            raise StepError(Outcome.REFUSED, f"{off}: no energy to minimise")
-        scaled = Scaled.of(K, at.lin.residual, run.problem.gap_jacobian(at.u), at.gap, run.problem.weights, run.epsilon)
-        shift = next((s for s in (0.0, *SHIFTS) if not negative_pivots(scaled.convexified(s).P)), None)
-        if shift is None:
-            raise StepError(Outcome.UNSOLVED, "the tangent is far from convex: no programme was made of it")
-        answer = self._answer(scaled.convexified(shift), at, scaled.multipliers(run.problem.nodal_forces(at.pressure)))
-        run.tally.spend("contact_s", begun)
+        with run.tally.timed("contact_s"):
+            scaled, shift = _convex(run, at)
+            known = scaled.multipliers(run.problem.nodal_forces(at.pressure))
+            answer = self._answer(scaled.convexified(shift), at, known)
         claimed = _pressing(scaled, answer)
         step = settle_set(run, at, claimed)
         told = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []
@@ -97,6 +91,19 @@ class Qp(NewtonAlgorithm):
             if not (found.claimed and pushed_in.any()):
                 return Answer(x, y, found.claimed, found.status)
             near |= pushed_in
+
+
+def _convex(run: NewtonRun, at: Iterate) -> tuple[Scaled, float]:
+    """The programme of an iterate, and the least shift with which it is convex; raises StepError."""
+    K = run.problem.stiffness(at.lin, at.u, at.pressure)
+    if not symmetric(K):
+        off = f"the tangent differs from its transpose by {asymmetry(K):.1e} of its size"
+        raise StepError(Outcome.REFUSED, f"{off}: no energy to minimise")
+    scaled = Scaled.of(K, at.lin.residual, run.problem.gap_jacobian(at.u), at.gap, run.problem.weights, run.epsilon)
+    shift = next((s for s in (0.0, *SHIFTS) if not negative_pivots(scaled.convexified(s).P)), None)
+    if shift is None:
+        raise StepError(Outcome.UNSOLVED, "the tangent is far from convex: no programme was made of it")
+    return scaled, shift
 
 
 def _pressing(scaled: Scaled, answer: Answer) -> np.ndarray:

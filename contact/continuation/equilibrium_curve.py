@@ -15,7 +15,7 @@ from contact.events import Event, EventKind
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.problem import Linearisation, Linearise, Linearised, without_contact
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from contact.solvers.sparse import SingularMatrixError
 
 NO_CONTACT = np.zeros(0)
 NO_SET = np.zeros(0, bool)
@@ -39,14 +39,13 @@ class ArcPoint:
 class Curve:
     """The curve of one model under one load; ``run`` counts what is spent on it.
 
-    load (n,): force at t = 1.  m: scale of the displacements.  solver: name of the linear solver.
+    load (n,): force at t = 1.  m: scale of the displacements.
     """
 
     run: NewtonRun
     load: np.ndarray
     m: float
     max_iterations: int
-    solver: str
 
     @classmethod
     def at_rest(
@@ -54,7 +53,7 @@ class Curve:
     ) -> Curve:
         """Displacements and load count alike on the tangent at rest; ``linearise`` must not contain the load."""
         run = NewtonRun(without_contact(linearise, len(load)), solver=solver, tolerance=tolerance)
-        curve = cls(run, load, 1.0, max_iterations, solver)
+        curve = cls(run, load, 1.0, max_iterations)
         tangent = curve.tangent(np.zeros_like(load), np.append(np.zeros_like(load), 1.0))
         return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1]))
 
@@ -109,17 +108,11 @@ class Curve:
 
         Row and column of the border are scaled to the size of K, for the sake of the pivots.
         """
-        tally = self.run.tally
-        start = tally.clock()
         size = float(np.mean(np.abs(lin.tangent.diagonal())))
         row = size / max(float(np.max(np.abs(self.m * normal[:-1]))), abs(normal[-1]))
         column = size / float(np.max(np.abs(self.load)))
         upper = sparse.hstack([lin.tangent, sparse.csc_matrix(-column * self.load[:, None])], format="csr")
         lower = np.append(row * self.m * normal[:-1], row * column * normal[-1])
         A = sparse.csc_matrix(sparse.vstack([upper, sparse.csr_matrix(lower[None, :])], format="csr"))
-        factor = factorise(A, self.solver)
-        start = tally.spend("factorisation_s", start)
-        tally.count(factor)
-        x = checked_solve(factor, A, np.append(b[:-1], row * b[-1]))
-        tally.spend("solve_s", start)
+        x = self.run.solution(self.run.factorise(A), A, np.append(b[:-1], row * b[-1]))
         return np.append(x[:-1], column * x[-1])

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -58,11 +59,12 @@ class Tally:
     clock: Callable[[], float] = time.perf_counter
     flops_by_fill: float = -1.0
 
-    def spend(self, what: str, start: float) -> float:
-        """Add the time since ``start`` to a counter; returns now."""
-        now = self.clock()
-        self.counters[what] += now - start
-        return now
+    @contextmanager
+    def timed(self, what: str) -> Iterator[None]:
+        """Add the time of what is done inside to a counter, unless it fails."""
+        start = self.clock()
+        yield
+        self.counters[what] += self.clock() - start
 
     def count(self, factor: Factor) -> None:
         """Count a factorisation and its operations, about.

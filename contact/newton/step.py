@@ -45,11 +45,9 @@ class NewtonRun:
 
     def linearise(self, u: np.ndarray, memory: object) -> Linearised:
         """Linearise the mechanics, counted and timed."""
-        start = self.tally.clock()
-        lin = self.problem.linearise(u, memory)
-        self.tally.spend("assembly_s", start)
         self.tally.counters["assemblies"] += 1
-        return lin
+        with self.tally.timed("assembly_s"):
+            return self.problem.linearise(u, memory)
 
     def at(
         self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, before: Iterate | None = None
@@ -119,36 +117,29 @@ class NewtonRun:
         K du - G^T W p = -r,   G_A du + p_A/epsilon = -g_A,   p = 0 outside the set A.
         Raises SingularMatrixError.
         """
-        start = self.tally.clock()
-        K = self.problem.stiffness(lin, u, pressure)
-        nodes = np.flatnonzero(active)
-        A, b, pivots = K, -lin.residual, None
-        if len(nodes):
-            pivots = Pivots.choose(self.problem, u, nodes, K, self.epsilon)
-            A, b = pivots.substitute(K, b)
-        self.tally.spend("contact_s", start)
+        nodes, pivots, found = np.flatnonzero(active), None, np.zeros_like(pressure)
+        with self.tally.timed("contact_s"):
+            A, b = self.problem.stiffness(lin, u, pressure), -lin.residual
+            if len(nodes):
+                pivots = Pivots.choose(self.problem, u, nodes, A, self.epsilon)
+                A, b = pivots.substitute(A, b)
         du = self.solution(self.factorise(A), A, b)
-        start = self.tally.clock()
-        found = np.zeros_like(pressure)
         if pivots is not None:
-            du, found[nodes] = pivots.resolve(du)
-        self.tally.spend("contact_s", start)
+            with self.tally.timed("contact_s"):
+                du, found[nodes] = pivots.resolve(du)
         return du, found
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
         """Factorise, counted and timed; raises SingularMatrixError."""
-        start = self.tally.clock()
-        factor = factorise(A, self.solver, ordered=self.problem.ordered)
-        self.tally.spend("factorisation_s", start)
+        with self.tally.timed("factorisation_s"):
+            factor = factorise(A, self.solver, ordered=self.problem.ordered)
         self.tally.count(factor)
         return factor
 
     def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
         """The checked solution, timed; raises SingularMatrixError."""
-        start = self.tally.clock()
-        x = checked_solve(factor, A, b)
-        self.tally.spend("solve_s", start)
-        return x
+        with self.tally.timed("solve_s"):
+            return checked_solve(factor, A, b)
 
     def advance(self, at: Iterate, du: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> Iterate:
         """The next iterate: one Newton iteration, however many linear systems its step and its set took."""
@@ -160,9 +151,8 @@ class NewtonRun:
 
     def remember(self, lin: Linearised, du: np.ndarray) -> tuple[object, float]:
         """The memory of the step, timed as assembly, and its size |du|."""
-        start = self.tally.clock()
-        memory = lin.remember(du)
-        self.tally.spend("assembly_s", start)
+        with self.tally.timed("assembly_s"):
+            memory = lin.remember(du)
         return memory, float(norm(du, check_finite=False))
 
     def finish(self, at: Iterate, outcome: Outcome) -> ContactSolution:
