@@ -27,22 +27,18 @@ class Linearised(Protocol):
     @property
     def residual(self) -> np.ndarray:
         """Internal minus external force r (n,)."""
-        ...
 
     @property
     def tangent(self) -> sparse.csc_matrix:
         """dr/du (n, n)."""
-        ...
 
     @property
     def scale(self) -> float:
         """Size of the forces in balance [N]; relative residuals are measured by it."""
-        ...
 
     @property
     def remember(self) -> Callable[[np.ndarray], object]:
         """Memory to pass on after a step du; opaque to every algorithm."""
-        ...
 
 
 Linearise = Callable[[np.ndarray, object], Linearised]  # (u, memory)
@@ -219,12 +215,9 @@ class ContactAlgorithm(Protocol):
     @property
     def epsilon(self) -> float:
         """Of the law p = epsilon <-g>."""
-        ...
 
     def supports(self, problem: ContactProblem) -> str | None:
         """None, or the reason why the algorithm does not apply to the problem."""
-        ...
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Solve from the displacement, pressure and set of ``start``; failure is a value, not an exception."""
-        ...

@@ -32,11 +32,9 @@ class AdaptiveScene(Scene, Protocol):
 
     def adapted(self, request: Request) -> Self:
         """The scene with the estimate made; raises UsageError where that fails."""
-        ...
 
     def mesh_of(self, request: Request, elements: float) -> tuple[int, int]:
         """The best proportions of about so many elements."""
-        ...
 
 
 @dataclass(frozen=True)

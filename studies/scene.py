@@ -195,15 +195,12 @@ class SceneModel(Protocol):
     @property
     def n_unknowns(self) -> int:
         """Number of unknowns."""
-        ...
 
     def stages(self) -> Iterator[Stage]:
         """The paths to follow, in order."""
-        ...
 
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """Write the fields of a state for ParaView and its like."""
-        ...
 
 
 def nodal_pressure(solution: ContactSolution, nodes: np.ndarray, n: int) -> np.ndarray:
@@ -239,31 +236,25 @@ class Scene(Protocol):
     @property
     def name(self) -> str:
         """Name in the catalogue."""
-        ...
 
     @property
     def title(self) -> str:
         """One line for people."""
-        ...
 
     @property
     def default_mesh(self) -> tuple[int, int]:
         """Elements along a1 and a2."""
-        ...
 
     @property
     def settings(self) -> tuple[Setting, ...]:
         """The keys of --set."""
-        ...
 
     @property
     def references(self) -> tuple[Reference, ...]:
         """Values to compare with."""
-        ...
 
     def build(self, request: Request) -> SceneModel:
         """Check what ranges alone cannot and build; raises UsageError."""
-        ...
 
 
 @runtime_checkable
@@ -272,7 +263,6 @@ class CompletingScene(Protocol):
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Fill in what depends on other settings; raises UsageError on combinations that exclude each other."""
-        ...
 
 
 @runtime_checkable
@@ -282,11 +272,9 @@ class SettlingScene(Protocol):
     @property
     def models(self) -> tuple[str, ...]:
         """The choices of --model; the first one is "auto"."""
-        ...
 
     def settle(self, request: Request) -> Request:
         """The request as it will be solved, its model chosen; raises UsageError on what does not apply."""
-        ...
 
 
 def has_contact(scene: Scene) -> bool:

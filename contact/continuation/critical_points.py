@@ -99,8 +99,8 @@ def why_it_ends(
     limit = _limit_point(states, found)
     passed = _passed(first, found)
     if limit is not None:
-        sentence = f"limit point of the path at about {limit.at:.7g}: {limit.told}{passed}"
-        return Ending(PathEnd.LIMIT_POINT, sentence, limit.at)
+        at, signs = limit
+        return Ending(PathEnd.LIMIT_POINT, f"limit point of the path at about {at:.7g}: {signs}{passed}", at)
     least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
     told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
@@ -110,17 +110,12 @@ def why_it_ends(
     return Ending(PathEnd.NEITHER, sentence)
 
 
-@dataclass(frozen=True)
-class _Limit:
-    at: float
-    told: str
+def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[float, str] | None:
+    """Parameter and signs of the limit point just ahead, or None.
 
-
-def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> _Limit | None:
-    """The limit point just ahead, or None: mode, speed and eigenvalue must all three behave as at a fold.
-
-    Its mode is the one along which the path accelerates. The secant of a parabola between two states is f over the mean
-    of their mu, which says how much faster the last secant must be than the one before.
+    Mode, speed and eigenvalue must all three behave as at a fold. Its mode is the one along which the path accelerates.
+    The secant of a parabola between two states is f over the mean of their mu, which says how much faster the last
+    secant must be than the one before.
     """
     (t0, a), (t1, b), (t2, c) = states[-3:]
     before, after = (b.u - a.u) / (t1 - t0), (c.u - b.u) / (t2 - t1)
@@ -135,11 +130,9 @@ def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> _Limit |
     limit = t2 + (t2 - t1) * mu[2] ** 2 / (mu[1] ** 2 - mu[2] ** 2)  # where mu^2, linear by the last two, is zero
     if not abs(limit - t2) <= NEAR * abs(t2 - states[0][0]):
         return None
-    told = (
-        f"an eigenvalue of the tangent falls to zero like a square root, from {mu[0]:.3g} to {mu[2]:.3g} N/mm in the "
-    )
-    told += f"last {abs(t2 - t0):.2g}, and the path speeds up along its mode (cosine {cosine:.2f})"
-    return _Limit(float(limit), told)
+    falls = f"falls to zero like a square root, from {mu[0]:.3g} to {mu[2]:.3g} N/mm in the last {abs(t2 - t0):.2g}"
+    told = f"an eigenvalue of the tangent {falls}, and the path speeds up along its mode (cosine {cosine:.2f})"
+    return float(limit), told
 
 
 def _passed(first: float, found: Sequence[Spectrum]) -> str:

@@ -20,7 +20,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import SuperLU, splu
 
 from contact.interchange.linearised_step import FrozenStep
-from contact.solvers.sparse import asymmetry, checked_solve, factorise, symmetric
+from contact.solvers.sparse import asymmetry, checked_solve, factorise, negative_pivots, symmetric
 
 TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
 EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding
@@ -65,17 +65,11 @@ def refusal(step: FrozenStep) -> str | None:
 
 
 def positive_definite(K: sparse.csc_matrix) -> bool:
-    """Whether a symmetric K is, by the pivots of a factorisation that keeps to the diagonal (Sylvester's law)."""
+    """Whether a symmetric K is, by its pivots in a scale in which its diagonal is one."""
     if not np.all(K.diagonal() > 0):
         return False
     size = sparse.diags_array(1 / np.sqrt(K.diagonal()))
-    unit = sparse.csc_matrix(size @ K @ size)
-    try:
-        factor = splu(unit, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError:
-        return False
-    on_diagonal = np.array_equal(factor.perm_r, factor.perm_c)
-    return bool(on_diagonal and np.all(factor.U.diagonal() > 0))
+    return not negative_pivots(sparse.csc_matrix(size @ K @ size))
 
 
 def minimise(step: FrozenStep, epsilon: float = np.inf) -> tuple[np.ndarray, np.ndarray]:

@@ -25,19 +25,15 @@ class Foundation(Protocol):
 
     def gap(self, x: np.ndarray) -> np.ndarray:
         """g (m,)."""
-        ...
 
     def gradient(self, x: np.ndarray) -> np.ndarray:
         """dg/dx (m, 3), unit vectors: the directions in which the foundation pushes."""
-        ...
 
     def curvature(self, x: np.ndarray) -> np.ndarray:
         """d2g/dx2 (m, 3, 3)."""
-        ...
 
     def moved(self, by: np.ndarray) -> Self:
         """The foundation shifted by the vector ``by`` (3,)."""
-        ...
 
 
 def require_unit(what: str, vector: np.ndarray) -> None:
@@ -104,13 +100,10 @@ def against(linearise: Linearise, candidates: Candidates, foundation: Foundation
 
     dg/du = n.A with n = dg/dx and A = dx/du;  sum_i f_i d2g_i/du2 = A^T diag(f_i d2g_i/dx2) A.
     """
-    if candidates.coupling is None:
-
-        def only(chosen: np.ndarray) -> ContactProblem:
-            return _against(linearise, candidates.only(chosen), foundation)
-
-        return replace(_against(linearise, candidates, foundation), only=only)
-    return _against(linearise, candidates, foundation)
+    problem = _against(linearise, candidates, foundation)
+    if candidates.coupling is not None:
+        return problem
+    return replace(problem, only=lambda chosen: _against(linearise, candidates.only(chosen), foundation))
 
 
 def _against(linearise: Linearise, candidates: Candidates, foundation: Foundation) -> ContactProblem:

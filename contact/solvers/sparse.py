@@ -35,7 +35,6 @@ class Factor(Protocol):
 
     def solve(self, b: np.ndarray) -> np.ndarray:
         """x with A x = b."""
-        ...
 
 
 def _superlu(A: sparse.csc_matrix, ordered: bool) -> Factor:
