@@ -43,11 +43,12 @@ resolve = complete
 class Result:
     """What a solve has found; ``last`` is the last converged state, from which the fields are written.
 
-    unsupported: why the algorithm does not apply to this problem; nothing was solved beyond that.
+    model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
+    the scene cannot be; nothing was solved beyond that.
     """
 
     request: Request
-    model: SceneModel
+    model: SceneModel | None = None
     outcome: Outcome = Outcome.CONVERGED
     cause: Outcome = Outcome.CONVERGED
     reason: str = ""
@@ -64,14 +65,10 @@ class Result:
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""
         request = self.request
+        asked = ("scene", "measure", "contact", "newton", "mesh", "model", "model_reason")
         return {
-            "scene": request.scene,
-            "measure": request.measure,
-            "contact": request.contact,
-            "newton": request.newton,
+            **{name: getattr(request, name) for name in asked},
             "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
-            "model": request.model,
-            "model_reason": request.model_reason,
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
             "class": self.verdict,
@@ -109,8 +106,9 @@ class Result:
         history = pd.DataFrame(self.history) if self.history else pd.DataFrame(columns=list(HISTORY))
         for name, table in {**tables, "history": history}.items():
             write_table(directory / f"{name}.csv", table)
-        state = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0)
-        write_by(directory / "fields.vtu", lambda path: self.model.write_fields(path, state))
+        assert self.model is not None  # what was refused has no artefacts
+        state, write_fields = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0), self.model.write_fields
+        write_by(directory / "fields.vtu", lambda path: write_fields(path, state))
         return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
 
 

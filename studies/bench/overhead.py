@@ -14,7 +14,8 @@ from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, identity, plan
 from studies.columns import columns
-from studies.pool.process import Children, Limits, Task
+from studies.pool.process import Children
+from studies.pool.task import Limits, Task
 from studies.store.atomic import SCHEMA, as_text, write_json
 from studies.store.layout import Archive
 
@@ -61,7 +62,7 @@ def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
     for cell, times in ((TRIVIAL, repeats), (SECOND, max(2, repeats // 3))):
         spent, inside = [], []
         for _ in range(1 + times):
-            task = Task("cell", identity(cell), cell.label, cell.scene, cell.options, cell.settings)
+            task = Task("cell", identity(cell), cell)
             start = time.perf_counter()
             children.perform(task, str(root), Limits())
             spent.append(time.perf_counter() - start)
@@ -76,7 +77,7 @@ def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
 
 def _store(children: Children, root: Path, count: int) -> Iterator[Cost]:
     """A store of copies of one record is planned, read and filtered."""
-    task = Task("cell", identity(TRIVIAL), "one", TRIVIAL.scene, TRIVIAL.options, TRIVIAL.settings)
+    task = Task("cell", identity(TRIVIAL), TRIVIAL)
     children.perform(task, str(root), Limits())
     archive = Archive(root)
     record = archive.record(task.id)

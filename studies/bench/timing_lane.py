@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import json
 import statistics
+from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,8 @@ from scipy.stats import bootstrap
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import plan, solved_rows
 from studies.door.plugins import used
-from studies.pool.process import Child, Limits
+from studies.pool.process import Child
+from studies.pool.task import Limits, Task
 from studies.scene import UsageError
 from studies.solving import CONVERGED
 from studies.store.atomic import SCHEMA, write_json
@@ -42,9 +45,9 @@ class Samples:
     canaries: before and after each block, with whether it counts.
     """
 
-    warm: dict[str, list[float]] = field(default_factory=dict)
-    cold: dict[str, list[float]] = field(default_factory=dict)
-    discarded: dict[str, list[float]] = field(default_factory=dict)
+    warm: dict[str, list[float]] = field(default_factory=partial(defaultdict, list))
+    cold: dict[str, list[float]] = field(default_factory=partial(defaultdict, list))
+    discarded: dict[str, list[float]] = field(default_factory=partial(defaultdict, list))
     canaries: list[tuple[float, float, bool]] = field(default_factory=list)
 
 
@@ -81,8 +84,8 @@ def sample(
             counts = max(before, after) <= (1 + DRIFT) * quiet
             found.canaries.append((before, after, counts))
             for label in labels:
-                found.cold.setdefault(label, []).append(cold[label])
-                (found.warm if counts else found.discarded).setdefault(label, []).extend(warm[label])
+                found.cold[label].append(cold[label])
+                (found.warm if counts else found.discarded)[label] += warm[label]
             if counts:
                 break
     progress(blocks * rounds, blocks * rounds, "done")
@@ -118,23 +121,20 @@ def time_campaign(
     right = {label: record for label, record in records.items() if record and record["class"] == CONVERGED}
     if not right:
         raise UsageError(f"{store} has no converged cell of {campaign.name!r} to time: footprint run comes first")
-    child, limits = Child(), Limits()
+    child = Child()
 
-    def ask(kind: str, **task: Any) -> dict[str, Any]:
-        wanted = {"kind": kind, "files": "", "use": [*used(), *campaign.use], **task}
-        wanted |= {"time_s": limits.time_s, "memory_MB": limits.memory_MB}
-        answer = child.ask(wanted, limits.time_s)
+    def ask(task: Task) -> dict[str, Any]:
+        answer = child.ask(task, Limits())
         if answer["class"]:
-            raise UsageError(f"{task.get('id', kind)} was solved before, and now: {answer['reason']}")
+            raise UsageError(f"{task.id} was solved before, and now: {answer['reason']}")
         return dict(json.loads(answer["text"]))
 
     def cell(label: str) -> float:
-        cell_id, asked = rows[label]
-        told = ask("cell", id=cell_id, scene=asked.scene, options=asked.options, settings=asked.settings)
+        told = ask(Task("cell", *rows[label], use=(*used(), *campaign.use)))
         return float(told["timing_s"]["total"])
 
     try:
-        watch = Stopwatch(child.end, lambda: float(ask("canary")["seconds"]), cell)
+        watch = Stopwatch(child.end, lambda: float(ask(Task("canary", "canary"))["seconds"]), cell)
         found = sample(list(right), watch, blocks, rounds, progress)
     finally:
         child.end()
@@ -153,16 +153,25 @@ def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples) -> N
     write_json(archive.root / "timing" / f"{name}.json", {**told, "cells": cells})
 
 
+def read_times(store: Path, campaign: str) -> dict[str, Any]:
+    """What was kept of a campaign: canaries, and the samples of the cells; raises UsageError where nothing was."""
+    path = store / "timing" / f"{campaign}.json"
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return {key: found[key] for key in ("canaries", "cells")}
+    except FileNotFoundError:
+        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them") from None
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
+
+
 def summary(store: Path, campaign: str) -> pd.DataFrame:
     """label, samples, median_s with its interval low_s to high_s, cold_s, discarded, and the counters of each cell.
 
     Raises UsageError when the campaign was not timed.
     """
-    path = store / "timing" / f"{campaign}.json"
-    if not path.exists():
-        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them")
     rows = []
-    for cell in json.loads(path.read_text(encoding="utf-8"))["cells"]:
+    for cell in read_times(store, campaign)["cells"]:
         record = Archive(store).record(cell["id"])
         counters = record["counters"] if record else {}
         median, low, high = interval(cell["warm"])

@@ -14,7 +14,8 @@ from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan, solved_rows
 from studies.door.plugins import used
 from studies.pool.engine import engine as engine_of
-from studies.pool.process import Limits, StoreFullError, Task
+from studies.pool.process import StoreFullError
+from studies.pool.task import Limits, Task
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
@@ -106,7 +107,7 @@ def _write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
 
 
 def _tables(campaign: Campaign) -> list[Task]:
-    return [Task("table", name, f"table {name}", files=True, use=_used(campaign)) for name in campaign.tables]
+    return [Task("table", name, use=_used(campaign)) for name in campaign.tables]
 
 
 def _used(campaign: Campaign) -> tuple[str, ...]:
@@ -117,12 +118,10 @@ def _missing(archive: Archive, campaign: Campaign, rows: list[Row], say: Callabl
     """The cells without a record; a damaged one is set aside."""
     tasks = []
     for cell_id, row in solved_rows(rows):
-        cell = row.cell
         try:
-            if archive.has(cell_id, files=cell.artefacts):
+            if archive.has(cell_id, files=row.cell.artefacts):
                 continue
         except DamagedError as error:
             say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
-        asked = (cell.scene, cell.options, cell.settings, cell.artefacts)
-        tasks.append(Task("cell", cell_id, cell.label, *asked, _used(campaign)))
+        tasks.append(Task("cell", cell_id, row.cell, _used(campaign)))
     return tasks

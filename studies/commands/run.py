@@ -9,7 +9,7 @@ from studies.campaigns.file import find
 from studies.campaigns.run import run as run_campaign
 from studies.commands import OK
 from studies.commands.options import add_store, positive, progress_bar
-from studies.pool.process import Limits
+from studies.pool.task import Limits
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -4,32 +4,28 @@ from __future__ import annotations
 
 import argparse
 import datetime
-import json
 import sys
 import tempfile
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 import pandas as pd
 
 from studies.analysis.collect import collect
-from studies.bench.timing_lane import DRIFT
+from studies.bench.timing_lane import DRIFT, read_times
 from studies.campaigns.file import find
 from studies.campaigns.run import run
-from studies.guard.baseline import HERE, TOLERANCES, read_bounds
+from studies.guard.baseline import HERE, TOLERANCES, read_baseline, read_bounds
 from studies.guard.compare import NothingComparedError, check, failures, lines, update
 from studies.guard.review import comment
 from studies.guard.times import compare_times, time_lines
 from studies.scene import UsageError
-from studies.store.layout import Archive
 
 
 def check_baseline(campaign: str, store: Path | None, baseline: Path | None, engine: str) -> bool:
     """Print what is worse than the baseline; returns whether anything is."""
     path = baseline or committed(campaign)
-    if not path.exists():  # before minutes of solving
-        raise UsageError(f"{path}: no baseline; footprint check --update --owner NAME --reason TEXT makes one")
+    read_baseline(path)  # what is wrong with it is said before minutes of solving
     table = table_of(campaign, store, engine)
     found = check(table, path)
     wrong = failures(found)
@@ -82,27 +78,28 @@ def check_times(before: Path, now: Path, campaign: str) -> bool:
 
     Raises UsageError without times, or when the canary says that the machine is another one.
     """
-    sides = samples_of(before, campaign), samples_of(now, campaign)
-    _same_machine(before, now, campaign)
-    times = compare_times(*sides)
+    times = compare_times(*_sides(before, now, campaign))
     slower = times[times["verdict"] == "slower"]
     print("\n".join(time_lines(times)), end="\n" if (times["verdict"] != "same").any() else "")
     print(f"check: times of {len(times)} cells of {campaign}: {len(slower)} are slower")
     return bool(len(slower))
 
 
-def _same_machine(before: Path, now: Path, campaign: str) -> None:
-    """Raise UsageError when the canary of one store runs at another speed than that of the other."""
-    quiet = [median(pair[0] for pair in _timing(store, campaign)["canaries"] if pair[2]) for store in (before, now)]
+def _sides(before: Path, now: Path, campaign: str) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The samples of both; raises UsageError when the canary of one store runs at another speed than the other's."""
+    sides = samples_of(before, campaign), samples_of(now, campaign)
+    told = [read_times(store, name_of(campaign)) for store in (before, now)]
+    quiet = [median(pair[0] for pair in each["canaries"] if pair[2]) for each in told]
     if not abs(quiet[1] / quiet[0] - 1) <= DRIFT:
         raise UsageError(
             f"the canary takes {quiet[1] / quiet[0]:.2f} times what it took: another machine, or another state of it"
         )
+    return sides
 
 
 def samples_of(store: Path, campaign: str) -> pd.DataFrame:
     """Raw warm times of the timing lane, a row a sample: label, seconds, block; raises UsageError without any."""
-    found = _timing(store, campaign)
+    found = read_times(store, name_of(campaign))
     blocks = sum(bool(pair[2]) for pair in found["canaries"])
     rows = [
         (cell["label"], seconds, i * blocks // len(cell["warm"]))
@@ -114,17 +111,6 @@ def samples_of(store: Path, campaign: str) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["label", "seconds", "block"])
 
 
-def _timing(store: Path, campaign: str) -> dict[str, Any]:
-    path = Archive(store).root / "timing" / f"{name_of(campaign)}.json"
-    try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        return {key: found[key] for key in ("canaries", "cells")}
-    except FileNotFoundError:
-        raise UsageError(f"{store} has no times of {name_of(campaign)!r}: footprint time makes them") from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
-
-
 def compare_stores(before: Path, now: Path, campaign: str) -> str:
     """The comment of a review; with times where both stores have samples."""
     bounds = read_bounds(HERE / TOLERANCES)
@@ -134,8 +120,7 @@ def compare_stores(before: Path, now: Path, campaign: str) -> str:
 def _times(before: Path, now: Path, campaign: str) -> pd.DataFrame | str:
     """Slower and faster cells, each a test of its own, or why there is no comparison."""
     try:
-        sides = samples_of(before, campaign), samples_of(now, campaign)
-        _same_machine(before, now, campaign)
+        sides = _sides(before, now, campaign)
         slower, faster = (compare_times(*sides, worse) for worse in ("slower", "faster"))
     except (UsageError, NothingComparedError) as error:
         return str(error)

@@ -13,7 +13,8 @@ from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 from typing import Any
 
-from studies.pool.process import Children, Limits, StoreFullError, Task
+from studies.pool.process import Children, StoreFullError
+from studies.pool.task import Limits, Task
 from studies.scene import UsageError
 from studies.solving import CRASH
 from studies.store.layout import Archive

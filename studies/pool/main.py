@@ -1,7 +1,7 @@
-"""The process that solves cells, one after another, and that may be killed: ``python -m studies.pool.main``.
+"""The process that solves cells, one after another, and that may be killed: ``python -m studies.pool.main FD``.
 
-It reads tasks from its standard input, a line of JSON each, and answers on what was its standard output. It ends when
-the other side does. Its memory is limited by the kernel, for each task anew: beyond that, allocations fail.
+FD is its end of a pipe, on which orders come and answers go. It ends when the other side does. Its memory is limited by
+the kernel, for each task anew: beyond that, allocations fail.
 """
 
 from __future__ import annotations
@@ -15,8 +15,11 @@ import sys
 import threading
 import traceback
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
+
+from studies.pool.task import Limits, Order, Task
 
 READY = "ready"
 LATE = 10  # s after its limit, when nobody has killed this process: the kernel does
@@ -24,19 +27,15 @@ NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 
 
 def main() -> None:
-    """Answer until the input ends."""
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # whoever prints, prints no answer
-    tasks: queue.SimpleQueue[str] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=(sys.stdin, tasks), daemon=True).start()
+    """Answer until the other side is gone."""
+    pipe, orders = Connection(int(sys.argv[1])), queue.SimpleQueue[Order]()
+    threading.Thread(target=_listen, args=(pipe, orders), daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the other side decides
     _warm()
-    answers.write(READY + "\n")
-    answers.flush()
+    pipe.send(READY)
     while True:
-        answer = _answer(json.loads(tasks.get()))
-        answers.write(json.dumps(answer) + "\n")
-        answers.flush()
+        answer = _answer(*orders.get())
+        pipe.send(answer)
         if answer["class"] == "memory":
             os._exit(0)  # what is left of the memory is in pieces
 
@@ -52,34 +51,30 @@ def _warm() -> None:
     lu_factor(square @ square)
 
 
-def _listen(source: IO[str], tasks: queue.SimpleQueue[str]) -> None:
-    for line in source:
-        tasks.put(line)
-    os._exit(1)  # nobody is left to answer to
-
-
-def _answer(task: dict[str, Any]) -> dict[str, Any]:
-    """{"class", "reason"} of a task that failed, {"class": "", "text": the record} of one that did not."""
-    _limit(task["time_s"], task["memory_MB"])
+def _listen(pipe: Connection[Any, Order], orders: queue.SimpleQueue[Order]) -> None:
     try:
-        return {"class": "", "text": DO[task["kind"]](task)}
+        while True:
+            orders.put(pipe.recv())
+    except (EOFError, OSError):
+        os._exit(1)  # nobody is left to answer to
+
+
+def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
+    """{"class", "reason"} of a task that failed, {"class": "", "text": the record} of one that did not."""
+    _limit(limits.time_s, limits.memory_MB)
+    try:
+        return {"class": "", "text": DO[task.kind](task, folder)}
     except MemoryError as error:
         said = f": {error}" if str(error) else ""
-        return {"class": "memory", "reason": f"more than {task['memory_MB']:g} MB{said}"}
-    except OSError as error:
-        if error.errno in NO_SPACE:
-            return {"class": "disk", "reason": error.strerror}
-        return _crashed(error)
+        return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB{said}"}
     except Exception as error:
-        return _crashed(error)
+        if isinstance(error, OSError) and error.errno in NO_SPACE:
+            return {"class": "disk", "reason": error.strerror}
+        where = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(where.filename).name}:{where.lineno}"
+        return {"class": "crash", "reason": f"{type(error).__name__} at {place}: {' '.join(str(error).split())}"}
     finally:
         _limit(None, None)
-
-
-def _crashed(error: Exception) -> dict[str, Any]:
-    where = traceback.extract_tb(error.__traceback__)[-1]
-    place = f"{Path(where.filename).name}:{where.lineno}"
-    return {"class": "crash", "reason": f"{type(error).__name__} at {place}: {' '.join(str(error).split())}"}
 
 
 def _limit(time_s: float | None, memory_MB: float | None) -> None:
@@ -105,32 +100,33 @@ def _data_MB() -> float:
     return float(told.partition("VmData:")[2].split()[0]) / 1024
 
 
-def _record(task: dict[str, Any]) -> str:
+def _record(task: Task, folder: Path | None) -> str:
     from studies.door.plugins import load
     from studies.store.record import record_of
 
-    load(task["use"])
-    directory = Path(task["files"]) if task["files"] else None
-    return record_of(task["id"], task["scene"], task["options"], task["settings"], directory)
+    load(task.use)
+    assert task.cell is not None
+    return record_of(task.id, task.cell, folder)
 
 
-def _table(task: dict[str, Any]) -> str:
+def _table(task: Task, folder: Path | None) -> str:
     from studies.door.plugins import load
 
-    load(task["use"])
+    load(task.use)
     from studies.experiments.tables import make_table
 
-    make_table(task["name"], Path(task["files"]))
+    assert folder is not None
+    make_table(task.id, folder)
     return ""
 
 
-def _canary(task: dict[str, Any]) -> str:
+def _canary(task: Task, folder: Path | None) -> str:
     from studies.bench.canary import canary
 
     return json.dumps({"seconds": canary()})
 
 
-DO: dict[str, Callable[[dict[str, Any]], str]] = {"cell": _record, "table": _table, "canary": _canary}
+DO: dict[str, Callable[[Task, Path | None], str]] = {"cell": _record, "table": _table, "canary": _canary}
 
 
 if __name__ == "__main__":

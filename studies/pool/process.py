@@ -5,19 +5,19 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import selectors
 import signal
 import subprocess
 import sys
 import threading
-import time
 import weakref
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 from studies.pool.main import READY
+from studies.pool.task import Limits, Order, Task
 from studies.store.layout import Archive
 from studies.store.source_hash import ROOT
 
@@ -28,28 +28,6 @@ NOT_PASSED_ON = ("MALLOC_TRIM_THRESHOLD_",)
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 
-@dataclass(frozen=True)
-class Limits:
-    """Of one cell: seconds of wall time, and MB of private memory beyond an idle process."""
-
-    time_s: float = 900.0
-    memory_MB: float = 8192.0
-
-
-@dataclass(frozen=True)
-class Task:
-    """A cell, or a table, to be done; everything a worker elsewhere has to know."""
-
-    kind: str
-    id: str
-    label: str
-    scene: str = ""
-    options: Mapping[str, Any] | None = None
-    settings: Mapping[str, str] | None = None
-    files: bool = False
-    use: tuple[str, ...] = ()
-
-
 class StoreFullError(OSError):
     """The store takes nothing any more."""
 
@@ -58,89 +36,64 @@ class Child:
     """One warm process of :mod:`studies.pool.main`, started when it is needed and again after it was killed."""
 
     def __init__(self, stopped: threading.Event | None = None) -> None:
-        self._process: subprocess.Popen[bytes] | None = None
+        self._started: tuple[subprocess.Popen[bytes], Connection[Order, Any]] | None = None
         self._stopped = stopped or threading.Event()  # nothing is begun any more
 
-    def ask(self, request: Mapping[str, Any], time_s: float) -> dict[str, Any]:
-        """The answer to a request; of a process that was killed, or died, {"class", "reason"}."""
-        process = self._process or self._start()
-        if process is None or self._stopped.is_set():
+    def ask(self, task: Task, limits: Limits, folder: Path | None = None) -> dict[str, Any]:
+        """What came of a task; of a process that was killed, or died, {"class", "reason"}."""
+        process, pipe = self._started or self._start()
+        try:
+            if self._stopped.is_set() or self._started is None:
+                self.end()
+                return {"class": "crash", "reason": "the process that solves cells does not start"}
+            pipe.send((task, limits, folder))
+            late = {"class": "time", "reason": f"killed after {limits.time_s:g} s"}
+            answer = pipe.recv() if pipe.poll(limits.time_s) else late
+        except (EOFError, OSError):
+            return {"class": "crash", "reason": self._why(process)}
+        if answer["class"] in ("time", "memory"):
             self.end()
-            return {"class": "crash", "reason": "the process that solves cells does not start"}
-        line = self._exchange(process, json.dumps(request), time_s)
-        if line is None:
-            self.end()
-            return {"class": "time", "reason": f"killed after {time_s:g} s"}
-        if not line:
-            return {"class": "crash", "reason": self._why()}
-        answer = json.loads(line)
-        if answer["class"] == "memory":
-            self.end()
-        return dict(answer)
+        return answer
 
     def kill(self) -> None:
         """Kill the process, and whatever it has started; from any thread. Who waits for its answer sees its end."""
-        process = self._process
-        if process is not None:
+        if self._started is not None:
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(process.pid, signal.SIGKILL)
+                os.killpg(self._started[0].pid, signal.SIGKILL)
 
     def end(self) -> None:
         """Kill the process and forget it."""
         self.kill()
-        process, self._process = self._process, None
-        if process is None:
-            return
-        process.wait()
-        for pipe in (process.stdin, process.stdout):
-            if pipe is not None:
-                with contextlib.suppress(OSError):
-                    pipe.close()
+        if self._started is not None:
+            (process, pipe), self._started = self._started, None
+            process.wait()
+            pipe.close()
 
-    def _start(self) -> subprocess.Popen[bytes] | None:
+    def _start(self) -> tuple[subprocess.Popen[bytes], Connection[Order, Any]]:
+        """A new process and this end of its pipe, kept once it is ready."""
         path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
         environment = {name: value for name, value in os.environ.items() if name not in NOT_PASSED_ON}
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "studies.pool.main"],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
+        pipe, theirs = Pipe()
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "studies.pool.main", str(theirs.fileno())],
+            pass_fds=[theirs.fileno()],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
             env={**environment, **ONE_THREAD, "PYTHONPATH": path},
             process_group=0,
         )
-        ready = self._exchange(self._process, None, STARTUP_S)
-        if not ready or ready.decode().strip() != READY:
+        theirs.close()
+        self._started = process, pipe
+        try:
+            ready = pipe.poll(STARTUP_S) and pipe.recv() == READY
+        except (EOFError, OSError):
+            ready = False
+        if not ready:
             self.end()
-        return self._process
+        return process, pipe
 
-    @staticmethod
-    def _exchange(process: subprocess.Popen[bytes], line: str | None, time_s: float) -> bytes | None:
-        """Write a line and read one; empty when the process has ended, None when it was too slow."""
-        assert process.stdin is not None
-        assert process.stdout is not None
-        if line is not None:
-            try:
-                process.stdin.write(line.encode() + b"\n")
-                process.stdin.flush()
-            except OSError:
-                return b""
-        until = time.monotonic() + time_s
-        parts: list[bytes] = []
-        with selectors.DefaultSelector() as selector:
-            selector.register(process.stdout, selectors.EVENT_READ)
-            while not parts or not parts[-1].endswith(b"\n"):
-                left = until - time.monotonic()
-                if left <= 0 or not selector.select(left):
-                    return None
-                part = os.read(process.stdout.fileno(), 1 << 20)
-                if not part:
-                    return b""
-                parts.append(part)
-        return b"".join(parts)
-
-    def _why(self) -> str:
+    def _why(self, process: subprocess.Popen[bytes]) -> str:
         """How the process has ended; it is forgotten."""
-        process = self._process
-        assert process is not None
         try:
             code = process.wait(10)
         except subprocess.TimeoutExpired:
@@ -183,14 +136,10 @@ class Children:
         Raises StoreFullError.
         """
         archive = Archive(Path(root))
-        time_s = limits.time_s * (TABLES_TAKE if task.kind == "table" else 1)
-        request = {
-            **{"kind": task.kind, "id": task.id, "name": task.id, "scene": task.scene},
-            **{"options": task.options, "settings": task.settings, "use": task.use},
-            "files": str(archive.tables if task.kind == "table" else archive.files(task.id)) if task.files else "",
-            **{"time_s": time_s, "memory_MB": limits.memory_MB},
-        }
-        answer = self._child().ask(request, time_s)
+        folder = archive.files(task.id) if task.cell is not None and task.cell.artefacts else None
+        if task.kind == "table":
+            limits, folder = replace(limits, time_s=TABLES_TAKE * limits.time_s), archive.tables
+        answer = self._child().ask(task, limits, folder)
         if self._stopped.is_set():
             return "stopped"
         if answer["class"] == "disk":

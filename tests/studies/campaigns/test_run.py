@@ -24,7 +24,7 @@ from studies.analysis.collect import collect
 from studies.campaigns.file import find
 from studies.campaigns.run import Summary, run
 from studies.cli import main
-from studies.pool.process import Limits
+from studies.pool.task import Limits
 from studies.scene import UsageError
 from studies.store import layout as archive
 from studies.store.layout import Archive
