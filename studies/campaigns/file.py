@@ -26,7 +26,7 @@ from __future__ import annotations
 import itertools
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -125,35 +125,25 @@ def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
         asked = {**cross, **own}
         constant = {**cross.get("set", {}), **own.get("set", {})}
         axes = _axes(path, asked)
-        if not has_contact(SCENES[scene]):  # one algorithm stands for all: the others would solve the same
-            axes = [replace(axis, values=[Request.contact]) if axis.key == "contact" else axis for axis in axes]
+        if "contact" in axes and not has_contact(SCENES[scene]):
+            axes["contact"] = [Request.contact]  # one stands for all: the others would solve the same
         steps = {"steps": asked["steps"]} if "steps" in asked else {}
-        for values in itertools.product(*(axis.values for axis in axes)):
-            chosen = list(zip(axes, values, strict=True))
-            options = {axis.key: value for axis, value in chosen if axis.option}
-            settings = {axis.key: value for axis, value in chosen if not axis.option}
-            words = [value if axis.option else f"{axis.key}={value}" for axis, value in chosen]
+        for values in itertools.product(*axes.values()):
+            chosen = dict(zip(axes, values, strict=True))
+            options = {key: value for key, value in chosen.items() if key in OPTIONS.values()}
+            settings = {key: value for key, value in chosen.items() if key not in options}
+            words = [*options.values(), *(f"{key}={value}" for key, value in settings.items())]
             label = " ".join([str(cross.get("name", "cross")), scene, *words])
             given = {key: text_of(value) for key, value in constant.items()} | settings
             yield Cell(label, scene, {**options, **steps}, given, artefacts=False)
 
 
-@dataclass(frozen=True)
-class _Axis:
-    key: str
-    values: list[str] = field(default_factory=list)
-    option: bool = True
-
-
-def _axes(path: Path, asked: Mapping[str, Any]) -> list[_Axis]:
-    axes = [
-        _Axis(key, _listed(path, asked, name, CATALOGUES.get(name))) for name, key in OPTIONS.items() if name in asked
-    ]
-    for name, key in SETTINGS.items():
-        if name in asked:
-            axes.append(_Axis(key, _listed(path, asked, name, None), option=False))
+def _axes(path: Path, asked: Mapping[str, Any]) -> dict[str, list[str]]:
+    """Values by option or setting."""
     vary = asked.get("vary", {})
-    return axes + [_Axis(key, _listed(path, vary, key, None), option=False) for key in vary]
+    named = {name: key for name, key in {**OPTIONS, **SETTINGS}.items() if name in asked}
+    axes = {key: _listed(path, asked, name, CATALOGUES.get(name)) for name, key in named.items()}
+    return axes | {key: _listed(path, vary, key, None) for key in vary}
 
 
 def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[str, Any] | None) -> list[str]:

@@ -6,12 +6,11 @@ The same ladders serve every element and every table over all scenes.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from studies.campaigns.cell import Cell
 
 LABEL = "convergence {ladder} {mesh} {element}"
-FULL_LOAD = {"load_fraction": "1"}
 
 
 @dataclass(frozen=True)
@@ -27,97 +26,92 @@ class Ladder:
     family: str
     meshes: tuple[str, ...]
     quantities: tuple[str, ...]
-    settings: Mapping[str, str] = field(default_factory=dict)
-    measure: str = "exact"
-    at: str = ""
+    settings: Mapping[str, str]
+    measure: str
+    at: str
 
 
-def _halved(n1: int, n2: int, count: int = 4) -> tuple[str, ...]:
-    """``count`` meshes, each halving the elements of the one before."""
-    return tuple(f"{n1 * 2**k}x{n2 * 2**k}" for k in range(count))
+def _ladder(
+    scene: str,
+    family: str,
+    meshes: tuple[str, ...],
+    quantities: tuple[str, ...],
+    *,
+    name: str = "",
+    measure: str = "exact",
+    at: str = "",
+    **settings: str,
+) -> Ladder:
+    """A ladder with the name of its scene unless another is given."""
+    return Ladder(name or scene, scene, family, meshes, quantities, settings, measure, at)
 
 
-def _linear(name: str, scene: str, quantities: tuple[str, ...], **settings: str) -> Ladder:
-    return Ladder(name, scene, "linear shells", _halved(8, 8), quantities, settings, measure="linear")
+def _meshes(n1: int, n2: int, factors: tuple[int, ...] = (1, 2, 4, 8)) -> tuple[str, ...]:
+    """Multiples of a mesh; by default each halves the elements of the one before."""
+    return tuple(f"{n1 * k}x{n2 * k}" for k in factors)
 
 
-_ROTATIONS, _SNAP, _CLOSED, _TYRE = "large rotations", "snap through", "closed forms", "tyre"
-_CONTACT = "contact"
+def _linear(scene: str, *quantities: str, **settings: str) -> Ladder:
+    return _ladder(scene, "linear shells", _meshes(8, 8), quantities, measure="linear", **settings)
+
+
+_ROTATIONS, _SNAP, _CLOSED, _CONTACT, _TYRE = "large rotations", "snap through", "closed forms", "contact", "tyre"
 _TYRE_MESHES = ("28x26", "42x40", "56x54", "84x80")  # all close to the same grading
-_ROOF_MESHES = ("4x4", "8x8", "16x16", "24x24")  # a whole curve each: 32x32 costs three times 24x24
 ISOTROPIC = {
     **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
     **{"load": "follower", "pressure_area": "face"},
 }
 _STRIPS = ("16x1", "32x1", "64x1", "128x1")  # nothing varies across
-_PRESSED, _CLOSED_RING = {"load_fraction": "5"}, {"delta_mm": "50"}
+_FULL = {"load_fraction": "1"}
 _TIP = ("tip_deflection_mm", "tip_shortening_mm")
 _WALL = ("stretch", "thickness_ratio")
+_PATCH = ("force_N", "centre_pressure_MPa")
 _RESULTANTS = tuple(f"N_{name}_{place}_N_per_mm" for place in ("crown", "inner") for name in ("phi", "theta"))
 
 LADDERS = (
-    Ladder("cantilever", "cantilever", _ROTATIONS, _halved(32, 2), _TIP, FULL_LOAD),
-    Ladder("sze-moment", "sze-moment", _ROTATIONS, _halved(32, 1), _TIP, {"load_fraction": "0.5"}),
-    Ladder("sze-annulus", "sze-annulus", _ROTATIONS, _halved(5, 40), ("w_B_mm", "w_A_mm"), FULL_LOAD),
-    Ladder("hemisphere", "hemisphere", _ROTATIONS, _halved(16, 16), ("inward_mm", "outward_mm"), FULL_LOAD),
-    Ladder(
-        "sze-pullout",
-        "sze-pullout",
-        _ROTATIONS,
-        ("8x12", "16x24", "24x36", "32x48"),
-        ("w_A_mm", "u_B_mm", "u_C_mm"),
-        FULL_LOAD,
-    ),
-    *(
-        Ladder(f"roof-{letter}", f"roof-{letter}", _SNAP, _ROOF_MESHES, ("limit_load_fraction", "limit_w_C_mm"))
+    _ladder("cantilever", _ROTATIONS, _meshes(32, 2), _TIP, **_FULL),
+    _ladder("sze-moment", _ROTATIONS, _meshes(32, 1), _TIP, load_fraction="0.5"),
+    _ladder("sze-annulus", _ROTATIONS, _meshes(5, 40), ("w_B_mm", "w_A_mm"), **_FULL),
+    _ladder("hemisphere", _ROTATIONS, _meshes(16, 16), ("inward_mm", "outward_mm"), **_FULL),
+    _ladder("sze-pullout", _ROTATIONS, _meshes(8, 12, (1, 2, 3, 4)), ("w_A_mm", "u_B_mm", "u_C_mm"), **_FULL),
+    *(  # a whole curve each: 32x32 costs three times 24x24
+        _ladder(f"roof-{letter}", _SNAP, _meshes(4, 4, (1, 2, 4, 6)), ("limit_load_fraction", "limit_w_C_mm"))
         for letter in "abcdef"
     ),
-    Ladder(
-        "shallow-cap",
-        "shallow-cap",
-        _SNAP,
-        ("8x2", "16x2", "32x2", "64x2"),  # nothing varies around the axis
-        ("limit_load_fraction", "limit_w_apex_mm"),
+    _ladder(  # nothing varies around the axis
+        "shallow-cap", _SNAP, ("8x2", "16x2", "32x2", "64x2"), ("limit_load_fraction", "limit_w_apex_mm")
     ),
-    _linear("scordelis-lo", "scordelis-lo", ("edge_deflection_mm",)),
-    _linear("pinched-cylinder", "pinched-cylinder", ("deflection_mm",), shear_correction="1000"),
-    *(_linear(f"pagano-S{S}", "pagano", ("w_bar", "sigma_x_bar"), S=f"{S}") for S in (10, 100)),
+    _linear("scordelis-lo", "edge_deflection_mm"),
+    _linear("pinched-cylinder", "deflection_mm", shear_correction="1000"),
+    *(_linear("pagano", "w_bar", "sigma_x_bar", name=f"pagano-S{S}", S=f"{S}") for S in (10, 100)),
     *(
-        Ladder(f"pressurised-cylinder-{ends}", "pressurised-cylinder", _CLOSED, _halved(2, 4), _WALL, settings)
-        for ends in ("fixed", "open")
-        for settings in [{**FULL_LOAD, "ends": ends}]
+        _ladder(
+            "pressurised-cylinder", _CLOSED, _meshes(2, 4), _WALL, name=f"pressurised-cylinder-{e}", **_FULL, ends=e
+        )
+        for e in ("fixed", "open")
     ),
-    Ladder("pressurised-sphere", "pressurised-sphere", _CLOSED, _halved(2, 2), _WALL, FULL_LOAD),
-    Ladder(
-        "pressurised-torus",
-        "pressurised-torus",
-        _CLOSED,
-        ("32x1", "64x1", "128x1", "256x1"),  # one element around the axis: nothing varies there
-        _RESULTANTS,
-    ),
+    _ladder("pressurised-sphere", _CLOSED, _meshes(2, 2), _WALL, **_FULL),
+    # one element around the axis: nothing varies there
+    _ladder("pressurised-torus", _CLOSED, ("32x1", "64x1", "128x1", "256x1"), _RESULTANTS),
     *(
-        Ladder(name, "strip-contact", _CONTACT, _STRIPS, quantities, {"load_fraction": "5", **shear}, "linear")
+        _ladder("strip-contact", _CONTACT, _STRIPS, quantities, name=name, measure="linear", load_fraction="5", **shear)
         for name, quantities, shear in (
             ("strip-contact", ("half_force", "free_length", "edge_pressure"), {}),
             ("strip-contact-no-shear", ("half_force",), {"lam_over_a": "0.001"}),
         )
     ),
-    Ladder("heavy-strip", "heavy-strip", _CONTACT, _STRIPS, ("lift_force", "free_length"), FULL_LOAD, "linear"),
-    Ladder(
-        "plate-contact", "plate-contact", _CONTACT, _STRIPS, ("contact_force", "contact_radius"), _PRESSED, "linear"
+    _ladder("heavy-strip", _CONTACT, _STRIPS, ("lift_force", "free_length"), measure="linear", **_FULL),
+    _ladder(
+        "plate-contact", _CONTACT, _STRIPS, ("contact_force", "contact_radius"), measure="linear", load_fraction="5"
     ),
-    Ladder(
-        "ring", "ring", _CONTACT, ("1x16", "2x32", "3x48", "4x64"), ("P_H2_over_EI", "flat_half_length"), _CLOSED_RING
-    ),
-    Ladder("tyre", "tyre", _TYRE, _TYRE_MESHES, ("force_N", "centre_pressure_MPa"), {"delta_mm": "20"}),
-    Ladder(
-        "tyre-isotropic", "tyre", _TYRE, _TYRE_MESHES, ("force_N", "centre_pressure_MPa"), ISOTROPIC, at="delta_mm=10"
-    ),
+    _ladder("ring", _CONTACT, _meshes(1, 16, (1, 2, 3, 4)), ("P_H2_over_EI", "flat_half_length"), delta_mm="50"),
+    _ladder("tyre", _TYRE, _TYRE_MESHES, _PATCH, delta_mm="20"),
+    _ladder("tyre", _TYRE, _TYRE_MESHES, _PATCH, name="tyre-isotropic", at="delta_mm=10", **ISOTROPIC),
 )
 
 BENCHMARKS = (  # with the element of the paper, at every load of the published tables
-    Ladder("cantilever", "cantilever", "benchmarks", ("16x1", "32x2", "64x4"), ("tip_shortening_mm", _TIP[0])),
-    Ladder("hemisphere", "hemisphere", "benchmarks", _halved(16, 16, 3), ("outward_mm", "inward_mm")),
+    _ladder("cantilever", "benchmarks", ("16x1", "32x2", "64x4"), ("tip_shortening_mm", _TIP[0])),
+    _ladder("hemisphere", "benchmarks", _meshes(16, 16, (1, 2, 4)), ("outward_mm", "inward_mm")),
 )
 
 
