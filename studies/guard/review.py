@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 
 import pandas as pd
 
@@ -10,6 +10,11 @@ from studies.guard.baseline import OUTCOME, Bound
 from studies.guard.compare import SOLVED, UNFINISHED, Finding, compared, measured, shortened
 
 MOST = 20  # rows a table: a comment is read, an archive is not
+VALUES = ("cell", "value", "A", "B", "allowed")
+TIMES = {
+    **{"cell": ("label", "{}"), "A [s]": ("before_s", "{:.4g}"), "B [s]": ("now_s", "{:.4g}")},
+    **{"change": ("change", "{:+.1f} %"), "floor": ("floor", "{:.1f} %"), "adjusted p": ("p", "{:.1e}")},
+}
 TITLES = {"worse": "Worse", "changed": "Changed", "better": "Better", "missing": "Missing", "new": "New"}
 
 
@@ -32,11 +37,8 @@ def comment(
     for what, title in TITLES.items():
         own = [finding for finding in findings if finding.what == what]
         if own:
-            parts.append("\n".join(_table(f"{title} ({len(own)})", own)))
-    if isinstance(times, str):
-        parts.append(f"Wall time: not compared, {times}.")
-    else:
-        parts.append("\n".join(_times(times)))
+            parts.append(_table(f"{title} ({len(own)})", VALUES, [_words(finding) for finding in own], left=2))
+    parts.append(f"Wall time: not compared, {times}." if isinstance(times, str) else _times(times))
     return "\n\n".join(parts) + "\n"
 
 
@@ -49,32 +51,23 @@ def ran(table: pd.DataFrame) -> str:
     return f"{done} of {len(table)} cells ran, {int((outcomes == SOLVED).sum())} {SOLVED}{others}"
 
 
-def _table(title: str, findings: list[Finding]) -> Iterator[str]:
-    yield f"**{title}**"
-    yield ""
-    yield "| cell | value | A | B | allowed |"
-    yield "| :-- | :-- | --: | --: | --: |"
-    for f in findings[:MOST]:
-        words = (f.label, f.column or "the cell", shortened(f.before), shortened(f.now), f.allowed)
-        yield "| " + " | ".join(word.replace("|", "\\|") for word in words) + " |"
-    if len(findings) > MOST:
-        yield ""
-        yield f"and {len(findings) - MOST} more"
+def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
+    """The first rows under a bold title; so many columns are aligned to the left, the others to the right."""
+    align = [":--"] * left + ["--:"] * (len(head) - left)
+    shown = (" | ".join(word.replace("|", "\\|") for word in row) for row in (head, align, *rows[:MOST]))
+    rest = f"\n\nand {len(rows) - MOST} more" if len(rows) > MOST else ""
+    return f"**{title}**\n\n" + "\n".join(f"| {line} |" for line in shown) + rest
 
 
-def _times(times: pd.DataFrame) -> Iterator[str]:
+def _words(f: Finding) -> tuple[str, ...]:
+    return f.label, f.column or "the cell", shortened(f.before), shortened(f.now), f.allowed
+
+
+def _times(times: pd.DataFrame) -> str:
     moved = times[times["verdict"].isin(("slower", "faster"))]
     compared_cells = int((times["verdict"] != "too few samples").sum())
     if moved.empty:
-        yield f"Wall time: no significant change in {compared_cells} cells."
-        return
-    yield f"**Wall time: {len(moved)} of {compared_cells} cells**"
-    yield ""
-    yield "| cell | A [s] | B [s] | change | floor | adjusted p |"
-    yield "| :-- | --: | --: | --: | --: | --: |"
-    for row in moved.head(MOST).to_dict("records"):
-        numbers = f"{row['before_s']:.4g} | {row['now_s']:.4g} | {100 * row['change']:+.1f} %"
-        yield f"| {row['label']} | {numbers} | {100 * row['floor']:.1f} % | {row['p']:.1e} |"
-    if len(moved) > MOST:
-        yield ""
-        yield f"and {len(moved) - MOST} more"
+        return f"Wall time: no significant change in {compared_cells} cells."
+    percent = moved.assign(change=100 * moved["change"], floor=100 * moved["floor"])
+    rows = [[form.format(row[name]) for name, form in TIMES.values()] for row in percent.to_dict("records")]
+    return _table(f"Wall time: {len(moved)} of {compared_cells} cells", list(TIMES), rows, left=1)

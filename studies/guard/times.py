@@ -48,8 +48,8 @@ def compare_times(before: pd.DataFrame, now: pd.DataFrame, worse: str = "slower"
     """
     sides = [dict(iter(side.groupby("label", sort=False))) for side in (before, now)]
     rows = [_row(str(label), sides[0][label], sides[1][label], worse) for label in sides[0] if label in sides[1]]
-    table = pd.DataFrame(rows, columns=[*COLUMNS[:-1], "enough"])
-    enough = table["enough"].to_numpy(bool)
+    table = pd.DataFrame(rows, columns=list(COLUMNS[:-1]))
+    enough = (table["samples"] >= FEWEST).to_numpy(bool)
     if not enough.any():
         raise NothingComparedError(f"zero cells compared: none has {FEWEST} samples on both sides")
     adjusted = np.full(len(table), np.nan)
@@ -57,19 +57,20 @@ def compare_times(before: pd.DataFrame, now: pd.DataFrame, worse: str = "slower"
     moved = table["change"] if worse == "slower" else -table["change"]
     alarm = (adjusted < SIGNIFICANT) & (moved > FLOORS * table["floor"]) & (moved > SHARE)
     verdict = np.where(~enough, "too few samples", np.where(alarm, worse, "same"))
-    return table.assign(p=adjusted, verdict=verdict)[list(COLUMNS)]
+    return table.assign(p=adjusted, verdict=verdict)
 
 
 def _row(label: str, before: pd.DataFrame, now: pd.DataFrame, worse: str) -> list[object]:
     a, b = before["seconds"].to_numpy(float), now["seconds"].to_numpy(float)
     n = min(len(a), len(b))
+    found = [label, n, np.median(a), np.median(b)]
     if n < FEWEST:
-        return [label, n, np.median(a), np.median(b), np.nan, np.nan, np.nan, False]
+        return [*found, np.nan, np.nan, np.nan]
     floor = max(
         floor_of(s, side["block"].to_numpy() if "block" in side else None) for s, side in ((a, before), (b, now))
     )
     p = mannwhitneyu(b, a, alternative="greater" if worse == "slower" else "less").pvalue
-    return [label, n, np.median(a), np.median(b), np.median(b) / np.median(a) - 1, floor, float(p), True]
+    return [*found, np.median(b) / np.median(a) - 1, floor, float(p)]
 
 
 def time_lines(table: pd.DataFrame) -> Iterator[str]:
