@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -21,7 +22,7 @@ class Resolved:
 
     step: FrozenStep
     solution: ContactSolution
-    certificate: dict[str, object]
+    certificate: dict[str, Any]
     epsilon: float
     oracle: Confirmation | str | None = None
 
@@ -37,17 +38,13 @@ class Resolved:
         step, found, told = self.step, self.solution, self.step.meta
         origin = ", ".join(f"{key} {told[key]}" for key in ("scene", "mesh", "stage", "parameter") if key in told)
         force = float(np.sum(step.problem().nodal_forces(found.pressure)))
-        kkt = self.certificate["kkt"]
-        assert isinstance(kkt, dict)
         lines = [
             f"{len(step.r)} unknowns, {len(step.gap)} candidates" + (f": {origin}" if origin else ""),
             f"{found.outcome.value}: {int(found.counters['newton_iterations'])} iterations, "
             f"{int(found.active.sum())} contact nodes, force {force:.9g} N, epsilon {self.epsilon:g}",
-            ", ".join(f"{name} {value:.1e}" for name, value in kkt.items()),
+            ", ".join(f"{name} {value:.1e}" for name, value in self.certificate["kkt"].items()),
+            *self.certificate["diagnosis"],
         ]
-        diagnosis = self.certificate["diagnosis"]
-        assert isinstance(diagnosis, list)
-        lines += diagnosis
         if isinstance(self.oracle, str):
             lines.append(f"no oracle: {self.oracle}")
         elif self.oracle is not None:

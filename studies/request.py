@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from types import UnionType
 from typing import Any, Self
 
 Value = float | int | str | tuple[float, ...]
@@ -40,24 +41,21 @@ class Settings(Mapping[str, Value]):
 
     def number(self, key: str) -> float:
         """The value of a setting that is one number."""
-        value = self._values[key]
-        if isinstance(value, float | int):
-            return float(value)
-        raise TypeError(f"{key} = {value!r} is not a number")
+        return float(self._typed(key, float | int, "a number"))
 
     def numbers(self, key: str) -> tuple[float, ...]:
         """The values of a setting that is a list of numbers."""
-        value = self._values[key]
-        if isinstance(value, tuple):
-            return value
-        raise TypeError(f"{key} = {value!r} is not a list of numbers")
+        return tuple(self._typed(key, tuple, "a list of numbers"))
 
     def choice(self, key: str) -> str:
         """The value of a setting that is a word."""
+        return str(self._typed(key, str, "a word"))
+
+    def _typed(self, key: str, kind: type | UnionType, what: str) -> Any:
         value = self._values[key]
-        if isinstance(value, str):
+        if isinstance(value, kind):
             return value
-        raise TypeError(f"{key} = {value!r} is not a word")
+        raise TypeError(f"{key} = {value!r} is not {what}")
 
 
 @dataclass(frozen=True)
