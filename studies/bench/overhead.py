@@ -6,6 +6,7 @@ import statistics
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -39,12 +40,9 @@ class Cost:
 
 def harness(repeats: int = 9, large: int = LARGE) -> list[Cost]:
     """Medians over repeats; the store lies in a temporary directory."""
-    with tempfile.TemporaryDirectory() as folder:
-        root, children = Path(folder), Children()
-        try:
-            return [*_cells(children, root / "cells", repeats), *_store(children, root / "large", large)]
-        finally:
-            children.end()
+    with tempfile.TemporaryDirectory() as folder, closing(Children()) as children:
+        root = Path(folder)
+        return [*_cells(children, root / "cells", repeats), *_store(children, root / "large", large)]
 
 
 def lines(costs: list[Cost]) -> Iterator[str]:

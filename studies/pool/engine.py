@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.util
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -38,28 +39,21 @@ def engine(name: str) -> Engine:
 
 
 def _serial(tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:
-    children = Children()
-    try:
+    with closing(Children()) as children:
         for task in tasks:
             yield task, children.perform(task, str(store), limits)
-    finally:
-        children.end()
 
 
 def _local(n: int, tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:
     """The threads only wait; the first exception, or an interruption, drops what was not begun."""
-    children = Children()
-    try:
-        with ThreadPoolExecutor(n) as pool:
-            try:
-                futures = {pool.submit(children.perform, task, str(store), limits): task for task in tasks}
-                for future in as_completed(futures):
-                    yield futures[future], future.result()
-            finally:
-                pool.shutdown(wait=False, cancel_futures=True)
-                children.stop()
-    finally:
-        children.end()
+    with closing(Children()) as children, ThreadPoolExecutor(n) as pool:
+        try:
+            futures = {pool.submit(children.perform, task, str(store), limits): task for task in tasks}
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        finally:
+            pool.shutdown(wait=False, cancel_futures=True)
+            children.stop()
 
 
 def _dask(address: str, tasks: Sequence[Task], store: Path, limits: Limits) -> Iterator[tuple[Task, str]]:

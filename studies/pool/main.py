@@ -10,6 +10,7 @@ import errno
 import json
 import os
 import queue
+import resource
 import signal
 import sys
 import threading
@@ -80,10 +81,6 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
 def _limit(time_s: float | None, memory_MB: float | None) -> None:
     """Limit private memory beyond what there is, and the time in case nobody watches; None takes a limit away."""
     signal.alarm(0 if time_s is None else int(time_s) + LATE)
-    try:
-        import resource
-    except ModuleNotFoundError:
-        return
     # of data, where the kernel counts what numpy allocates there: address space has the libraries in it, twice as much
     kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS
     hard = resource.getrlimit(kind)[1]

@@ -126,7 +126,7 @@ class Children:
         for child in self._all:
             child.kill()
 
-    def end(self) -> None:
+    def close(self) -> None:
         """Bury the children, once no thread waits for them."""
         _end(self._all)
 

@@ -119,18 +119,14 @@ class Archive:
         """
         self._refuse_others()
         self.root.mkdir(parents=True, exist_ok=True)
+        import fcntl  # as killing a cell, not there on every system; reading a store does without
+
         with (self.root / ".lock").open("a+", encoding="utf-8") as lock:
             try:
-                import fcntl
-            except ModuleNotFoundError:  # no such locks here: renames alone keep two runs from harm
-                pass
-            else:
-                try:
-                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except BlockingIOError:
-                    raise UsageError(
-                        f"{self.root} is in use by another run; wait for it or choose another --store"
-                    ) from None
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                said = f"{self.root} is in use by another run; wait for it or choose another --store"
+                raise UsageError(said) from None
             for part in self.root.rglob(f"{PART}*"):
                 part.unlink(missing_ok=True)
             yield
