@@ -6,7 +6,6 @@ What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnos
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -120,11 +119,7 @@ def judge(
     imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
     equilibrium = float(np.linalg.norm(imbalance)) / scale
     decides = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
-    energy, energy_rounding = (
-        (None, 0.0)
-        if problem.energy is None
-        else _energy_balance(problem, problem.energy, np.zeros_like(u) if since is None else since, u, contact, lin)
-    )
+    energy, energy_rounding = _energy_balance(problem, np.zeros_like(u) if since is None else since, u, contact, lin)
     force, force_rounding = _force_balance(problem, lin, u, pressure)
     return Verdict(
         equilibrium=equilibrium,
@@ -149,13 +144,8 @@ def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, 
 
 
 def _energy_balance(
-    problem: ContactProblem,
-    potential: Callable[[np.ndarray], float],
-    since: np.ndarray,
-    u: np.ndarray,
-    contact: np.ndarray,
-    at_end: Linearised,
-) -> tuple[float, float]:
+    problem: ContactProblem, since: np.ndarray, u: np.ndarray, contact: np.ndarray, at_end: Linearised
+) -> tuple[float | None, float]:
     """Change of the potential less the work of the forces on the straight way from a to u, relative, and its rounding.
 
     P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
@@ -164,10 +154,12 @@ def _energy_balance(
     Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
     by rounding, a frozen step at its own answer, there is no work to balance.
     """
+    if problem.energy is None:
+        return None, 0.0
     du = u - since
     forces = max(at_end.scale, float(np.linalg.norm(contact)))
     last_digit = float(np.finfo(float).eps) * forces * float(np.linalg.norm(du))
-    ends = [potential(u), -potential(since)]
+    ends = [problem.energy(u), -problem.energy(since)]
     # what the pressures say less what the model says, with the same weight whatever the panels
     told = LOBATTO[-1][1] * float((contact - at_end.residual) @ du)
     noise = rounding_floor(at_end, u) * float(np.linalg.norm(du))

@@ -38,9 +38,7 @@ class Pivots:
         if np.max(np.bincount(rows.indices), initial=0) > 1:
             raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
         push = sparse.csc_matrix(jacobian.T @ problem.weight_matrix[:, nodes])
-        pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
-        each = np.arange(len(nodes))
-        slope = np.asarray(rows[each, pivot]).ravel()
+        pivot, slope = firmest(rows)
         if not np.all(slope):
             names = ", ".join(map(str, nodes[slope == 0]))
             raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
@@ -79,6 +77,12 @@ class Pivots:
         du[self.pivot] = 0.0
         du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope
         return du, pressure
+
+
+def firmest(rows: sparse.csr_matrix) -> tuple[np.ndarray, np.ndarray]:
+    """The unknown that holds each gap most firmly, and the slope of the gap in it."""
+    pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
+    return pivot, np.asarray(rows[np.arange(rows.shape[0]), pivot]).ravel()
 
 
 def _largest(A: sparse.csc_matrix) -> np.ndarray:

@@ -51,7 +51,7 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpS
     # columns: w (n), z (n), the artificial z0, the right-hand side
     table = np.hstack([np.eye(n), -size[:, None] * M * size, -np.ones((n, 1)), (size * q)[:, None]])
     basis, entering = np.arange(n), 2 * n
-    row = _first_row(table)
+    row = n - 1 - int(np.argmin(table[::-1, -1]))  # which z0 = max(-q) makes zero; the last is the lexicographic one
     for pivots in range(1, MOST_PIVOTS):
         table[row] /= table[row, entering]
         others = np.flatnonzero(table[:, entering])
@@ -67,11 +67,6 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpS
             raise LcpError(f"Lemke's method ended on a secondary ray after {pivots} pivots: M is no P-matrix")
         row = _lexicographic_minimum(table, rows, column, basis)
     raise LcpError(f"Lemke's method took {pivots} pivots without an end")
-
-
-def _first_row(table: np.ndarray) -> int:
-    """The row that z0 = max(-q) makes zero; the last of equal ones is the lexicographic one."""
-    return int(len(table) - 1 - np.argmin(table[::-1, -1]))
 
 
 def _lexicographic_minimum(table: np.ndarray, rows: np.ndarray, column: np.ndarray, basis: np.ndarray) -> int:

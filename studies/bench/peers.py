@@ -16,6 +16,7 @@ import pandas as pd
 
 from contact.problem import Outcome
 from studies.bench.newton import timed
+from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.columns import columns
 from studies.complete import complete
 from studies.scene import UsageError
@@ -24,15 +25,7 @@ from studies.scenes.tyre.grid_lines import checked_mesh
 from studies.solving import solve
 
 DELTA_MM = 10.0
-SHELL = {
-    "E_MPa": "20",
-    "nu": "0.45",
-    "plies": "1",
-    "ply_thickness_mm": "4.8",
-    "load": "follower",
-    "pressure_area": "face",
-    "element": "paper",
-}
+SHELL = {**ISOTROPIC, "element": "paper"}
 SHELL_MESHES = ("28x26", "32x30", "36x34", "48x46")  # of the whole tyre, as everywhere; a quarter of it is solved
 PEER_MESHES = ("8x8", "14x12")  # of the quarter: about the coarsest within 0.3 %, and one settled to 0.1 %
 WITHIN = 0.003  # relative error of the force asked for, and the uncertainty of the reference

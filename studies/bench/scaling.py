@@ -42,15 +42,7 @@ SECONDS = 20.0  # spent on one size at the least, or MOST repetitions
 LEAST, MOST = 3, 25
 TIMES = ("elements", "scatter", "assembly", "factorisation", "solve", "contact", "total")
 # what the time of a part is compared with: the same machine, the same run, no code of ours
-FLOORS = {
-    "elements": "gemm",
-    "scatter": "copy",
-    "assembly": "copy",
-    "factorisation": "same_matrix",
-    "solve": "copy",
-    "contact": "copy",
-    "total": "same_matrix",
-}
+FLOORS = dict.fromkeys(TIMES, "copy") | {"elements": "gemm"} | dict.fromkeys(("factorisation", "total"), "same_matrix")
 GEMM, COPIED = 1000, 100_000_000  # rows and columns of the matrices multiplied; bytes
 CLOCK = time.process_time  # of one thread: long work always meets other programs, short work may slip between them
 timed = partial(timed_by, clock=CLOCK)
