@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import datetime
 import math
+from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,28 +63,21 @@ def measured(table: pd.DataFrame) -> pd.DataFrame:
     Of every cell its outcome and command; of a solved one its quantities, counters, errors against references, and, on
     the finest mesh of a ladder, observed orders.
     """
-    references = errors(table, reference_rows(table))
-    derived: list[tuple[str, str, float]] = [
-        (row["label"], f"{ERROR}{row['quantity']}", row["error"]) for row in references.to_dict("records")
-    ]
-    derived += [
-        (rungs["label"].iloc[-1], f"{ORDER}{name}", order)
-        for rungs in ladders(table, FEWEST)
-        for name in quantities(table)
-        if not math.isnan(order := order_of(list(rungs["size"])[-3:], list(rungs[f"q.{name}"].astype(float))[-3:]))
-    ]
-    extra = pd.DataFrame(derived, columns=list(COLUMNS))
-    by_label = dict(iter(extra.groupby("label", sort=False)))
+    derived: dict[str, dict[str, float]] = defaultdict(dict)
+    for row in errors(table, reference_rows(table)).to_dict("records"):
+        derived[row["label"]][f"{ERROR}{row['quantity']}"] = row["error"]
+    for rungs in ladders(table, FEWEST):
+        for name in quantities(table):
+            order = order_of(list(rungs["size"])[-3:], list(rungs[f"q.{name}"].astype(float))[-3:])
+            derived[rungs["label"].iloc[-1]][f"{ORDER}{name}"] = order
     numbers = [str(name) for name in table if str(name).startswith(("q.", "c."))]
     rows: list[tuple[str, str, str]] = []
     for row in table.to_dict("records"):
         label = str(row["label"])
         rows += [(label, COMMAND, str(row[COMMAND])), (label, OUTCOME, str(row[OUTCOME]))]
-        if row[OUTCOME] != SOLVED:
-            continue
-        rows += [(label, name, _text(float(row[name]))) for name in numbers if not pd.isna(row[name])]
-        own = by_label.get(label, extra.iloc[:0])
-        rows += [(label, name, _text(value)) for name, value in zip(own["column"], own["value"], strict=True)]
+        if row[OUTCOME] == SOLVED:
+            values = {name: float(row[name]) for name in numbers} | derived[label]
+            rows += [(label, name, _text(value)) for name, value in values.items() if not math.isnan(value)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
