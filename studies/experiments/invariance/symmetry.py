@@ -231,7 +231,7 @@ def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iter
     for gamma, tyre in tyres.items():
         _, press = tyre.model.stages()
         *_, last = walk([press], algorithm, previous=tyre.state)
-        shape = tyre.model.wall.shape
+        shape = tyre.model.wall.part.shape
 
         def seen(state: ContactSolution, tyre: Inflated = tyre) -> Seen:
             return Seen(np.zeros((2, 0, 3)), tyre.model.wall.spread(state.pressure))

@@ -56,7 +56,7 @@ class Sweep:
         state = last.state
         row |= {"outcome": "converged", "delta_mm": last.point.requested}
         row["negative"] = negative_eigenvalues(last.problem, state, np.inf)
-        own, touching = (model.wall.spread(v).reshape(model.wall.shape) for v in (state.pressure, state.active))
+        own, touching = (model.wall.spread(v).reshape(model.wall.part.shape) for v in (state.pressure, state.active))
         row |= {"peak_MPa": float(own.max()), "contact_nodes": int(touching.sum())}
         row |= {"mirror_MPa": mirror_asymmetry(own), "mirror_both_MPa": mirror_asymmetry(own, touching)}
         return row | {"central_MPa": central_asymmetry(own)}

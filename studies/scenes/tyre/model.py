@@ -43,7 +43,7 @@ class TyreModel(ShellSceneModel, PressedTyre):
         column = None if request.model == "full" else _column(request, part, shell)
         area = "mid" if settings["pressure_area"] == "mid" else "outer"
         nodes, candidates = _candidates(shell, part, area, coupled=settings["coupling"] == "consistent")
-        wall = Wall.of(part, nodes, lambda u: _faces(shell, u))
+        wall = Wall(part, nodes, lambda u: _faces(shell, u))
         return cls(shell, wall, candidates, deltas, foundation(settings), shell, part, nodes, column=column)
 
     def with_balances(self, problem: ContactProblem) -> ContactProblem:
@@ -122,7 +122,7 @@ class InflatedTyre(ShellSceneModel, PressedTyre):
 
         nobody = np.zeros(0, np.intp)
         nothing = Candidates(np.zeros((0, 3)), sparse.csr_matrix((0, shell.discretisation.n_free)), np.zeros(0))
-        return cls(shell, Wall.of(part, nobody, turned), nothing, (0.0,), foundation(request.settings), shell)
+        return cls(shell, Wall(part, nobody, turned), nothing, (0.0,), foundation(request.settings), shell)
 
     def stages(self) -> Iterator[Stage]:
         """Inflation alone."""

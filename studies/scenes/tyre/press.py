@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import pandas as pd
@@ -26,40 +26,36 @@ OVERLAP = 1e-6  # mm
 
 
 Body = ShellModel | SolidModel
-Faces = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # u -> deformed inner and outer face (N, 3) [mm]
+Faces = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # u -> deformed inner and outer face (n, 3) [mm]
 
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """Both faces of the WHOLE tyre on one tensor grid, however small the part of it that is solved.
+    """Both faces of the WHOLE tyre on the grid of ``part.angles``, however small the part of it that is solved.
 
-    angles (N, 2): psi, phi [rad], psi slowest; shape: N = shape[0] shape[1], psi symmetric about its middle, phi
-    periodic.  candidate (N,): the contact candidate that the node is or mirrors, -1 for none.  parts: how many equal
-    parts the tyre is made of, 1 when all of it is solved.  faces(u): deformed inner and outer face (N, 3) [mm].
+    nodes (m,): those of the part's grid that are contact candidates.  of_part: its faces.
     """
 
-    angles: np.ndarray
-    shape: tuple[int, int]
-    candidate: np.ndarray
-    parts: int
-    faces: Faces
+    part: Part
+    nodes: np.ndarray
+    of_part: Faces
 
-    @classmethod
-    def of(cls, part: Part, nodes: np.ndarray, faces: Faces) -> Wall:
-        """The tyre that a part stands for; nodes (m,): those of its grid that are candidates; faces: of that grid."""
-        candidate = np.full(part.grid.n_nodes, -1)
-        candidate[nodes] = np.arange(len(nodes))
+    @cached_property
+    def candidate(self) -> np.ndarray:
+        """(N,) the candidate that each node is or mirrors, -1 for none."""
+        candidate = np.full(self.part.grid.n_nodes, -1)
+        candidate[self.nodes] = np.arange(len(self.nodes))
+        return candidate[self.part.merging()[self.part.node]]
 
-        def whole(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-            inner, outer = faces(u)
-            return part.sign * inner[part.node], part.sign * outer[part.node]
-
-        return cls(part.angles, part.shape, candidate[part.merging()[part.node]], part.copies, whole)
+    def faces(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Deformed inner and outer face (N, 3) [mm]."""
+        inner, outer = (self.part.sign * face[self.part.node] for face in self.of_part(u))
+        return inner, outer
 
     @property
     def crown(self) -> int:
         """The node (0, 0)."""
-        return int(np.argmin(np.max(np.abs(self.angles), axis=1)))
+        return int(np.argmin(np.max(np.abs(self.part.angles), axis=1)))
 
     def spread(self, values: np.ndarray) -> np.ndarray:
         """Values of the candidates (m,) at all nodes (N,); zero where there is none."""
@@ -131,26 +127,26 @@ class PressedTyre:
         return Observation(None, {k: float(v) for k, v in growth.items()}, {"profile": pd.concat(profiles)})
 
     def _observe_press(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
-        wall = self.wall
-        pressure = wall.spread(state.pressure).reshape(wall.shape)
-        active = wall.spread(state.active).reshape(wall.shape)
+        wall, shape = self.wall, self.wall.part.shape
+        pressure = wall.spread(state.pressure).reshape(shape)
+        active = wall.spread(state.active).reshape(shape)
         x = wall.faces(state.u)[1]
-        row, column = divmod(wall.crown, wall.shape[1])
+        row, column = divmod(wall.crown, shape[1])
         assert problem.directions is not None
         inwards = -(problem.directions(state.u) @ NORMAL)
         headline = {
-            "force_N": wall.parts * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
+            "force_N": wall.part.copies * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
             "centre_pressure_MPa": float(pressure[row, column]),
             "contact_nodes": int(active.sum()),
-            "half_length_mm": half_extent(x[:, 1].reshape(wall.shape)[row], active[row]),
-            "half_width_mm": half_extent(x[:, 2].reshape(wall.shape)[:, column], active[:, column]),
-            "patch_to_clamp_mm": to_edges(x.reshape(*wall.shape, 3), active),
+            "half_length_mm": half_extent(x[:, 1].reshape(shape)[row], active[row]),
+            "half_width_mm": half_extent(x[:, 2].reshape(shape)[:, column], active[:, column]),
+            "patch_to_clamp_mm": to_edges(x.reshape(*shape, 3), active),
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
         gap = problem.gap(state.u)
         seen = np.flatnonzero(wall.candidate >= 0)
         own = wall.candidate[seen]
-        a1, a2 = np.rad2deg(wall.angles[seen]).T
+        a1, a2 = np.rad2deg(wall.part.angles[seen]).T
         nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
         nodes |= {"pressure_MPa": state.pressure[own], "gap_mm": gap[own], "active": state.active[own].astype(int)}
         nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
@@ -159,8 +155,9 @@ class PressedTyre:
 
     def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
         """Both faces of the meridian phi = 0."""
-        line = np.arange(self.wall.crown % self.wall.shape[1], len(self.wall.angles), self.wall.shape[1])
-        columns = {"state": state, "delta_mm": delta, "psi_deg": np.rad2deg(self.wall.angles[line, 0])}
+        part = self.wall.part
+        line = np.arange(self.wall.crown % part.shape[1], len(part.angles), part.shape[1])
+        columns = {"state": state, "delta_mm": delta, "psi_deg": np.rad2deg(part.angles[line, 0])}
         for face, x in zip(("inner", "outer"), self.wall.faces(u), strict=True):
             columns |= {f"{face}_radial_mm": x[line, 0], f"{face}_axial_mm": x[line, 2]}
         return pd.DataFrame(columns)

@@ -127,7 +127,7 @@ def whole_wall(solid: SolidDiscretisation, nodes: np.ndarray, model: str) -> Wal
 
     on_face = np.full(len(mesh.x), -1)
     on_face[outer] = np.arange(len(outer))
-    return Wall.of(replace(part, angles=angles), on_face[nodes], faces)
+    return Wall(replace(part, angles=angles), on_face[nodes], faces)
 
 
 def _in_order(mesh: SolidMesh, face: np.ndarray) -> np.ndarray:
