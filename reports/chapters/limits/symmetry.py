@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.chapters.limits import figures_symmetry
+from reports.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, canvas, looks, svg
 from reports.formats import code, fixed, scientific
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
+LOOKS: dict[str, dict[str, Any]] = {  # of the classes
+    "exactly zero": {"color": BLUE, "marker": "o"},
+    "rounding": {"color": SKY, "marker": "o"},
+    "solver tolerance": {"color": GREEN, "marker": "^"},
+    "broken by design": {"color": ORANGE, "marker": "s"},
+    "broken by accident": {"color": VERMILION, "marker": "X"},
+    "does not apply": {"color": PURPLE, "marker": "|"},
+}
+ZERO = 1e-17  # where an exact zero is drawn
 INTRODUCTION = prose("""# Symmetry and invariance
 
 An answer must not depend on the order of the nodes, on which coordinate is called the first, on the units, on the
@@ -20,7 +35,6 @@ precision explains of a nodal pressure; *solver tolerance*, below what the resid
 allows; *broken by design*, where a measure or a structure declares that it must be; and *broken by accident*, which is
 a failure. What is declared to be broken and is not is an accident, too, and so is an answer that does not pass the
 judge of contact.""")
-CLASSES = tuple(figures_symmetry.LOOKS)
 ACCIDENT, DESIGN = "broken by accident", "broken by design"
 PRINTED_ANGLE, PRINTED_MESH, PRINTED_MEASURE = 52.0, "42x40", "exact"
 
@@ -41,7 +55,7 @@ def _overview(store: Store) -> Part:
     data = store.table("symmetry")
     rows = []
     for check, own in data.groupby("check", sort=False):
-        counts = own["class"].value_counts().reindex(CLASSES, fill_value=0)
+        counts = own["class"].value_counts().reindex(list(LOOKS), fill_value=0)
         largest = own[own["class"] != DESIGN]["deviation"].max()
         rows.append([check, *counts, scientific(largest), scientific(own["rounding"].median())])
     wrong, whole = accidents(store)
@@ -58,10 +72,10 @@ def _overview(store: Store) -> Part:
 {len(designed)} by design. Panels are small laminated shells, clamped all around, under a load
 and pressed by a plane or a ball; the tyre is that of the paper on a coarse mesh, the whole of it. Algorithms keep their
 own defaults, in the units of the problem.""")
-    header = ["check", *CLASSES, "largest unless by design", "rounding explains"]
+    header = ["check", *LOOKS, "largest unless by design", "rounding explains"]
     grid = table("Checks by class: number of pairs of measure and algorithm", header, rows)
     words = "Deviation of every pair of measure and algorithm, by check, coloured by class"
-    shown = picture("symmetry-deviations.svg", words, figures_symmetry.deviations(data))
+    shown = picture("symmetry-deviations.svg", words, deviations(data))
     caption = prose("""A point is a pair of a measure and an algorithm; the grey bar ends where rounding does, in the
 median. Exact zeros are drawn at the left edge.""")
     heads = "check | measure | algorithm | deviation | why"
@@ -147,7 +161,7 @@ are drawn with open marks and left out of the maximum.""")
     header += ["largest stable", "at [deg]", "angles stable"]
     grid = table("Largest difference of the pressure from a mirror image, both touching [MPa]", header, rows, words=2)
     words = "Mirror asymmetry of the pressure over the cord angle, with the printed value at 52 degrees"
-    shown = picture("symmetry-mirror.svg", words, figures_symmetry.mirror(sweeps, own, (PRINTED_ANGLE, told)))
+    shown = picture("symmetry-mirror.svg", words, mirror(sweeps, own, (PRINTED_ANGLE, told)))
     return joined(text, grid, shown, commands([str(top["command"]), str(here["command"].iloc[0])]))
 
 
@@ -155,6 +169,58 @@ def _top(sweep: pd.DataFrame) -> pd.Series:
     """The row of the largest asymmetry of a stable state, of any state where none is stable."""
     stable = sweep[sweep["negative"] == 0]
     return (stable if len(stable) else sweep).sort_values("mirror_both_MPa").iloc[-1]
+
+
+@svg
+def deviations(table: pd.DataFrame) -> Figure:
+    """All measures and algorithms as points, a row a check; the grey bar is what rounding explains."""
+    checks = list(dict.fromkeys(table["check"]))
+    rng = np.random.default_rng(0)
+    figure, (axes,) = canvas(width=9.0, height=0.36 * len(checks) + 1.7)
+    for row, check in enumerate(checks):
+        rounding = table[table["check"] == check]["rounding"].median()
+        axes.barh(row, rounding, left=ZERO / 3, height=0.72, color="#DDDDDD", zorder=0)
+    for name, look in LOOKS.items():
+        own = table[table["class"] == name].dropna(subset=["deviation"])
+        if len(own):
+            places = own["check"].map(checks.index).to_numpy() + rng.uniform(-0.25, 0.25, len(own))
+            axes.scatter(np.maximum(own["deviation"], ZERO), places, s=16, label=name, linewidths=0.8, **look)
+    axes.set(xscale="log", xlim=(ZERO / 3, 2.0), xlabel="largest deviation over the largest value [-]")
+    axes.set_yticks(range(len(checks)), checks)
+    axes.invert_yaxis()
+    figure.legend(loc="outside upper center", ncols=4)
+    return figure
+
+
+@svg
+def mirror(sweeps: Mapping[str, pd.DataFrame], own: str, printed: tuple[float, float]) -> Figure:
+    """Over the cord angle: the sweep ``own`` beside the printed table, and every measure on a coarse mesh.
+
+    Full marks are stable states, open ones have negative eigenvalues; printed: angle [deg] and asymmetry [MPa].
+    """
+    figure, (left, right) = canvas(2, width=9.0, height=4.6)
+    _curve(left, sweeps[own], {"color": BLUE, "marker": "o"}, "ours")
+    left.plot(printed[0], 1e3 * printed[1], color=VERMILION, marker="D", linestyle="none", label="printed")
+    left.plot([], [], color=BLACK, marker="o", fillstyle="none", linestyle="none", label="not stable")
+    left.set_title(own)
+    left.legend(loc="upper center")
+    others = {name.partition(", ")[::2]: sweep for name, sweep in sweeps.items() if name != own}
+    drawn = looks(measure for measure, _ in others)
+    for (measure, mesh), sweep in others.items():
+        _curve(right, sweep, drawn[measure].points, measure)
+        right.set_title(f"all measures, {mesh}")
+    right.legend(fontsize=8)
+    for axes in (left, right):
+        axes.set(xlabel="cord angle γ [deg]", ylabel="largest difference from a mirror image [10⁻³ MPa]")
+        axes.set(xlim=(-2, 92), ylim=(0, None), xticks=range(0, 91, 15))
+    return figure
+
+
+def _curve(axes: Axes, sweep: pd.DataFrame, look: Mapping[str, Any], label: str) -> None:
+    angle, value, stable = sweep["gamma_deg"], 1e3 * sweep["mirror_both_MPa"], sweep["negative"] == 0
+    axes.plot(angle, value, color=look["color"], linewidth=0.8, alpha=0.5)
+    axes.plot(angle[stable], value[stable], linestyle="none", label=label, markersize=4, **look)
+    axes.plot(angle[~stable], value[~stable], linestyle="none", fillstyle="none", markersize=4, **look)
 
 
 CHAPTER = Chapter(

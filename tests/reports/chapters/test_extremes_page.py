@@ -7,8 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.limits.extremes import cause, extremes_page, faults
-from reports.chapters.limits.figures_extremes import LOOKS, outcome_map
+from reports.chapters.limits.extremes import LOOKS, cause, extremes_page, faults, outcome_map
 from reports.tables import load_store
 from studies.experiments.extremes.maps import CLASSES
 from studies.store.atomic import write_table
