@@ -19,6 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 P = ParamSpec("P")
+Picture = Callable[[], str]  # draws itself as SVG text when it is asked for
 # Okabe and Ito's colours, told apart with every common colour blindness
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
@@ -85,15 +86,18 @@ def looks(names: Iterable[Any]) -> dict[Any, Look]:
     return {name: look(order.index(name)) for name in unique}
 
 
-def svg(draw: Callable[P, Figure]) -> Callable[P, str]:
-    """Makes of a function that draws one that returns its picture as SVG text, in the look of all pictures."""
+def svg(draw: Callable[P, Figure]) -> Callable[P, Picture]:
+    """Makes of a function that draws one that returns its picture, still to be drawn, in the look of all pictures."""
 
     @wraps(draw)
-    def drawn_as_text(*args: P.args, **options: P.kwargs) -> str:
-        with mpl.rc_context(STYLE):
-            return to_svg(draw(*args, **options))
+    def picture(*args: P.args, **options: P.kwargs) -> Picture:
+        def drawn_as_text() -> str:
+            with mpl.rc_context(STYLE):
+                return to_svg(draw(*args, **options))
 
-    return drawn_as_text
+        return drawn_as_text
+
+    return picture
 
 
 def canvas(

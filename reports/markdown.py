@@ -20,10 +20,10 @@ MACHINE, END_MACHINE = "<!-- machine -->", "<!-- /machine -->"
 
 @dataclass(frozen=True)
 class Part:
-    """A piece of a page: its text and the pictures it shows, SVG by file name."""
+    """A piece of a page: its text and the pictures it shows, by file name, which draw themselves when asked for."""
 
     text: str
-    pictures: Mapping[str, str] = field(default_factory=dict)
+    pictures: Mapping[str, Callable[[], str]] = field(default_factory=dict)
 
 
 def joined(*blocks: Part | str) -> Part:
@@ -70,7 +70,7 @@ def prose(text: str) -> str:
     return "\n\n".join(paragraphs)
 
 
-def picture(name: str, words: str, svg: str) -> Part:
+def picture(name: str, words: str, svg: Callable[[], str]) -> Part:
     """A picture of the folder ``figures`` with the words that replace it where it cannot be shown."""
     return Part(f"![{words}](figures/{name})", {name: svg})
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.tyre import figures as figures_tyre
-from reports.drawing import drawn
+from reports.drawing import Picture, drawn
 from reports.files import write_texts
 from reports.maps import along_meridian, at_delta, deltas, pressure_map
 from reports.tables import TYRES, Cell, load_cell
@@ -24,23 +24,25 @@ UNITS = ("mm", "MPa", "N", "deg")
 
 def draw_result(directory: Path) -> list[Path]:
     """Draw what ``directory`` holds into its folder ``figures``; raises StoreError when there is no result."""
-    return write_texts(directory / "figures", _pictures(load_cell(directory, directory.name)))
+    pictures = _pictures(load_cell(directory, directory.name))
+    return write_texts(directory / "figures", {name: picture() for name, picture in pictures.items()})
 
 
 def figures_of(directory: Path) -> list[Figure]:
     """The same pictures as figures; raises StoreError when there is no result."""
     with drawn() as figures:
-        _pictures(load_cell(directory, directory.name))
+        for picture in _pictures(load_cell(directory, directory.name)).values():
+            picture()
     return figures
 
 
-def _pictures(cell: Cell) -> dict[str, str]:
+def _pictures(cell: Cell) -> dict[str, Picture]:
     if not cell.steps:
         return {}
     return tyre_pictures(cell) if cell.scene in TYRES else {"load-displacement.svg": _load_displacement(cell)}
 
 
-def tyre_pictures(cell: Cell) -> dict[str, str]:
+def tyre_pictures(cell: Cell) -> dict[str, Picture]:
     """Load-deflection, pressure along psi, pressure map at the last travel, profiles."""
     contact, profile = cell.table("contact"), cell.table("profile")
     reached = deltas(contact)
@@ -67,7 +69,7 @@ def mm_per_degree(profile: pd.DataFrame) -> tuple[float, float]:
     return float(along_psi), float(np.deg2rad(radial[crown]))
 
 
-def _load_displacement(cell: Cell) -> str:
+def _load_displacement(cell: Cell) -> Picture:
     first = cell.steps[0]  # the load, what is read off, then the certificate, which is no number
     load, *columns = takewhile(lambda name: not isinstance(first[name], dict | list), first)
     named = (load, "load fraction" if load == "load_fraction" else _words(load))

@@ -120,11 +120,11 @@ to reach an error. The profile is the share of problems within a factor of the b
 solved, and depends on the whole field. So pairs are compared alone, too, on the problems that both solve, and the
 ranking (by the share within twice the best) is repeated without each competitor. Problems of one scene are alike: the
 intervals are those of drawing scenes. Fewer than five problems make no comparison.""")
-    drawn = figures_tradeoff.profiles(data, COST) if len(data) else ""
+    words = "Share of problems within a factor of the best"
     return joined(
         text,
         machine("\n".join(lines)),
-        picture("tradeoff-profiles.svg", "Share of problems within a factor of the best", drawn) if drawn else "",
+        picture("tradeoff-profiles.svg", words, figures_tradeoff.profiles(data, COST)) if len(data) else "",
         machine(_pairs(pairs, COST)),
         folded("Pairs by operations of the factorisations", _pairs(pairs, OPERATIONS)),
     )
