@@ -1,6 +1,6 @@
 """The pictures of one solved request, as drawn by ``footprint solve --plot``.
 
-Which pictures a scene has is decided here; how they look, in figures_tyre and figures_benchmarks.
+Which pictures a scene has is decided here; how they look, in the figures of the tyre and of the benchmarks.
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import math
 import shutil
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -336,6 +337,12 @@ def drawn(store: Path) -> dict[str, str]:
 @pytest.fixture
 def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
     without_svg(monkeypatch)
+
+
+@pytest.fixture
+def unasked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pages are written with pictures that nobody draws."""
+    monkeypatch.setattr("reports.site.rendered", partial(rendered, draw=False))
 
 
 @pytest.fixture

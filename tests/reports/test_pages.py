@@ -80,7 +80,7 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
 }
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("unasked")
 @pytest.mark.parametrize(("damage", "says"), DAMAGES.values(), ids=list(DAMAGES))
 def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
     own_store: Path, tmp_path: Path, damage: Callable[[Path], object], says: str
@@ -93,7 +93,7 @@ def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.usefixtures("undrawn")
+@pytest.mark.usefixtures("unasked")
 def test_pages_are_the_same_bytes_every_time(store: Path, files: dict[str, str], tmp_path: Path) -> None:
     same_bytes(store, files, tmp_path)
 
@@ -117,12 +117,11 @@ def test_every_page_links_to_every_other(files: dict[str, str]) -> None:
         assert [other for other in PAGES if other != name and f"]({other})" not in files[name]] == []
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_page_from_outside_is_one_entry_of_the_list(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     own = Chapter("mine", "My page", "what a stranger asks.", lambda store: Part("# Mine\n\nText."), needs=("cycles",))
     needy = Chapter("needy", "Another", "what has no table.", lambda store: Part("# No"), needs=("nothing",))
     monkeypatch.setattr("reports.site.CHAPTERS", [*CHAPTERS, own, needy])
-    files = rendered(load_store(store))
+    files = rendered(load_store(store), draw=False)
     assert files["mine.md"].startswith("# Mine\n\n[All results](index.md) · [The tyre](tyre.md)")
     assert "- [My page](mine.md): what a stranger asks." in files["index.md"]
     assert "[My page](mine.md)" in files["tyre.md"]
@@ -131,7 +130,6 @@ def test_a_page_from_outside_is_one_entry_of_the_list(store: Path, monkeypatch: 
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("undrawn")
 def test_committed_pages_agree_with_their_store(store: Path, out: Path) -> None:
     """Pictures are not compared."""
     assert check_pages(store, out) == []
@@ -170,7 +168,7 @@ def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Pat
     path = own_store / "cells" / f"{number}.json"
     edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
     with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
-        rendered(load_store(own_store))
+        rendered(load_store(own_store), draw=False)
 
 
 def test_what_is_expected_to_fail_is_read_from_the_index(files: dict[str, str]) -> None:
@@ -268,7 +266,6 @@ def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
         draw_result(own_store)
 
 
-@pytest.mark.usefixtures("undrawn")
 def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> None:
     (page,) = (each for each in CHAPTERS if each.name == "benchmarks")
     text = page.render(load_store(own_store)).text

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
-from reports.chapters.tyre.cells import change, nodes_unlike
+from reports.chapters.tyre.cells import change, sets_unlike
 from reports.formats import code
 from reports.markdown import listing
 from reports.reading import StoreError
@@ -56,10 +57,10 @@ class Entry:
         """Of the forces at each travel, relative to the reference; NaN where one of both did not get there."""
         return [abs(change(self.cell, self.reference, delta=delta)) for delta in self.travels]
 
-    @property
+    @cached_property
     def unlike(self) -> list[int | None]:
         """Contact nodes in only one of both sets at each travel; None where one did not get there."""
-        return [nodes_unlike(self.cell, self.reference, delta) for delta in self.travels]
+        return sets_unlike(self.cell, self.reference, self.travels)
 
     @property
     def largest_difference(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 from reports.maps import at_delta, different_nodes
@@ -43,8 +44,16 @@ def change(cell: Cell, other: Cell, quantity: str = "force_N", delta: float = DE
     return cell.value(quantity, delta_mm=delta) / other.value(quantity, delta_mm=delta) - 1.0
 
 
-def nodes_unlike(cell: Cell, other: Cell, delta: float = DELTA) -> int | None:
-    """Nodes in contact at a travel in only one of two cells; None when one of them did not get there."""
-    if cell.find_step(delta_mm=delta) is None or other.find_step(delta_mm=delta) is None:
-        return None
-    return different_nodes(*(at_delta(each.table("contact"), delta) for each in (cell, other)))
+def nodes_unlike(cell: Cell, other: Cell) -> int | None:
+    """Nodes in contact at the travel of the printed table in only one of two cells; None if one did not get there."""
+    return sets_unlike(cell, other, [DELTA])[0]
+
+
+def sets_unlike(cell: Cell, other: Cell, deltas: Sequence[float]) -> list[int | None]:
+    """Nodes in contact at each travel in only one of two cells; None where one of them did not get there."""
+    there = [all(each.find_step(delta_mm=delta) is not None for each in (cell, other)) for delta in deltas]
+    contact = [each.table("contact") for each in (cell, other)] if any(there) else []
+    return [
+        different_nodes(*(at_delta(each, delta) for each in contact)) if reached else None
+        for delta, reached in zip(deltas, there, strict=True)
+    ]

@@ -22,7 +22,6 @@ from studies.analysis.powers import epsilon_laws
 from studies.campaigns.report_cells import agreement, enforcements
 from studies.store.atomic import write_json, write_table
 
-pytestmark = pytest.mark.usefixtures("undrawn")
 CASE = "trial-and-error follower nonsymmetric exact"
 
 

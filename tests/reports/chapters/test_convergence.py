@@ -23,8 +23,6 @@ from support.made_up import analysed_again
 
 WOBBLE = (0.3, -0.2, 0.1, 0.05)
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 
 def change_values(root: Path, prefix: str, change: Callable[[float, int], float | None], *, again: bool = True) -> None:
     """Replace every quantity of the cells of a ladder, mesh by mesh; None: the cell was not solved."""

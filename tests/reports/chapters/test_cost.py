@@ -6,15 +6,12 @@ import json
 from pathlib import Path
 
 import pandas as pd
-import pytest
 
 from reports.chapters.trade.cost import STEP, cost_page
 from reports.tables import load_store
 from studies.campaigns.report_cells import MODELS
 from studies.store.atomic import write_json, write_table
 from support.made_up import analysed_again
-
-pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 def place(root: Path, label: str) -> Path:

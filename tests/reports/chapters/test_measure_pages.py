@@ -15,8 +15,6 @@ from reports.tables import Store, load_store
 from studies.experiments.locking import MESHES, THINNESS
 from studies.store.atomic import write_table
 
-pytestmark = pytest.mark.usefixtures("undrawn")
-
 
 @pytest.fixture
 def loaded(store: Path) -> Store:

@@ -5,13 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
-import pytest
 
 from reports.chapters.limits.symmetry import accidents, symmetry_page
 from reports.tables import load_store
 from studies.store.atomic import write_table
-
-pytestmark = pytest.mark.usefixtures("undrawn")
 
 
 def change(root: Path, name: str, **columns: object) -> None:
