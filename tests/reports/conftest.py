@@ -323,9 +323,7 @@ def without_svg(patch: pytest.MonkeyPatch) -> None:
 @pytest.fixture(scope="session")
 def files(store: Path) -> dict[str, str]:
     """All pages, their pictures empty."""
-    with pytest.MonkeyPatch.context() as patch:
-        without_svg(patch)
-        return rendered(load_store(store))
+    return rendered(load_store(store), draw=False)
 
 
 @pytest.fixture(scope="session")

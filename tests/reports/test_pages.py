@@ -80,8 +80,14 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
 }
 
 
+FEW = ("no store", "no index", "cell missing", "cell corrupt", "key", "table missing", "column of a table")
+
+
 @pytest.mark.usefixtures("unasked")
-@pytest.mark.parametrize(("damage", "says"), DAMAGES.values(), ids=list(DAMAGES))
+@pytest.mark.parametrize(
+    ("damage", "says"),
+    [pytest.param(*each, marks=[] if name in FEW else pytest.mark.slow, id=name) for name, each in DAMAGES.items()],
+)
 def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
     own_store: Path, tmp_path: Path, damage: Callable[[Path], object], says: str
 ) -> None:

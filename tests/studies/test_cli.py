@@ -216,6 +216,7 @@ def test_out_that_is_a_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFix
     assert len(capsys.readouterr().err.strip().splitlines()) == 1
 
 
+@pytest.mark.slow
 def test_no_convergence_is_exit_3_with_everything_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     out = tmp_path / "out"
     hopeless = ["--set", "delta_mm=5,95", "--set", "settle=1"]  # at one factorisation an iteration
@@ -231,8 +232,12 @@ def test_no_convergence_is_exit_3_with_everything_kept(tmp_path: Path, capsys: p
     assert "did not converge" in capsys.readouterr().err
 
 
+MORE_PICTURES = ("roof-d", "4x4"), ("strip-contact", "4x1")
+
+
 @pytest.mark.parametrize(
-    ("scene", "mesh", "pictures"), [("tyre", "12x12", 4), ("roof-d", "4x4", 1), ("strip-contact", "4x1", 1)]
+    ("scene", "mesh", "pictures"),
+    [("tyre", "12x12", 4), *(pytest.param(*each, 1, marks=pytest.mark.slow) for each in MORE_PICTURES)],
 )
 def test_plot_draws_what_was_solved(scene: str, mesh: str, pictures: int, tmp_path: Path) -> None:
     settings = ["--set", "delta_mm=5"] if scene == "tyre" else []

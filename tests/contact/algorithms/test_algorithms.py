@@ -59,7 +59,7 @@ def test_solution_is_that_of_nnls_and_cvxpy(name, epsilon, kind) -> None:
 
 @each_pair
 @given(seed=st.integers(0, 2**32 - 1), kind=st.sampled_from(KINDS))
-@settings(deadline=None, derandomize=True, max_examples=30)
+@settings(deadline=None, derandomize=True, max_examples=12)
 def test_an_answer_called_converged_is_right(name, epsilon, seed, kind) -> None:
     """Plain active sets may fail on an arbitrary definite matrix, but then they say so and the judge agrees."""
     data = random_quadratic(np.random.default_rng(seed), kind)
@@ -85,7 +85,7 @@ STATES = {
 
 
 @pytest.mark.parametrize(("name", "epsilon"), applicable(*EPSILONS, 1e14))
-@pytest.mark.parametrize("seeds", [range(3), pytest.param(range(3, 20), marks=pytest.mark.slow)], ids=["few", "many"])
+@pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 20), marks=pytest.mark.slow)], ids=["few", "many"])
 def test_touching_without_pressure_and_full_contact(name, epsilon, seeds) -> None:
     """Exact touch leaves the set to rounding, full contact leaves no open gap to measure by; neither may matter."""
     for seed, states, kind in product(seeds, STATES, KINDS):

@@ -57,7 +57,7 @@ def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def files(solved: Path) -> dict[str, str]:
-    return rendered(load_store(solved))
+    return rendered(load_store(solved), draw=False)
 
 
 @pytest.fixture
@@ -67,8 +67,8 @@ def store(solved: Path, tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_both_pages_are_the_same_again(solved: Path, files: dict[str, str]) -> None:
-    assert files == rendered(load_store(solved))
+def test_both_pages_are_the_same_again(solved: Path) -> None:
+    assert rendered(load_store(solved)) == rendered(load_store(solved))
 
 
 def test_both_pages_are_made_with_their_pictures(files: dict[str, str]) -> None:

@@ -64,6 +64,7 @@ def test_small_sizes_do_not_count() -> None:
     assert np.isnan(exponents(bent[:2])["total"])
 
 
+@pytest.mark.slow
 def test_the_table_for_a_terminal_has_the_ratios(table) -> None:
     plain, full = (list(lines(table, floors=floors)) for floors in (False, True))
     assert len(plain) == 4
@@ -95,6 +96,7 @@ def test_the_state_on_a_finer_mesh_presses_as_much() -> None:
     assert (pressure > 0).sum() > (state.pressure > 0).sum()
 
 
+@pytest.mark.slow
 def test_the_command_prints_and_writes(table, monkeypatch, capsys, tmp_path: Path) -> None:
     asked: list[list[str]] = []
 

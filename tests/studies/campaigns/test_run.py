@@ -253,7 +253,9 @@ def test_nothing_outlives_a_campaign_that_is_killed(tmp_path: Path) -> None:
     assert not any(each.exists() for each in workers)
 
 
-@pytest.mark.parametrize("damage", ["", '{"schema": 1}', "[]", "half", "other"])
+@pytest.mark.parametrize(
+    "damage", ["half", "other", *(pytest.param(text, marks=pytest.mark.slow) for text in ("", '{"schema": 1}', "[]"))]
+)
 def test_a_damaged_record_is_set_aside_with_a_line_and_solved_again(
     damage: str, own: Path, solved: Path, tmp_path: Path
 ) -> None:

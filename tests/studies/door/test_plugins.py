@@ -138,6 +138,7 @@ def test_list_and_show_take_it_in() -> None:
     assert errors.count("\n") == 1
 
 
+@pytest.mark.slow
 def test_pages_and_advice_take_it_in(store: Path, tmp_path: Path) -> None:
     code, _, errors = footprint("analyse", "ours", "--store", store, *USE)
     assert code == 0, errors
@@ -162,6 +163,7 @@ def test_entry_points_give_the_same_cells(site: Path, store: Path, campaign: Pat
     assert code == 0, errors
 
 
+@pytest.mark.slow
 def test_worker_processes_find_entry_points_and_a_new_source_is_solved_again(
     site: Path, source: str, entries: dict[str, dict[str, str]], tmp_path: Path
 ) -> None:

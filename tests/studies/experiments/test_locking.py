@@ -162,6 +162,7 @@ def test_bending_cylinder_does_not_lock(pitkaranta: pd.DataFrame) -> None:
     assert limit == pytest.approx(1, abs=ROUNDING)
 
 
+@pytest.mark.slow
 def test_stretched_cylinder_loses_nothing(pitkaranta: pd.DataFrame) -> None:
     """Clamped ends: what a reduced element gains in bending it must not lose here."""
     clamped = pitkaranta.query("end == 'clamped'")
@@ -169,6 +170,7 @@ def test_stretched_cylinder_loses_nothing(pitkaranta: pd.DataFrame) -> None:
     np.testing.assert_array_less(errors, [0.03, 0.01, 0.003])
 
 
+@pytest.mark.slow
 def test_bending_cylinder_against_the_yardsticks(pitkaranta: pd.DataFrame) -> None:
     """At t/R = 1e-2: better than the reduced bilinear element printed by Elmer, an order better than the unreduced."""
     rows = pitkaranta.query("end == 'free' and h_over_R == 1e-2")

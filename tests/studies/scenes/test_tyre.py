@@ -31,7 +31,6 @@ def paper() -> Result:
     return run({}, model="full")
 
 
-@pytest.mark.slow
 def test_paper_tyre_forces_within_one_percent(paper: Result) -> None:
     assert paper.outcome.converged
     found = {step["delta_mm"]: step["force_N"] for step in paper.steps}

@@ -148,6 +148,7 @@ def test_fields_are_hexahedra_in_the_order_of_vtk(surface: Surface, tmp_path: Pa
         assert np.max(np.abs(node[:, i] - node[:, list(corners)].mean(axis=1))) <= 0.01, i
 
 
+@pytest.mark.slow
 def test_cords_at_an_angle_turn_the_patch() -> None:
     found = run({**TO_10, "E_L_MPa": "510.45", "plies": "2", "ply_thickness_mm": "2.4"}, "8x10")
     assert found.request.model == "full"
