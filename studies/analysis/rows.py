@@ -33,7 +33,7 @@ def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
     for _, rows in solved.groupby(keys(solved, "mesh"), sort=False):
         if len(rows) < fewest:
             continue
-        rungs = rows.assign(size=sizes(rows)).sort_values("size", ascending=False)
+        rungs = rows.assign(size=sizes(rows)).sort_values("size", ascending=False, kind="stable")
         rungs = rungs.drop_duplicates("size", keep="last")
         rungs = rungs[_apart(rungs["size"].tolist())]
         if len(rungs) >= fewest:

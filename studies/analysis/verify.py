@@ -183,4 +183,4 @@ def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
     rows = table.assign(**{setting: pd.to_numeric(table[setting], errors="coerce")}).dropna(subset=[setting])
     for _, group in rows.groupby(keys(rows, setting), sort=False):
         if group[setting].nunique() > 1:
-            yield group.sort_values(setting)
+            yield group.sort_values(setting, kind="stable")
