@@ -1,4 +1,4 @@
-"""Texts onto the disk, by a temporary name and a rename, so that nobody ever reads half a page."""
+"""Texts onto the disk, by a temporary name and a rename, so that no reader sees half a page."""
 
 from __future__ import annotations
 

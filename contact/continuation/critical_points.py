@@ -68,7 +68,7 @@ class PathEnd(enum.Enum):
 
     LIMIT_POINT = "limit point"
     BIFURCATION = "bifurcation"
-    NEITHER = "neither"  # or nobody can tell
+    NEITHER = "neither"  # or not to be told
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Quadratic programmes min x.P.x/2 + q.x, A x >= b, by one call of a public solver each; nobody's word is trusted here.
+"""Quadratic programmes min x.P.x/2 + q.x, A x >= b, by one call of a public solver each; no solver is trusted.
 
 Every backend answers with what it has found and what it claims; judging that is the business of the caller.
 Traps (osqp 1.1.3, clarabel 0.11, proxsuite 0.8.0, piqp 0.6.4, daqp 0.11.0; measured): where there is no answer OSQP

@@ -2,7 +2,7 @@
 
 Type II: what a factor explains beyond all other main effects, over the whole variance. Interactions of two factors are
 one share together, what is left is the last one. In a table that is not balanced the shares need not add up to one:
-what two factors explain alike is nobody's.
+what two factors explain alike counts for neither.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """What accuracy costs: fronts of cost against verified error, per scene and per family of scenes.
 
-An error below what the reference is uncertain by counts as that uncertainty: nobody is better than what is known. An
+An error below what the reference is uncertain by counts as that uncertainty: no cell is better than what is known. An
 answer that is off by more than WRONG beyond it is wrong, however fast: it is flagged and on no front. So is one whose
 formulation is that far off in any quantity of the scene: on a coarse mesh two errors may cancel.
 """
@@ -25,7 +25,7 @@ SCENE_COLUMNS = (
 
 
 def on_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
-    """Who is on the front (n,): nobody else has both at most as much cost and error, and less of one; NaN never is.
+    """Which are on the front (n,): no other has both at most as much cost and error, and less of one; NaN never is.
 
     Errors that differ by less than SAME of themselves count as equal; of equals the first one is.
     """
@@ -108,7 +108,7 @@ def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
 
 
 def _fronts_of(group: pd.Series, cost: pd.Series, error: np.ndarray) -> np.ndarray:
-    """Who is on the front of its own group."""
+    """Which are on the front of their own group."""
     values, front = cost.to_numpy(float), np.zeros(len(cost), bool)
     for own in cost.groupby(group.to_numpy()).indices.values():
         front[own] = on_front(values[own], error[own])

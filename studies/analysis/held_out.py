@@ -1,4 +1,4 @@
-"""How good is advice for a scene whose reference nobody knows? Each scene is left out once, and advised all the same.
+"""How good is advice for a scene whose reference is unknown? Each scene is left out once, and advised all the same.
 
 The adviser then sees values only, no reference and no mesh finer than the one it stops at: it climbs. Its estimate of
 the error of a cell is

@@ -59,7 +59,7 @@ def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
 
 
 def problems(matrix: pd.DataFrame, axis: str) -> pd.DataFrame:
-    """Of a ``field`` the largest part in which everybody was asked everything, without what nobody solves."""
+    """Of a ``field`` the largest part in which all competitors were asked all problems, without what none solves."""
     if axis in SOLVERS and len(matrix):
         matrix = _together(matrix)
     return matrix[np.isfinite(matrix.min(axis=1))] if len(matrix) else matrix
@@ -97,7 +97,7 @@ def _problem(request: Request, axis: str) -> str:
 
 
 def _together(matrix: pd.DataFrame) -> pd.DataFrame:
-    """The problems and competitors of the largest group in which everybody was asked everything.
+    """The largest group of problems and competitors in which each problem was put to each competitor.
 
     NaN: not asked, or refused; that is no failure.
     """

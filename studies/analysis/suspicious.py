@@ -1,4 +1,4 @@
-"""What a table shows that nobody asked for: settings that change nothing, and errors that stop at a wall.
+"""What a table shows unasked: settings that change nothing, and errors that stop at a wall.
 
 A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early; both are said,
 the second by the number of iterations. An error that stands still while the mesh goes on converging has met a wall:

@@ -144,7 +144,7 @@ def _beside(rows: pd.DataFrame, other: pd.DataFrame, *by: str) -> pd.DataFrame:
 
 
 def limits(table: pd.DataFrame) -> pd.DataFrame:
-    """One row a judged quantity of a ladder, with LIMIT_NAMES and LIMIT_NUMBERS: its limit, and who climbs it how far.
+    """One row a judged quantity of a ladder, with LIMIT_NAMES and LIMIT_NUMBERS: its limit, and its finest mesh.
 
     label, finest: the cell on the finest mesh, and its value.  ladder, asked: the keys of what it was asked, the second
     one without all that may be chosen to answer, but the measure.

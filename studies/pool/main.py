@@ -23,7 +23,7 @@ from typing import Any
 from studies.pool.task import Limits, Order, Task
 
 READY = "ready"
-LATE = 10  # s after its limit, when nobody has killed this process: the kernel does
+LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
 
 
@@ -57,7 +57,7 @@ def _listen(pipe: Connection[Any, Order], orders: queue.SimpleQueue[Order]) -> N
         while True:
             orders.put(pipe.recv())
     except (EOFError, OSError):
-        os._exit(1)  # nobody is left to answer to
+        os._exit(1)  # no other side is left to answer to
 
 
 def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
@@ -79,7 +79,7 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
 
 
 def _limit(time_s: float | None, memory_MB: float | None) -> None:
-    """Limit private memory beyond what there is, and the time in case nobody watches; None takes a limit away."""
+    """Limit private memory beyond what there is, and the time in case no other side does; None takes a limit away."""
     signal.alarm(0 if time_s is None else int(time_s) + LATE)
     # of data, where the kernel counts what numpy allocates there: address space has the libraries in it, twice as much
     kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS

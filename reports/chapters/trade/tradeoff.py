@@ -1,4 +1,4 @@
-"""The page of the trade: what accuracy costs, who wins how often, which axis explains it, and what is suspicious."""
+"""The page of the trade: what accuracy costs, what solves most, which axis explains it, and what is suspicious."""
 
 from __future__ import annotations
 

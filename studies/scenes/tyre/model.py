@@ -120,9 +120,9 @@ class InflatedTyre(ShellSceneModel, PressedTyre):
             inner, outer = (_turned(x[first], part.angles[:, 1]) for x in _faces(shell, u))
             return inner, outer
 
-        nobody = np.zeros(0, np.intp)
         nothing = Candidates(np.zeros((0, 3)), sparse.csr_matrix((0, shell.discretisation.n_free)), np.zeros(0))
-        return cls(shell, Wall(part, nobody, turned), nothing, (0.0,), foundation(request.settings), shell)
+        wall = Wall(part, np.zeros(0, np.intp), turned)
+        return cls(shell, wall, nothing, (0.0,), foundation(request.settings), shell)
 
     def stages(self) -> Iterator[Stage]:
         """Inflation alone."""
