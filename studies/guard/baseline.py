@@ -103,7 +103,7 @@ def bound_of(bounds: tuple[Bound, ...], label: str, column: str) -> Bound:
 
 
 def read_baseline(path: Path) -> pd.DataFrame:
-    """COLUMNS as texts; raises UsageError when it is missing, damaged, empty, or has a value twice."""
+    """COLUMNS as texts; raises UsageError when it is missing, damaged, empty, has a value twice, or lacks one."""
     try:
         table = pd.read_csv(path, dtype=str, keep_default_na=False)
     except FileNotFoundError:
@@ -121,6 +121,10 @@ def read_baseline(path: Path) -> pd.DataFrame:
     wrong = numbers[pd.to_numeric(numbers["value"], errors="coerce").isna() & (numbers["value"] != "nan")]
     if len(wrong):
         raise UsageError(f"{path}: {wrong['value'].iloc[0]!r} of {wrong['label'].iloc[0]!r} is no number")
+    for column in (OUTCOME, COMMAND):
+        without = table[~table["label"].isin(table["label"][table["column"] == column])]
+        if len(without):
+            raise UsageError(f"{path}: {without['label'].iloc[0]!r} has no {column}")
     return table
 
 

@@ -237,6 +237,8 @@ def test_the_last_bound_wins_and_can_be_for_some_cells(tmp_path: Path) -> None:
         ("label,value\na,1\n", "must have the columns label, column, value"),
         ("label,column,value\na,c.x,1\na,c.x,2\n", r"c\.x of 'a' stands there twice"),
         ("label,column,value\na,c.x,many\n", "'many' of 'a' is no number"),
+        ("label,column,value\na,c.x,1\n", "'a' has no outcome"),
+        ("label,column,value\na,outcome,converged\n", "'a' has no command"),
     ],
 )
 def test_a_damaged_baseline_is_refused(tmp_path: Path, text: str, message: str) -> None:
