@@ -246,7 +246,8 @@ def _planned(path: Path, row: Mapping[str, Any]) -> Cell:
         _require_steps(result, record)
     elif failure.exists():
         ending = read_versioned(failure, ("schema", "id", *ENDING_KEYS))
-    asked = row["request"] or {**row["options"], "settings": row["settings"]}
+    asked = dict(row["request"] or {**row["options"], "settings": row["settings"]})
+    asked.pop("model_reason", None)  # of older stores, whose requests say why a model was chosen: it decides nothing
     about = {"expected": row.get("expected", ""), "group": row.get("group", ""), "shown": bool(row["files"])}
     named = (row["label"], row["scene"], row["command"], path / "cells" / str(row["id"]))
     return Cell(*named, result, ending["class"], ending["reason"], asked, **about)
