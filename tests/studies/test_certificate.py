@@ -40,6 +40,7 @@ def test_a_converged_tyre_is_certified(tyre) -> None:
     assert max(again["balances"].values()) <= 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("spoil", "name"),
     [

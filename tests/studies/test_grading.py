@@ -128,6 +128,7 @@ def test_mesh_for_an_error(element: str, tmp_path: Path, capsys: pytest.CaptureF
     assert "mesh for 1 %" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_no_mesh_reaches_too_small_an_error(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -71,6 +71,7 @@ def test_a_step_that_does_not_converge_ends_in_3(frozen, monkeypatch, capsys) ->
     assert "stale pressure" in told  # frozen where it is solved: only the pressures of rest are not those of the step
 
 
+@pytest.mark.slow
 def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
     """Where the last step set out from, with the foundation where it was to go: there is something to do."""
     hopeless = ["--set", "delta_mm=5,95", "--set", "settle=1"]  # at one factorisation an iteration

@@ -208,6 +208,7 @@ def test_nothing_is_free_to_move() -> None:
     assert len(spectrum(problem, in_contact([0.0], 0.0)).eigenvalues) == 0
 
 
+@pytest.mark.slow
 def test_a_state_beyond_the_path_is_no_state_of_it() -> None:
     """r = u - u^3/3 ends at u = 1, r = 2/3; above it Newton finds u < -2, where the tangent 1 - u^2 is negative.
 

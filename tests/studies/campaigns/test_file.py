@@ -38,7 +38,9 @@ def test_standard_crosses_what_was_promised() -> None:
     assert not any(cell.artefacts for cell in swept)
 
 
-@pytest.mark.parametrize("name", ["quick", "standard", "full"])
+@pytest.mark.parametrize(
+    "name", ["quick", *(pytest.param(name, marks=pytest.mark.slow) for name in ("standard", "full"))]
+)
 def test_rows_of_shipped_campaigns_are_solved_or_have_a_reason(name: str) -> None:
     rows = plan(find(name))
     assert len({row.cell.label for row in rows}) == len(rows)

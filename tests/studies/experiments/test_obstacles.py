@@ -31,7 +31,6 @@ PRINTED = 6e-9  # the optima are printed to eight or nine decimals
 EXACT = 1e-9
 STIFF = 1e8  # a penalty that costs less than a millionth of the optimum
 BY_STIFFNESS = 2e-7
-FINE = "OBSTCLBM 23"  # of the large ones; the others are slow
 PUBLISHED = [body for body in collection() if body.optimum is not None] + [
     obstacle("OBSTCLAE", 32),
     obstacle("OBSTCLBM", 32),
@@ -47,10 +46,7 @@ def solved(name: str, body: Bounded):
 
 @pytest.mark.parametrize(
     "body",
-    [
-        pytest.param(body, id=body.name, marks=pytest.mark.slow if len(body.f) > 500 and body.name != FINE else ())
-        for body in PUBLISHED
-    ],
+    [pytest.param(body, id=body.name, marks=pytest.mark.slow if len(body.f) > 500 else ()) for body in PUBLISHED],
 )
 def test_optimum_is_the_published_one(body) -> None:
     for name in ALGORITHMS:

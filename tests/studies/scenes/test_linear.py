@@ -72,6 +72,7 @@ def test_references_of_the_scenes_are_those_of_the_table() -> None:
 # --- Scordelis-Lo roof ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_scordelis_lo_converges_to_the_published_values() -> None:
     """Below order 2: the shear layer of thickness h along the free edge is not resolved on these meshes."""
     order, deflection = limit("scordelis-lo", "edge_deflection_mm")

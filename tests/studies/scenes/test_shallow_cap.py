@@ -84,6 +84,7 @@ def test_snap_pressure_converges_to_the_shallow_equations(meshes) -> None:
     assert all(found.quantities["limit_points"] == 2 for found in meshes)  # down again, and up in the inverted shape
 
 
+@pytest.mark.slow
 def test_the_curve_is_that_of_the_shallow_equations(meshes) -> None:
     """At every point up to a sag of the rise, far beyond the snap: 1 % of the snap pressure."""
     points = [(step["w_apex_mm"], step["load_fraction"]) for step in meshes[2].steps]
@@ -93,6 +94,7 @@ def test_the_curve_is_that_of_the_shallow_equations(meshes) -> None:
     np.testing.assert_allclose(p, shallow_cap(4.0).curve(w) / classical, rtol=0, atol=0.006)
 
 
+@pytest.mark.slow
 def test_elements_around_do_not_matter(meshes) -> None:
     around = scene("16x3").quantities
     assert around == pytest.approx(meshes[0].quantities, rel=1e-6)

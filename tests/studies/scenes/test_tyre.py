@@ -79,6 +79,7 @@ def test_global_balance_is_lost_only_as_fast_as_a_translation_is() -> None:
     assert np.log2(coarse / fine) == pytest.approx(2.0, abs=0.4)
 
 
+@pytest.mark.slow
 def test_mixed_semismooth_needs_at_most_twenty_iterations_from_rest() -> None:
     found = run(TO_20)
     assert found.outcome.converged
@@ -86,7 +87,8 @@ def test_mixed_semismooth_needs_at_most_twenty_iterations_from_rest() -> None:
     assert found.steps[-1]["substeps"] == 1
 
 
-@pytest.mark.parametrize("mesh", ["20x20", pytest.param("42x40", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("mesh", ["20x20", "42x40"])
 @pytest.mark.parametrize("element", ["paper", "refined"])
 def test_a_load_deflection_curve_of_eight_points_takes_at_most_fifty_iterations(element: str, mesh: str) -> None:
     """From rest, inflation included: each point starts from the state and the set of the one before."""
@@ -175,6 +177,7 @@ def test_plain_newton_and_trial_and_error_reach_the_same_state(paper: Result) ->
     assert plain.counters["newton_iterations"] > 3 * 20
 
 
+@pytest.mark.slow
 def test_linear_theory_overestimates_the_force_about_as_the_paper_says(paper: Result) -> None:
     ratio = run(TO_20, measure="linear").steps[-1]["force_N"] / paper.steps[-1]["force_N"]
     assert 1.3 < ratio < 2.2  # "about two" in the paper; the report prints ours

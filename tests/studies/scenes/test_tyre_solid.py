@@ -164,12 +164,14 @@ def test_more_elements_through_the_wall_change_little(isotropic: Result) -> None
     assert 1e-6 < abs(change) < 0.002  # Q2 holds the linear S33 of one layer
 
 
+@pytest.mark.slow
 def test_isotropic_force_is_that_of_two_other_programs(isotropic: Result) -> None:
     coarse = 0.015  # 20x20: at 15 and 20 mm the mesh is worth more than 1 %
     bounds = np.array([ONE_PERCENT, ONE_PERCENT, coarse, coarse])
     assert np.all(np.abs(forces(isotropic) / solids() - 1) <= bounds)
 
 
+@pytest.mark.slow
 def test_isotropic_inflation_is_that_of_another_program(isotropic: Result) -> None:
     half_percent = 0.005
     for face, growth in GROWTH.items():
