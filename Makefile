@@ -25,10 +25,10 @@ standard: $(READY)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
 
 test: $(READY)
-	$(BIN)/pytest -n $(JOBS) --dist loadgroup -m "not slow"
+	$(BIN)/pytest -n $(JOBS) --dist loadfile -m "not slow"
 
 slow: $(READY)
-	$(BIN)/pytest -n $(JOBS) --dist loadgroup -m slow
+	$(BIN)/pytest -n $(JOBS) --dist loadfile -m slow
 
 lint: $(READY)
 	$(BIN)/ruff check .

@@ -2,19 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from support.shells import PATCHES, Patch
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Under ``--dist loadgroup`` a file stays on one worker, and all pages on one that makes their store once."""
-    for item in items:
-        pages = (Path(__file__).parent / "reports") in item.path.parents
-        item.add_marker(pytest.mark.xdist_group("reports" if pages else str(item.path)))
 
 
 @pytest.fixture
