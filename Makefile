@@ -25,7 +25,7 @@ standard: $(READY)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
 
 test: $(READY)
-	$(BIN)/pytest -n $(JOBS) --dist loadfile -m "not slow"
+	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -m "not slow"
 
 slow: $(READY)
 	$(BIN)/pytest -n $(JOBS) --dist loadfile -m slow

@@ -43,8 +43,11 @@ def _pictures(cell: Cell) -> dict[str, Picture]:
 
 
 def tyre_pictures(cell: Cell) -> dict[str, Picture]:
-    """Load-deflection, pressure along psi, pressure map at the last travel, profiles."""
-    contact, profile = cell.table("contact"), cell.table("profile")
+    """Load-deflection, pressure along psi, pressure map at the last travel, profiles; inflated alone, the profile."""
+    profile = cell.table("profile")
+    if not any(step["delta_mm"] for step in cell.steps):  # inflated alone
+        return {"profiles.svg": figures_tyre.profiles(profile, [])}
+    contact = cell.table("contact")
     reached = deltas(contact)
     forces = [step["force_N"] for step in cell.steps]
     shown = reached[-4:]

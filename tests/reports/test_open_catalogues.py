@@ -57,7 +57,7 @@ def copied(row: dict[str, Any], record: dict[str, Any], key: str, name: str) -> 
     return row, record
 
 
-def all_pages(store: Path, root: Path) -> dict[str, str]:
+def all_pages(store: Path, root: Path, draw: bool) -> dict[str, str]:
     """Every page, of a store in which the catalogues are longer by eleven and nine."""
     shutil.copytree(store, root)
     index = json.loads((root / "campaigns/report.json").read_text())
@@ -86,13 +86,14 @@ def all_pages(store: Path, root: Path) -> dict[str, str]:
     for path in (root / "tables" / f"{name}.csv" for name in EXTENDED):
         if path.exists():
             extended(pd.read_csv(path)).to_csv(path, index=False)
-    return rendered(load_store(root))
+    return rendered(load_store(root), draw=draw)
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_every_page_takes_made_up_measures_and_algorithms(store: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("draw", [False, pytest.param(True, marks=pytest.mark.slow)])
+def test_every_page_takes_made_up_measures_and_algorithms(draw: bool, store: Path, tmp_path: Path) -> None:
     """None is dropped: each is on the pages of its kind, by name."""
-    files = all_pages(store, tmp_path / "store")
+    files = all_pages(store, tmp_path / "store", draw)
     assert {each.file for each in CHAPTERS} | {"index.md", REPORT} <= set(files)
     for page in ("measures.md", "rigid-body.md", "symmetry.md", "tradeoff.md"):
         assert [name for name in MEASURES if name not in files[page]] == [], page

@@ -232,15 +232,19 @@ def test_no_convergence_is_exit_3_with_everything_kept(tmp_path: Path, capsys: p
     assert "did not converge" in capsys.readouterr().err
 
 
-MORE_PICTURES = ("roof-d", "4x4"), ("strip-contact", "4x1")
+MORE_PICTURES = ("roof-d", "4x4", ""), ("strip-contact", "4x1", "")
 
 
 @pytest.mark.parametrize(
-    ("scene", "mesh", "pictures"),
-    [("tyre", "12x12", 4), *(pytest.param(*each, 1, marks=pytest.mark.slow) for each in MORE_PICTURES)],
+    ("scene", "mesh", "travel", "pictures"),
+    [
+        ("tyre", "12x12", "5", 4),
+        ("tyre", "12x12", "0", 1),
+        *(pytest.param(*each, 1, marks=pytest.mark.slow) for each in MORE_PICTURES),
+    ],
 )
-def test_plot_draws_what_was_solved(scene: str, mesh: str, pictures: int, tmp_path: Path) -> None:
-    settings = ["--set", "delta_mm=5"] if scene == "tyre" else []
+def test_plot_draws_what_was_solved(scene: str, mesh: str, travel: str, pictures: int, tmp_path: Path) -> None:
+    settings = ["--set", f"delta_mm={travel}"] if travel else []
     assert main(["solve", scene, "--mesh", mesh, *settings, "--plot", "--out", str(tmp_path)]) == 0
     drawn = list((tmp_path / "figures").glob("*.svg"))
     assert len(drawn) == pictures

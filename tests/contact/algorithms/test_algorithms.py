@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from itertools import product
 
-import cvxpy as cp
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -30,6 +29,8 @@ each_pair = pytest.mark.parametrize(("name", "epsilon"), applicable(*EPSILONS))
 
 def by_cvxpy(data, epsilon: float) -> tuple[np.ndarray, np.ndarray]:
     """u and p of the primal; a finite epsilon gives every constraint a slack with the energy epsilon w s^2/2."""
+    import cvxpy as cp  # slow to load
+
     u, s = cp.Variable(len(data.f)), cp.Variable(len(data.w))
     energy = cp.quad_form(u, cp.psd_wrap(data.K)) / 2 - data.f @ u
     if math.isinf(epsilon):

@@ -91,6 +91,7 @@ def test_a_number_of_a_file_is_solved_with_all_its_digits(tmp_path: Path) -> Non
     assert float(cells[0].settings["E_L_MPa"]) == 510.451234
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_everything_that_was_planned(tmp_path: Path) -> None:
     path = tmp_path / "c.toml"
     path.write_text(

@@ -171,6 +171,7 @@ def test_a_failure_that_is_none_any_more_is_forgotten(own: Path, tmp_path: Path)
     assert list((own / "failures").glob("*")) == []
 
 
+@pytest.mark.slow
 def test_combinations_that_make_no_sense_are_rows_with_their_reason(tmp_path: Path) -> None:
     path = tmp_path / "odd.toml"
     path.write_text(
@@ -288,6 +289,7 @@ def test_a_store_of_another_schema_is_refused_and_not_touched(
     assert content(own) == before
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_line_and_what_was_finished_is_kept(
     solved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

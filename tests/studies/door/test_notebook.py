@@ -44,6 +44,7 @@ def test_a_row_for_each_requested_load(run: Run) -> None:
     assert run.certificate["failures"].tolist() == ["", ""]
 
 
+@pytest.mark.slow
 def test_figures_are_those_of_plot(run: Run) -> None:
     figures = run.figures()
     assert len(figures) == 4

@@ -151,6 +151,7 @@ def test_pages_and_advice_take_it_in(store: Path, tmp_path: Path) -> None:
     assert "1x" in said
 
 
+@pytest.mark.slow
 def test_entry_points_give_the_same_cells(site: Path, store: Path, campaign: Path, tmp_path: Path) -> None:
     """By its name and source a part is the same, however it came; a changed source is another one."""
     code, said, errors = footprint("run", campaign, "--store", store, "--engine", "local:1", path=site)

@@ -85,6 +85,7 @@ def test_plain_newton_must_fail_in_one_step() -> None:
     assert outcome in (Outcome.ITERATION_LIMIT, Outcome.DIVERGED, Outcome.SINGULAR)
 
 
+@pytest.mark.slow
 def test_plain_newton_says_how_it_was_cut_and_reaches_the_same_state() -> None:
     plain, mixed = (run("hemisphere", 16, newton=newton) for newton in ("plain", "mixed"))
     assert "step cut to" in str(events(plain.history, EventKind.STEP_CUT)[0])

@@ -67,6 +67,7 @@ def rolled_strip(fraction: float) -> np.ndarray:
     return np.array([L - stretch / phi * np.sin(phi * L), stretch / phi * (1 - np.cos(phi * L))])
 
 
+@pytest.mark.slow
 def test_the_couple_rolls_the_strip_into_a_circle() -> None:
     tip = ("tip_shortening_mm", "tip_deflection_mm")
     for fraction in (0.25, 0.5, 0.75, 1.0):

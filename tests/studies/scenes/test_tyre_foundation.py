@@ -36,6 +36,7 @@ def test_forces_grow_from_sphere_to_hollow_drum() -> None:
         assert np.all(more > 1.02 * less)
 
 
+@pytest.mark.slow
 def test_large_drums_become_the_plane() -> None:
     """From both sides alike, with 1/R while the contact set stays: sign and size of the curvature in whole tyres."""
     flat, radii = forces(pressed("plane")), (1e5, 3e5, 1e6)
@@ -53,6 +54,7 @@ def test_a_high_and_wide_cleat_is_a_plane() -> None:
     np.testing.assert_allclose(forces(wide), forces(pressed("plane")), rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_low_cleat_lets_the_plane_carry() -> None:
     """At a travel of twice its height the tyre lies on both sides of it, too; the contact is in three parts."""
     found = pressed("cleat", "24x32", cleat_height_mm="2", cleat_top_mm="6", cleat_rounding_mm="1", delta_mm="2,8")

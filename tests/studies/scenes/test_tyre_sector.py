@@ -26,12 +26,13 @@ def run(model: str, settings: dict[str, str], **more: str) -> Result:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "settings",
     [
         {"delta_mm": "20"},
-        pytest.param({**ISOTROPIC, "delta_mm": "20"}, marks=pytest.mark.slow),
-        pytest.param({"gamma_deg": "30", "p0_MPa": "0.3", "delta_mm": "15"}, marks=pytest.mark.slow),
+        {**ISOTROPIC, "delta_mm": "20"},
+        {"gamma_deg": "30", "p0_MPa": "0.3", "delta_mm": "15"},
     ],
     ids=str,
 )
