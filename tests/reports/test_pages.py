@@ -99,6 +99,7 @@ def test_a_damaged_store_is_one_clear_line_and_nothing_is_written(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("unasked")
 def test_pages_are_the_same_bytes_every_time(store: Path, files: dict[str, str], tmp_path: Path) -> None:
     same_bytes(store, files, tmp_path)
@@ -272,6 +273,7 @@ def test_a_result_without_a_step_has_no_picture(own_store: Path) -> None:
         draw_result(own_store)
 
 
+@pytest.mark.slow
 def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> None:
     (page,) = (each for each in CHAPTERS if each.name == "benchmarks")
     text = page.render(load_store(own_store)).text
