@@ -11,10 +11,11 @@ import numpy as np
 from scipy import sparse
 
 from formulations.conditions.dof_map import DofMap, Images
+from formulations.conditions.hanging import carried
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import CORNER_MASS, N_DOF, ElementGeometry
 from formulations.geometry.grid import Grid
-from formulations.geometry.nested_dissection import dissection
+from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate
 from formulations.strains.quantities import FULL, N_V, Kinematics
@@ -55,11 +56,10 @@ class Discretisation:
         """
         order = None
         if ordered:
-            last = None if images is None else images.followed
-            order = dissection(grid.node_shape, periodic=grid.periodic, last=last)
-        dof_map = DofMap.build(fixed, hinged, images, order)
+            order = elimination_order(grid, last=None if images is None else images.followed)
+        dof_map = DofMap.build(fixed, hinged, images, order, carried(grid, surface, interpolation))
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
-        pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.sign[dofs])
+        pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
         geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
         return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered)
@@ -91,7 +91,8 @@ class Discretisation:
     def nodal(self, element_vectors: np.ndarray) -> np.ndarray:
         """Sum element vectors (E, 24) into nodal forces (N, 6), those on held displacements included."""
         n = self.grid.n_nodes * N_V
-        return np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
+        forces = np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
+        return self.map.hand_on(forces)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""
@@ -123,7 +124,8 @@ class Discretisation:
     def nodal_areas(self, face: str) -> np.ndarray:
         """Area (N,) of the nodes, int N_r dA, of the "mid" surface (mubar) or of the "outer" face."""
         shares = np.repeat(0.25 * self._areas(face), 4)
-        return np.bincount(self.grid.elements.ravel(), weights=shares, minlength=self.grid.n_nodes)
+        areas = np.bincount(self.grid.elements.ravel(), weights=shares, minlength=self.grid.n_nodes)
+        return areas if self.grid.shares is None else self.grid.shares.T @ areas
 
     def nodal_mass(self, face: str) -> sparse.csr_matrix:
         """Consistent matrix (N, N) of int N_r N_s dA on the same areas; its row sums are the nodal areas."""
@@ -131,7 +133,8 @@ class Discretisation:
         columns = np.tile(self.grid.elements, (1, 4)).ravel()
         values = (self._areas(face)[:, None, None] * CORNER_MASS).ravel()
         n = self.grid.n_nodes
-        return sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
+        mass = sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
+        return mass if self.grid.shares is None else sparse.csr_matrix(self.grid.shares.T @ mass @ self.grid.shares)
 
     def _areas(self, face: str) -> np.ndarray:
         return {"mid": self.geometry.weight, "outer": self.geometry.face_weight[:, 1]}[face]

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 
 from formulations.element.mixed import MODE_ROWS
-from formulations.geometry.grid import Grid
+from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E
 
@@ -35,6 +35,8 @@ def recovery_errors(shell: ShellModel, u: np.ndarray, finer: ShellModel, axis: i
     finer: the same shell on the grid whose lines along a_{axis+1} are :func:`refined`.
     """
     grid, fine = shell.discretisation.grid, finer.discretisation.grid
+    assert isinstance(grid, TensorGrid)
+    assert isinstance(fine, TensorGrid)
     v = _spline(grid, fine, shell.displacements(u), axis)
     smooth = finer.mode_strains(finer.discretisation.map.restrict(v))[:, :N_E]
     counts = [n - 1 + (axis_ == 1 and grid.periodic) for axis_, n in enumerate(grid.node_shape)]
@@ -51,7 +53,7 @@ def energy_products(shell: ShellModel, first: np.ndarray, second: np.ndarray) ->
     return np.sqrt(np.maximum(squares[0], 0.0) * np.maximum(squares[1], 0.0))
 
 
-def _spline(grid: Grid, fine: Grid, v: np.ndarray, axis: int) -> np.ndarray:
+def _spline(grid: TensorGrid, fine: TensorGrid, v: np.ndarray, axis: int) -> np.ndarray:
     """Nodal values (N, 6) of the grid on the finer one: not-a-knot at ends, periodic where the grid is."""
     from scipy.interpolate import CubicSpline  # slow to load, and only adapted grids need it
 

@@ -73,6 +73,8 @@ class ShellModel:
         shell = self.discretisation
         if self.prescribed is not None and np.any(self.prescribed[~shell.map.held] != 0):
             raise ValueError("a prescribed displacement must be held")
+        if self.prescribed is not None:
+            object.__setattr__(self, "prescribed", shell.map.carry(self.prescribed))
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
         element = MixedElement.build(
             self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain, self.membrane
@@ -168,7 +170,7 @@ class ShellModel:
         loads = self._loads(external)
         nodal = self.discretisation.nodal(loads) + self._reactions(force - loads)
         if self.forces is not None:
-            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.expand(self.forces))
+            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.map.placed(self.forces))
         return self._resultant(nodal)
 
     def spurious_force(self, u: np.ndarray) -> np.ndarray:

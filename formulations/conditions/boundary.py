@@ -44,7 +44,7 @@ class Supports:
         for (axis, end), edge in zip(product((0, 1), (0, -1)), edges, strict=True):
             if edge not in EDGES:
                 raise ValueError(f"an edge {edge!r} is not one of {', '.join(EDGES)}")
-            supports = EDGES[edge](supports, grid.on_line(axis, float(grid.lines[axis][end])), axis)
+            supports = EDGES[edge](supports, grid.on_line(axis, float(grid.ends[axis, end])), axis)
         return supports
 
     def hold(self, nodes: np.ndarray | int, components: Sequence[int], faces: Sequence[str] = FACES) -> Supports:

@@ -15,40 +15,50 @@ from scipy import sparse
 class Pattern:
     """CSC pattern of the free matrix (n, n); ``slots``: one for each element entry, the last one takes what is held.
 
-    turned: the few elements (f,) with displacements that are the negative of an unknown, their slots and the signs of
-    their entries; among ``slots`` theirs are the last one.
+    constrained: the few elements (f,) whose displacements are C (f, d, m) times unknowns, and the slots (f, m, m) of
+    C^T K C; among ``slots`` theirs are the last one.
     """
 
     n: int
     indptr: np.ndarray
     indices: np.ndarray
     slots: np.ndarray
-    turned: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    constrained: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
 
     @classmethod
-    def build(cls, number: np.ndarray, n: int, sign: np.ndarray | None = None) -> Pattern:
-        """From the free numbers (E, d) of the element unknowns, -1 where held; ``sign`` (E, d): their signs."""
-        row, column = np.broadcast_arrays(number[:, :, None], number[:, None, :])
-        held = ((row < 0) | (column < 0)).ravel()
-        keys = column.ravel().astype(np.int64) * n + row.ravel()
-        keys[held] = n * n
+    def build(
+        cls, number: np.ndarray, n: int, constrained: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    ) -> Pattern:
+        """From the free numbers (E, d) of the element unknowns, -1 where held.
+
+        constrained: elements (f,), the numbers (f, m) of their unknowns, and C (f, d, m).
+        """
+        elements, theirs, C = constrained if constrained is not None else (np.zeros(0, np.intp), number[:0], None)
+        plain = number.copy()
+        plain[elements] = -1
+        keys = np.concatenate([_keys(each, n) for each in (plain, theirs)])
         unique, slots = np.unique(keys, return_inverse=True)
         entries = unique[unique < n * n]
         indptr = np.searchsorted(entries, np.arange(n + 1, dtype=np.int64) * n)
-        slots, turned = slots.ravel().astype(np.intp), None
-        if sign is not None and np.any(sign < 0):
-            elements = np.flatnonzero(np.any(sign < 0, axis=1))
-            of_each = slots.reshape(len(number), -1)
-            turned = (elements, of_each[elements], sign[elements, :, None] * sign[elements, None, :])
-            of_each[elements] = len(entries)
-        return cls(n, indptr.astype(np.int32), (entries % n).astype(np.int32), slots, turned)
+        slots = slots.ravel().astype(np.intp)
+        own, others = np.split(np.minimum(slots, len(entries)), [number.shape[0] * number.shape[1] ** 2])
+        turned = None if C is None else (elements, others.reshape(-1, theirs.shape[1], theirs.shape[1]), C)
+        return cls(n, indptr.astype(np.int32), (entries % n).astype(np.int32), own, turned)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, d, d)."""
         nnz = len(self.indices)
         data = np.bincount(self.slots, weights=element_matrices.ravel(), minlength=nnz + 1)
-        if self.turned is not None:
-            elements, slots, signs = self.turned
-            values = element_matrices[elements] * signs
+        if self.constrained is not None:
+            elements, slots, C = self.constrained
+            values = np.swapaxes(C, 1, 2) @ element_matrices[elements] @ C
             data += np.bincount(slots.ravel(), weights=values.ravel(), minlength=nnz + 1)
         return sparse.csc_matrix((data[:nnz], self.indices, self.indptr), shape=(self.n, self.n))
+
+
+def _keys(number: np.ndarray, n: int) -> np.ndarray:
+    """Place (column, row) of each entry of the element matrices, n^2 where it is held."""
+    row, column = np.broadcast_arrays(number[:, :, None], number[:, None, :])
+    keys = column.ravel().astype(np.int64) * n + row.ravel()
+    keys[((row < 0) | (column < 0)).ravel()] = n * n
+    return keys

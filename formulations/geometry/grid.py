@@ -7,9 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy import sparse
 
 if TYPE_CHECKING:
     from skfem import MeshQuad
@@ -30,25 +32,45 @@ def graded_lines(breaks: Sequence[float], counts: Sequence[int]) -> np.ndarray:
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
-    """Tensor-product grid.
+class Hanging:
+    """Nodes (k,) in the middle of an edge of a larger element, whose ``ends`` (k, 2) are nodes.
 
-    nodes (N, 2): coordinates, a1 slowest, so that a nodal array reshapes to ``node_shape``.
-    elements (E, 4): node numbers in the order of :data:`CORNERS`.
+    An end may hang, too; it then stands before those that hang on it.
+    """
+
+    nodes: np.ndarray
+    ends: np.ndarray
+
+    def shares(self, n: int) -> sparse.csr_matrix:
+        """What each of n nodes takes of those that do not hang, (n, n): 1/2 of each end, and so on where one hangs."""
+        hangs = np.isin(np.arange(n), self.nodes)
+        entries = np.full(2 * len(self.nodes), 0.5), (np.repeat(self.nodes, 2), self.ends.ravel())
+        step = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(n, n)) + sparse.diags(np.where(hangs, 0.0, 1.0)))
+        whole = step
+        while np.any(hangs[whole.indices]):
+            whole = sparse.csr_matrix(whole @ step)
+            whole.eliminate_zeros()
+        return whole
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Rectangles in the parameter plane.
+
+    nodes (N, 2): coordinates.  elements (E, 4): node numbers in the order of :data:`CORNERS`.
     centre, half (E, 2): element centres and half lengths (unwrapped across a periodic seam).
-    lines: of a1 and of a2, both ends included.
+    periodic: closed in a2.  hanging: nodes that move as the edge they lie on, None where there are none.
     """
 
     nodes: np.ndarray
     elements: np.ndarray
     centre: np.ndarray
     half: np.ndarray
-    node_shape: tuple[int, int]
     periodic: bool
-    lines: tuple[np.ndarray, np.ndarray]
+    hanging: Hanging | None = None
 
-    @classmethod
-    def tensor(cls, lines1: np.ndarray, lines2: np.ndarray, *, periodic: bool = False) -> Grid:
+    @staticmethod
+    def tensor(lines1: np.ndarray, lines2: np.ndarray, *, periodic: bool = False) -> TensorGrid:
         """Grid of the given lines; ``periodic`` identifies the last line of a2 with the first."""
         lines1, lines2 = np.asarray(lines1, float), np.asarray(lines2, float)
         n1, n2 = len(lines1), len(lines2) - periodic
@@ -60,18 +82,36 @@ class Grid:
         first, second = np.meshgrid(lines1, lines2[:n2], indexing="ij")
         nodes = np.stack([first.ravel(), second.ravel()], axis=-1)
         centre, half = 0.5 * (low + high), 0.5 * (high - low)
-        return cls(nodes, elements, centre, half, (n1, n2), periodic, (lines1, lines2))
-
-    @property
-    def mesh(self) -> MeshQuad:
-        """The scikit-fem mesh before its seam is closed."""
-        from skfem import MeshQuad  # slow to load, and no solve needs it
-
-        return MeshQuad.init_tensor(*self.lines)
+        return TensorGrid(nodes, elements, centre, half, periodic, node_shape=(n1, n2), lines=(lines1, lines2))
 
     def points(self, xi: np.ndarray) -> np.ndarray:
         """Coordinates (E, k, 2) of the points xi (k, 2) of the reference square in every element."""
         return self.centre[:, None, :] + self.half[:, None, :] * xi
+
+    @cached_property
+    def shares(self) -> sparse.csr_matrix | None:
+        """See :meth:`Hanging.shares`; None where no node hangs."""
+        return None if self.hanging is None or not len(self.hanging.nodes) else self.hanging.shares(self.n_nodes)
+
+    def carried(self, corners: np.ndarray) -> np.ndarray:
+        """Values (E, 4, ...) at the corners of the elements, those at hanging nodes replaced by the means they are."""
+        if self.shares is None or self.hanging is None:
+            return corners
+        at_nodes = np.empty((self.n_nodes, *corners.shape[2:]))
+        at_nodes[self.elements] = corners
+        means = (self.shares @ at_nodes.reshape(self.n_nodes, -1)).reshape(at_nodes.shape)
+        hangs = np.isin(self.elements, self.hanging.nodes)
+        return np.where(hangs[(..., *[None] * (corners.ndim - 2))], means[self.elements], corners)
+
+    @property
+    def free_nodes(self) -> np.ndarray:
+        """The nodes that do not hang."""
+        return np.delete(np.arange(self.n_nodes), [] if self.hanging is None else self.hanging.nodes)
+
+    @property
+    def ends(self) -> np.ndarray:
+        """First and last coordinate (2, 2) of a1, then of a2; those of a closed coordinate are the same line."""
+        return np.stack([(self.centre - self.half).min(axis=0), (self.centre + self.half).max(axis=0)], axis=-1)
 
     @property
     def n_nodes(self) -> int:
@@ -89,3 +129,21 @@ class Grid:
         if len(found) != 1:
             raise ValueError(f"the grid has no node at ({a1:g}, {a2:g})")
         return int(found[0])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TensorGrid(Grid):
+    """Every line of a1 meets every line of a2.
+
+    node_shape: a nodal array reshapes to it, a1 slowest.  lines: of a1 and of a2, both ends included.
+    """
+
+    node_shape: tuple[int, int]
+    lines: tuple[np.ndarray, np.ndarray]
+
+    @property
+    def mesh(self) -> MeshQuad:
+        """The scikit-fem mesh before its seam is closed."""
+        from skfem import MeshQuad  # slow to load, and no solve needs it
+
+        return MeshQuad.init_tensor(*self.lines)

@@ -1,7 +1,8 @@
-"""Nested dissection of a tensor grid: an order of elimination in which a sparse factorisation fills in least.
+"""Nested dissection of a grid: an order of elimination in which a sparse factorisation fills in least.
 
 A line of nodes across the longer side separates the rest in two that share no element; each is dissected in turn, and
-the line comes last. A grid of n nodes then fills O(n log n) entries in O(n^1.5) operations.
+the line comes last. On a refined grid a line separates where it crosses no element. A grid of n nodes then fills
+O(n log n) entries in O(n^1.5) operations.
 Source: George, SIAM J. Numer. Anal. 10 (1973) 345-363.
 """
 
@@ -10,6 +11,51 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+
+from formulations.geometry.grid import Grid, TensorGrid
+
+SMALLEST = 8  # elements of a block of a refined grid that is not cut any more
+
+
+def elimination_order(grid: Grid, last: np.ndarray | None = None) -> np.ndarray:
+    """Nodes (N,) of a grid in the order of their elimination; ``last``: see :func:`dissection`."""
+    if isinstance(grid, TensorGrid):
+        return dissection(grid.node_shape, periodic=grid.periodic, last=last)
+    cut = np.zeros(0, np.intp) if last is None else last
+    if grid.periodic:
+        cut = np.union1d(cut, grid.on_line(1, float(grid.nodes[:, 1].min())))
+    boxes = np.stack([grid.centre - grid.half, grid.centre + grid.half], axis=-1)
+    order = np.concatenate([*_separated(grid, np.arange(len(boxes)), boxes), cut])
+    _, back = np.unique(order[::-1], return_index=True)  # a node counts where it comes last
+    return order[np.sort(len(order) - 1 - back)]
+
+
+def _separated(grid: Grid, elements: np.ndarray, boxes: np.ndarray) -> Iterator[np.ndarray]:
+    """Nodes of the elements, those on a separating line after what it separates; a node may come more than once."""
+    found = None if len(elements) <= SMALLEST else _line(boxes[elements])
+    if found is None:
+        yield grid.elements[elements].ravel()
+        return
+    axis, value = found
+    before = boxes[elements, axis, 1] <= value
+    yield from _separated(grid, elements[before], boxes)
+    yield from _separated(grid, elements[~before], boxes)
+    corners = grid.elements[elements].ravel()
+    yield corners[np.isin(corners, grid.on_line(axis, value))]
+
+
+def _line(boxes: np.ndarray) -> tuple[int, float] | None:
+    """Axis and coordinate of the line that best halves the boxes (b, 2, 2), the shorter of two; None without one."""
+    found = []
+    for axis in (0, 1):
+        low, high = np.sort(boxes[:, axis], axis=0).T
+        inner = np.unique(low)[1:]
+        begun, done = np.searchsorted(low, inner), np.searchsorted(high, inner, side="right")
+        clear = begun == done
+        if clear.any():
+            value = inner[clear][np.argmin(np.abs(done[clear] - len(boxes) / 2))]
+            found.append((np.count_nonzero(low == value), axis, float(value)))
+    return min(found)[1:] if found else None
 
 
 def dissection(shape: tuple[int, int], *, periodic: bool = False, last: np.ndarray | None = None) -> np.ndarray:

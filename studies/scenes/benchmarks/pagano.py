@@ -69,17 +69,16 @@ def _normalised(shell: ShellModel, u: np.ndarray, S: float, q0: float) -> dict[s
     The derivatives at an edge are those between the mean of its last element and the zero on the edge itself.
     """
     grid, laminate = shell.discretisation.grid, shell.discretisation.laminate
-    centre = grid.node_at(*grid.nodes.max(axis=0))
-    w = shell.discretisation.expand(u)[centre, 4:].mean()
-    H_mean = shell.resultants(u)[:, :11].reshape(grid.node_shape[0] - 1, grid.node_shape[1] - 1, 11)
-    half1, half2 = grid.half[0]
-    at_centre, at_x0, at_y0 = (
-        _ply_stresses(laminate, shell.section, resultants)
-        for resultants in (H_mean[-1, -1], H_mean[0, -1], H_mean[-1, 0])
-    )
+    (x0, y0), (x1, y1) = grid.nodes.min(axis=0), grid.nodes.max(axis=0)
+    corners = [grid.node_at(*point) for point in ((x1, y1), (x0, y1), (x1, y0))]
+    w = shell.discretisation.expand(u)[corners[0], 4:].mean()
+    elements = [int(np.flatnonzero((grid.elements == corner).any(axis=1))[0]) for corner in corners]
+    H_mean = shell.resultants(u)[elements, :11]
+    at_centre, at_x0, at_y0 = (_ply_stresses(laminate, shell.section, resultants) for resultants in H_mean)
+    half_x0, half_y0 = grid.half[elements[1:]]
     # sigma_x and sigma_y vanish on the supports, tau_xy on the symmetry lines
-    tau_xz = _shear_at_middle(laminate, at_x0[..., 0] / half1 - at_x0[..., 2] / half2)
-    tau_yz = _shear_at_middle(laminate, at_y0[..., 1] / half2 - at_y0[..., 2] / half1)
+    tau_xz = _shear_at_middle(laminate, at_x0[..., 0] / half_x0[0] - at_x0[..., 2] / half_x0[1])
+    tau_yz = _shear_at_middle(laminate, at_y0[..., 1] / half_y0[1] - at_y0[..., 2] / half_y0[0])
     return {
         "w_bar": float(100 * E_T * w / (q0 * H * S**4)),
         "sigma_x_bar": float(at_centre[-1, 1, 0] / (q0 * S**2)),

@@ -70,7 +70,7 @@ class TyreModel(ShellSceneModel, PressedTyre):
 def _candidates(shell: ShellModel, part: Part, area: str, *, coupled: bool) -> tuple[np.ndarray, Candidates]:
     """Every node between the clamps that mirrors no other, and its share of the area of all that mirror it."""
     grid, own = part.grid, part.merging()
-    clamp = float(grid.lines[0][-1])
+    clamp = float(grid.ends[0, 1])
     nodes = np.setdiff1d(np.unique(own), np.union1d(grid.on_line(0, clamp), grid.on_line(0, -clamp)))
     merge = sparse.csr_matrix((np.ones(len(own)), (own, np.arange(len(own)))), shape=2 * (len(own),))
     mass = sparse.csr_matrix(merge @ shell.discretisation.nodal_mass(area) @ merge.T)[nodes][:, nodes]

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from formulations.conditions.dof_map import Images
-from formulations.geometry.grid import Grid
+from formulations.geometry.grid import Grid, TensorGrid
 from studies.request import Value
 from studies.scene import UsageError
 
@@ -35,7 +35,7 @@ class Part:
     psi slowest; node (N,), sign (N, 3): the part's node that each of its nodes is or mirrors, and the signs of x, y, z.
     """
 
-    grid: Grid
+    grid: TensorGrid
     edges: tuple[str, str, str, str]
     images: Images | None
     copies: int
@@ -121,7 +121,7 @@ def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
     return Part(grid, (inside, "clamped", seam, seam), images, copies, angles, shape, node, sign)
 
 
-def _turned(grid: Grid) -> Images:
+def _turned(grid: TensorGrid) -> Images:
     """On the seams phi = 0 and pi, or the cut, the nodes with psi <= 0 mirror those with -psi."""
     nodes = np.concatenate([grid.on_line(1, end) for end in grid.lines[1][[0, -1]]])
     nodes = nodes[grid.nodes[nodes, 0] <= 1e-12]
