@@ -96,6 +96,7 @@ def profiles(profile: pd.DataFrame, deltas: Sequence[float]) -> Figure:
             wall = rows[f"{face}_axial_mm"], rows[f"{face}_radial_mm"]
             axes.plot(*wall, color=colour, linestyle=line, linewidth=1.1, label=label)
     axes.set(xlabel="axial position z [mm]", ylabel="radial position x [mm]", aspect="equal")
+    axes.set_adjustable("datalim")  # a box of its own would leave no room for the labels beside it
     figure.legend(loc="outside right center")
     return figure
 
