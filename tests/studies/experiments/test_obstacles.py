@@ -46,7 +46,7 @@ def solved(name: str, body: Bounded):
 
 @pytest.mark.parametrize(
     "body",
-    [pytest.param(body, id=body.name, marks=pytest.mark.slow if len(body.f) > 500 else ()) for body in PUBLISHED],
+    [pytest.param(body, id=body.name, marks=pytest.mark.slow if len(body.f) > 100 else ()) for body in PUBLISHED],
 )
 def test_optimum_is_the_published_one(body) -> None:
     for name in ALGORITHMS:

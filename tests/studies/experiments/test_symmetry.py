@@ -129,6 +129,7 @@ class Absolute(Semismooth):
         return super().solve(replace(problem, gap=lambda u: problem.gap(u) - 1e-3), start)
 
 
+@pytest.mark.slow
 def test_a_hidden_length_is_found_by_the_units() -> None:
     found = symmetry_table({"exact": EXACT}, {"absolute": Absolute})
     units = found[found["check"].str.startswith("lengths")]
@@ -147,6 +148,7 @@ class Forgetful(Semismooth):
         return super().solve(replace(problem, gap=lambda u: problem.gap(u) + blind), start)
 
 
+@pytest.mark.slow
 def test_an_order_that_matters_is_found_by_renumbering() -> None:
     found = symmetry_table({"exact": EXACT}, {"forgetful": Forgetful}).set_index("check")
     assert found.loc[RENUMBERED, "deviation"] > 1e3 * found.loc[RENUMBERED, "tolerance"]
@@ -168,6 +170,7 @@ class Refusing(Semismooth):
         return "not today"
 
 
+@pytest.mark.slow
 def test_what_is_refused_is_no_accident() -> None:
     found = symmetry_table({"exact": EXACT}, {"refusing": Refusing})
     assert set(found["class"]) == {REFUSED}
