@@ -33,8 +33,7 @@ COMMANDS = {
     "extremes": "solve and judge one point of a map of extremes",
     "bench": "cost of one Newton iteration, its growth, the harness, and peers",
 }
-
-
+ON_A_STORE = {"run", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
 
 
@@ -97,7 +96,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
         if name == next(iter(arguments), None):
-            module = importlib.import_module(f"studies.commands.{name}")
+            module = importlib.import_module(f"studies.commands.{'campaign.' if name in ON_A_STORE else ''}{name}")
             module.add_arguments(command)
             command.add_argument("--use", action="append", metavar="FILE.py", help="parts of your own, from a file")
             command.set_defaults(run=module.run)

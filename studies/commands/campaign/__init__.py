@@ -1,0 +1,1 @@
+"""Commands on the cells of a store: solve, list, time, analyse, report and advise from a campaign."""
