@@ -125,7 +125,7 @@ class Discretisation:
         """Area (N,) of the nodes, int N_r dA, of the "mid" surface (mubar) or of the "outer" face."""
         shares = np.repeat(0.25 * self._areas(face), 4)
         areas = np.bincount(self.grid.elements.ravel(), weights=shares, minlength=self.grid.n_nodes)
-        return areas if self.grid.shares is None else self.grid.shares.T @ areas
+        return areas if self.grid.hanging is None else self.grid.hanging.shares.T @ areas
 
     def nodal_mass(self, face: str) -> sparse.csr_matrix:
         """Consistent matrix (N, N) of int N_r N_s dA on the same areas; its row sums are the nodal areas."""
@@ -134,7 +134,10 @@ class Discretisation:
         values = (self._areas(face)[:, None, None] * CORNER_MASS).ravel()
         n = self.grid.n_nodes
         mass = sparse.coo_matrix((values, (rows, columns)), shape=(n, n)).tocsr()
-        return mass if self.grid.shares is None else sparse.csr_matrix(self.grid.shares.T @ mass @ self.grid.shares)
+        if self.grid.hanging is None:
+            return mass
+        shares = self.grid.hanging.shares
+        return sparse.csr_matrix(shares.T @ mass @ shares)
 
     def _areas(self, face: str) -> np.ndarray:
         return {"mid": self.geometry.weight, "outer": self.geometry.face_weight[:, 1]}[face]

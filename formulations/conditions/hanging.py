@@ -17,11 +17,10 @@ from formulations.strains.quantities import N_V
 
 def carried(grid: Grid, surface: Surface, interpolation: str) -> sparse.csr_matrix | None:
     """v = carried w, (6N, 6N), of the displacements w of the nodes that do not hang; None where none hangs."""
-    if grid.shares is None:
+    if grid.hanging is None:
         return None
-    whole = sparse.kron(grid.shares, sparse.eye(N_V), format="csr")
+    whole = sparse.kron(grid.hanging.shares, sparse.eye(N_V), format="csr")
     if interpolation == "isoparametric":
-        assert grid.hanging is not None
         frames = surface.frame(*grid.nodes.T)  # (N, i, x)
         turn: sparse.csr_matrix = sparse.csr_matrix(sparse.block_diag([np.kron(frame, np.eye(2)) for frame in frames]))
         # of the hanging alone: the rows of all others stay exactly those of the identity

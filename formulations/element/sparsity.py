@@ -42,8 +42,8 @@ class Pattern:
         indptr = np.searchsorted(entries, np.arange(n + 1, dtype=np.int64) * n)
         slots = slots.ravel().astype(np.intp)
         own, others = np.split(np.minimum(slots, len(entries)), [number.shape[0] * number.shape[1] ** 2])
-        turned = None if C is None else (elements, others.reshape(-1, theirs.shape[1], theirs.shape[1]), C)
-        return cls(n, indptr.astype(np.int32), (entries % n).astype(np.int32), own, turned)
+        placed = None if C is None else (elements, others.reshape(-1, theirs.shape[1], theirs.shape[1]), C)
+        return cls(n, indptr.astype(np.int32), (entries % n).astype(np.int32), own, placed)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, d, d)."""

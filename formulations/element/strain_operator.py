@@ -160,7 +160,7 @@ def _isoparametric(
     x, at_node = (at(corners[..., 0], corners[..., 1]) for at in (surface.position, surface.frame))
     nodal = np.empty((len(turn), 4, N_V))
     for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
-        on_face = grid.carried(x + d * at_node[:, :, 2])  # a hanging corner lies on the chord, as it moves
+        on_face = grid.on_chords(x + d * at_node[:, :, 2])  # a hanging corner lies on the chord, as it moves
         nodal[..., face::2] = np.einsum("erix,erx->eri", at_node, on_face)
     offset = np.einsum("egqrv,erv->egq", Q, nodal)
     identity = [QUANTITIES.index(name) for name in ("l1-", "l1+", "l2-", "l2+", "beta3")]

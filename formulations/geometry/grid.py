@@ -1,4 +1,4 @@
-"""The (a1, a2) grid: a tensor-product mesh of quadrilaterals, graded, possibly periodic in a2.
+"""The (a1, a2) grid: rectangles between lines, graded, possibly periodic in a2; most are tensor products.
 
 Only coordinates and connectivity live here; no displacement, no material.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -33,24 +32,26 @@ def graded_lines(breaks: Sequence[float], counts: Sequence[int]) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Hanging:
-    """Nodes (k,) in the middle of an edge of a larger element, whose ``ends`` (k, 2) are nodes.
+    """Nodes in the middle of an edge of a larger element, and what carries them.
 
-    An end may hang, too; it then stands before those that hang on it.
+    nodes (k,).  shares (N, N): what each of all nodes takes of those that do not hang, itself, or 1/2 of both ends of
+    its edge, and so on where an end hangs, too.
     """
 
     nodes: np.ndarray
-    ends: np.ndarray
+    shares: sparse.csr_matrix
 
-    def shares(self, n: int) -> sparse.csr_matrix:
-        """What each of n nodes takes of those that do not hang, (n, n): 1/2 of each end, and so on where one hangs."""
-        hangs = np.isin(np.arange(n), self.nodes)
-        entries = np.full(2 * len(self.nodes), 0.5), (np.repeat(self.nodes, 2), self.ends.ravel())
-        step = sparse.csr_matrix(sparse.coo_matrix(entries, shape=(n, n)) + sparse.diags(np.where(hangs, 0.0, 1.0)))
-        whole = step
-        while np.any(hangs[whole.indices]):
-            whole = sparse.csr_matrix(whole @ step)
-            whole.eliminate_zeros()
-        return whole
+    @classmethod
+    def between(cls, nodes: np.ndarray, ends: np.ndarray, n: int) -> Hanging:
+        """Of n nodes those (k,) that hang in the middle between their ``ends`` (k, 2)."""
+        hangs = np.isin(np.arange(n), nodes)
+        halves = sparse.coo_matrix((np.full(2 * len(nodes), 0.5), (np.repeat(nodes, 2), ends.ravel())), shape=(n, n))
+        step = sparse.csr_matrix(halves + sparse.diags(np.where(hangs, 0.0, 1.0)))
+        shares = step
+        while np.any(hangs[shares.indices]):
+            shares = sparse.csr_matrix(shares @ step)
+            shares.eliminate_zeros()
+        return cls(nodes, shares)
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,20 +89,14 @@ class Grid:
         """Coordinates (E, k, 2) of the points xi (k, 2) of the reference square in every element."""
         return self.centre[:, None, :] + self.half[:, None, :] * xi
 
-    @cached_property
-    def shares(self) -> sparse.csr_matrix | None:
-        """See :meth:`Hanging.shares`; None where no node hangs."""
-        return None if self.hanging is None or not len(self.hanging.nodes) else self.hanging.shares(self.n_nodes)
-
-    def carried(self, corners: np.ndarray) -> np.ndarray:
-        """Values (E, 4, ...) at the corners of the elements, those at hanging nodes replaced by the means they are."""
-        if self.shares is None or self.hanging is None:
+    def on_chords(self, corners: np.ndarray) -> np.ndarray:
+        """Values (E, 4, 3) at the corners of the elements, those at hanging nodes replaced by the means they are."""
+        if self.hanging is None:
             return corners
-        at_nodes = np.empty((self.n_nodes, *corners.shape[2:]))
+        at_nodes = np.empty((self.n_nodes, 3))
         at_nodes[self.elements] = corners
-        means = (self.shares @ at_nodes.reshape(self.n_nodes, -1)).reshape(at_nodes.shape)
-        hangs = np.isin(self.elements, self.hanging.nodes)
-        return np.where(hangs[(..., *[None] * (corners.ndim - 2))], means[self.elements], corners)
+        hangs = np.isin(self.elements, self.hanging.nodes)[..., None]
+        return np.where(hangs, (self.hanging.shares @ at_nodes)[self.elements], corners)
 
     @property
     def free_nodes(self) -> np.ndarray:

@@ -104,16 +104,17 @@ class Quadtree:
         second = points[..., 1] % around if self.periodic else points[..., 1]
         return points[..., 0] * (around + 1) + second
 
-    def _hanging(self, keys: np.ndarray, corners: np.ndarray, finest: int) -> Hanging:
-        """The nodes in the middle of an edge; those of long edges first, for the ends of a short one may hang."""
+    def _hanging(self, keys: np.ndarray, corners: np.ndarray, finest: int) -> Hanging | None:
+        """The nodes in the middle of an edge, None where there are none."""
         first, second = corners, np.roll(corners, -1, axis=0)
-        length = np.abs(second - first).max(axis=-1)
-        order = np.argsort(-length.ravel(), kind="stable")
-        ends = (self._key(at, finest).ravel()[order] for at in (first, second))
-        middles = self._key((first + second) // 2, finest).ravel()[order]
-        there = np.isin(middles, keys) & (length.ravel()[order] > 1)
-        nodes = np.searchsorted(keys, middles[there])
-        return Hanging(nodes, np.stack([np.searchsorted(keys, end[there]) for end in ends], axis=-1))
+        middles = self._key((first + second) // 2, finest)
+        there = np.isin(middles, keys) & (np.abs(second - first).max(axis=-1) > 1)
+        if not there.any():
+            return None
+        nodes, *ends = (
+            np.searchsorted(keys, at[there]) for at in (middles, *(self._key(e, finest) for e in (first, second)))
+        )
+        return Hanging.between(nodes, np.stack(ends, axis=-1), len(keys))
 
 
 def _halved(line: np.ndarray, times: int) -> np.ndarray:

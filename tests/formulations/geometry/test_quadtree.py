@@ -58,7 +58,7 @@ def test_refined_everywhere_it_is_the_uniform_grid(periodic, times) -> None:
     np.testing.assert_array_equal(found.elements, uniform.elements)
     for name in ("nodes", "centre", "half"):
         np.testing.assert_allclose(getattr(found, name), getattr(uniform, name), rtol=0, atol=1e-14)
-    assert found.shares is None
+    assert found.hanging is None
 
 
 @pytest.mark.parametrize("periodic", [False, True])
@@ -85,7 +85,7 @@ def test_neighbours_are_a_level_apart_and_every_hanging_node_is_the_middle_of_an
     assert inside == set(grid.hanging.nodes.tolist())
     assert len(grid.hanging.nodes) == len(inside) > 10
     # what is linear is carried exactly, whatever hangs on what
-    shares = grid.shares.toarray()
+    shares = grid.hanging.shares.toarray()
     np.testing.assert_allclose(shares.sum(axis=1), 1, atol=1e-14)
     assert not shares[:, grid.hanging.nodes].any()
     if not periodic:
