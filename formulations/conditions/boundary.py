@@ -64,8 +64,19 @@ class Supports:
         return self.hold(nodes, (axis,))
 
     def diaphragm(self, nodes: np.ndarray, axis: int) -> Supports:
-        """An end a_{axis+1} = constant on a diaphragm stiff in its plane and soft across it."""
-        return self.hold(nodes, [i for i in _ALL if i != axis])
+        """An end a_{axis+1} = constant on a diaphragm stiff in its plane and soft across it: it holds the middle.
+
+        The director turns with the wall. Were both faces held, it would have to grow by 1/cos of its rotation.
+        """
+        return self.hinged(nodes, (1 - axis, 2))
+
+    def hard_diaphragm(self, nodes: np.ndarray, axis: int) -> Supports:
+        """A diaphragm that lets the director turn about the edge only: along the edge, it holds both faces.
+
+        For small rotations: that of Kirchhoff's shells, which have no other, and of a solid, on whose end nothing moves
+        along the edge. Under finite ones an edge that warps across the diaphragm is too stiff on it.
+        """
+        return self.hold(nodes, (1 - axis,)).hinged(nodes, (2,))
 
     def hinged(self, nodes: np.ndarray, components: Sequence[int] = _ALL, at: str = "middle") -> Supports:
         """Components held at the "middle", at the "inner" or at the "outer" face; the director may turn.
@@ -97,5 +108,6 @@ EDGES: dict[str, Callable[[Supports, np.ndarray, int], Supports]] = {  # of node
     "clamped": lambda supports, nodes, axis: supports.clamped(nodes),
     "symmetric": Supports.symmetric,
     "diaphragm": Supports.diaphragm,
+    "hard-diaphragm": Supports.hard_diaphragm,
     "hinged": lambda supports, nodes, axis: supports.hinged(nodes),
 }

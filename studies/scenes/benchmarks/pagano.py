@@ -52,7 +52,7 @@ class Pagano:
         S = request.number("S")
         a, b = S * H, 3 * S * H
         plies = tuple(Ply(E_L, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
-        edges = ("diaphragm", "symmetric", "diaphragm", "symmetric")
+        edges = ("hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
         quarter = patch(request, Plate(), (0, a / 2), (0, b / 2), centred_laminate(request, *plies), edges)
         q0 = 100 * E_T * DEFLECTION / S**4
 

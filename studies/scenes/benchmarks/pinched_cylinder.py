@@ -38,7 +38,7 @@ class PinchedCylinder:
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""
         laminate = centred_laminate(request, Ply.isotropic(E, NU, H))
-        edges = ("symmetric", "diaphragm", "symmetric", "symmetric")
+        edges = ("symmetric", "hard-diaphragm", "symmetric", "symmetric")
         eighth = patch(request, cylinder(RADIUS), (0, LENGTH / 2), (0, np.pi / 2), laminate, edges)
         loaded = eighth.grid.node_at(0.0, 0.0)
         under_load = normal_at(eighth, {"deflection_mm": (loaded, -1)})

@@ -44,7 +44,7 @@ class ScordelisLo:
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""
         laminate = centred_laminate(request, Ply.isotropic(E, 0.0, H))
-        edges = ("diaphragm", "symmetric", "symmetric", "free")
+        edges = ("hard-diaphragm", "symmetric", "symmetric", "free")
         quarter = patch(request, cylinder(RADIUS), (0, LENGTH / 2), (0, HALF_ANGLE), laminate, edges)
         down, edge = np.array([-1.0, 0.0, 0.0]), quarter.grid.node_at(LENGTH / 2, HALF_ANGLE)
 

@@ -7,8 +7,9 @@ import math
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
+from scipy.spatial.transform import Rotation
 
-from formulations.conditions.boundary import Supports
+from formulations.conditions.boundary import EDGES, Supports
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import Plate, annulus, cylinder, torus
@@ -17,7 +18,7 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from support.shells import make_shell
+from support.shells import make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative
 CLOSED = 1e-9  # relative error of a solution that the element can represent
@@ -68,8 +69,10 @@ def test_words_hold_what_they_say(corner_grid) -> None:
         (free.clamped(line), "1- 1+ 2- 2+ 3- 3+", ""),
         (free.symmetric(line, 0), "1- 1+", ""),
         (free.symmetric(line, 1), "2- 2+", ""),
-        (free.diaphragm(line, 0), "2- 2+ 3- 3+", ""),
-        (free.diaphragm(line, 1), "1- 1+ 3- 3+", ""),
+        (free.diaphragm(line, 0), "", "2 3"),
+        (free.diaphragm(line, 1), "", "1 3"),
+        (free.hard_diaphragm(line, 0), "2- 2+", "3"),
+        (free.hard_diaphragm(line, 1), "1- 1+", "3"),
         (free.hinged(line), "", "1 2 3"),
         (free.hinged(line, (0, 2)), "", "1 3"),
         (free.hinged(line, at="inner"), "1- 2- 3-", ""),
@@ -89,6 +92,80 @@ def test_supports_that_meet_add_up(corner_grid) -> None:
     for supports in (free.hinged(node).symmetric(node, 0), free.symmetric(node, 0).hinged(node)):
         assert held(supports, node) == ("1- 1+", "2 3")
     assert held(free.hinged(node, (2,)).hinged(node, (2,), at="inner"), node) == ("3- 3+", "")
+
+
+ON_BOTH_FACES = "both faces held"
+TURNS = {  # word: does it let a plate turn about the edge itself (at which height), and within the plane of the edge?
+    "clamped": (None, False),
+    "symmetric": (None, True),
+    "diaphragm": (0.0, False),
+    "hard-diaphragm": (0.0, False),
+    "hinged": (0.0, False),
+    "hinged inside": (-0.5, False),
+    "hinged outside": (0.5, False),
+    ON_BOTH_FACES: (None, False),
+}
+
+
+def supported(word: str, free: Supports, edge: np.ndarray, axis: int) -> Supports:
+    if word == ON_BOTH_FACES:
+        return free.hold(edge, (1 - axis, 2))
+    if word.startswith("hinged "):
+        return free.hinged(edge, at={"inside": "inner", "outside": "outer"}[word.split()[1]])
+    return EDGES[word](free, edge, axis)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("word", TURNS)
+def test_a_plate_turns_on_its_edge_as_far_as_the_word_says(word, axis) -> None:
+    """A rigid rotation by 50 degrees either obeys the support, and then it costs nothing, or it does not obey it.
+
+    A diaphragm with both faces held is none: the director would have to grow by 1/cos of its rotation.
+    """
+    h, angle = 0.1, math.radians(50)
+    grid = Grid.tensor(np.linspace(0, 1, 3), np.linspace(0, 1, 4))
+    edge = grid.on_line(axis, 0.0)
+    laminate = Laminate.single(Ply.isotropic(200.0, 0.3, h))
+    shell = discretise(Plate(), grid, laminate, supported(word, Supports.none(grid), edge, axis))
+    height, in_plane = TURNS[word]
+
+    def obeyed(about: np.ndarray, through: np.ndarray) -> bool:
+        turn = Rotation.from_rotvec(angle * about).as_matrix()
+        v = nodal_components(Plate(), grid, laminate, lambda x: (x - through) @ (turn - np.eye(3)).T)
+        u = shell.map.restrict(v.reshape(-1, 6))
+        same = bool(np.max(np.abs(shell.expand(u).ravel() - v)) <= ROUNDING)
+        cost = ShellModel(shell, MEASURES["exact"]).energy(u)
+        assert (cost <= 1e-24) == same
+        return same
+
+    along, across = np.eye(3)[1 - axis], np.eye(3)[axis]
+    at_heights = {z: obeyed(along, np.array([0.0, 0.0, z * h])) for z in (-0.5, 0.0, 0.5)}
+    assert at_heights == {z: z == height for z in at_heights}
+    assert obeyed(across, np.zeros(3)) == in_plane
+
+
+@pytest.mark.parametrize("word", ["diaphragm", "hard-diaphragm", ON_BOTH_FACES])
+def test_strip_between_diaphragms_bends_to_an_arc(word) -> None:
+    """End couples M turn the ends by M L/2D and lift the middle by (1 - cos) D/M; here 60 degrees, nu = 0.
+
+    Elements of the angle phi are chords of their arcs, shorter by phi^2/24. With both faces held the strip stays nearly
+    straight, however fine the mesh: it is the support that is stiff.
+    """
+    E, h, L, angle = 1e3, 0.005, 2.0, math.radians(60)
+    M = angle * (E * h**3 / 12) / (L / 2)
+    for n in (8, 16):
+        grid = Grid.tensor(np.linspace(0, L / 2, n + 1), np.array([0.0, 1.0]))
+        end = grid.on_line(0, L / 2)
+        sides = Supports.none(grid).hold(np.arange(grid.n_nodes), (1,)).symmetric(grid.on_line(0, 0.0), 0)
+        shell = discretise(Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, h)), supported(word, sides, end, 0))
+        couples = Couples(end, np.full(2, M / 2), np.tile([0.0, -1.0, 0.0], (2, 1)), h)
+        model = ShellModel(shell, MEASURES["exact"], newton="mixed", couples=couples, thickness_strain="balanced")
+        rise = np.abs(shell.expand(solved(model, steps=4))[grid.on_line(0, 0.0), 4:].mean())
+        error = rise / ((1 - math.cos(angle)) * L / 2 / angle) - 1
+        if word != ON_BOTH_FACES:
+            assert abs(error) <= 1.2 * (angle / n) ** 2 / 24
+        else:
+            assert error < -0.5
 
 
 # --- edge forces --------------------------------------------------------------------------------------------------
