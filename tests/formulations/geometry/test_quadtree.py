@@ -230,7 +230,7 @@ def test_order_two_is_kept(interpolation) -> None:
         supports = Supports.none(grid)
         for axis in (0, 1):
             for end in (0.0, 1.0):
-                supports = supports.diaphragm(grid.on_line(axis, end), axis)
+                supports = supports.hard_diaphragm(grid.on_line(axis, end), axis)
         fixed, hinged = supports.masks
         options = {"interpolation": interpolation, "pressure": Pressure(1e-3), "measure": "exact"}
         shell = make_shell(cylinder(2.0), grid, SKEW_LAMINATE, fixed=fixed, hinged=hinged, **options)
