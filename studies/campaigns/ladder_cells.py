@@ -74,6 +74,13 @@ LADDERS = (
     _ladder("sze-annulus", _ROTATIONS, _meshes(5, 40), ("w_B_mm", "w_A_mm"), **_FULL),
     _ladder("hemisphere", _ROTATIONS, _meshes(16, 16), ("inward_mm", "outward_mm"), **_FULL),
     _ladder("sze-pullout", _ROTATIONS, _meshes(8, 12, (1, 2, 3, 4)), ("w_A_mm", "u_B_mm", "u_C_mm"), **_FULL),
+    _ladder(  # before the snap
+        *("sze-pinched", _ROTATIONS, _meshes(16, 16, (1, 2, 3, 4)), ("w_A_mm", "u_B_mm")), load_fraction="0.1"
+    ),
+    *(
+        _ladder(f"semicylinder{plies}", _ROTATIONS, _meshes(8, 8, (2, 3, 4, 6)), ("w_A_mm",))
+        for plies in ("", "-0-90-0", "-90-0-90")
+    ),
     *(  # a whole curve each: 32x32 costs three times 24x24
         _ladder(f"roof-{letter}", _SNAP, _meshes(4, 4, (1, 2, 4, 6)), ("limit_load_fraction", "limit_w_C_mm"))
         for letter in "abcdef"

@@ -13,7 +13,9 @@ from studies.scenes.benchmarks.scordelis_lo import ScordelisLo
 from studies.scenes.benchmarks.shallow_cap import ShallowSphericalCap
 from studies.scenes.benchmarks.sze_annulus import SlitAnnulus
 from studies.scenes.benchmarks.sze_moment import RolledCantilever
+from studies.scenes.benchmarks.sze_pinched import PinchedBetweenDiaphragms
 from studies.scenes.benchmarks.sze_pullout import PullOut
+from studies.scenes.benchmarks.sze_semicylinder import SEMICYLINDERS
 from studies.scenes.contact.heavy_strip import HeavyStrip
 from studies.scenes.contact.panel import Panel
 from studies.scenes.contact.plate import PlateContact
@@ -24,7 +26,8 @@ from studies.scenes.tyre.solid import SolidTyre
 
 _ALL: tuple[Scene, ...] = (
     *(Tyre(), Cantilever(), Hemisphere()),
-    *(SlitAnnulus(), RolledCantilever(), PullOut(), *ROOFS, ShallowSphericalCap()),  # nonlinear
+    *(SlitAnnulus(), RolledCantilever(), PullOut(), PinchedBetweenDiaphragms(), *SEMICYLINDERS),  # nonlinear
+    *(*ROOFS, ShallowSphericalCap()),
     *(PressurisedCylinder(), PressurisedSphere(), PressurisedTorus()),
     *(ScordelisLo(), PinchedCylinder(), Pagano()),  # linear
     *(ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel()),  # contact

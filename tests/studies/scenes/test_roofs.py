@@ -24,6 +24,7 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks.roofs import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
 from studies.scenes.data import read_reference
 from studies.solving import Result, resolve, solve
+from support.curves import distances
 
 ROOF = 1e-2  # of the load at a limit point
 CURVE = 1.2e-2  # largest distance of a published point from our curve, in units of the ranges of load and displacement
@@ -182,14 +183,6 @@ def test_every_published_point_lies_on_our_curve(scene: str) -> None:
     distance = distances(table / np.ptp(table, axis=0), ours / np.ptp(table, axis=0))
     assert np.max(distance) <= CURVE
     assert np.sqrt(np.mean(distance**2)) <= CURVE / 2
-
-
-def distances(points: np.ndarray, line: np.ndarray) -> np.ndarray:
-    """Distance of each point (p, 2) from the polyline (n, 2)."""
-    chord = np.diff(line, axis=0)
-    from_start = points[:, None] - line[:-1]
-    part = np.clip(np.sum(from_start * chord, axis=-1) / np.sum(chord**2, axis=-1), 0, 1)
-    return np.min(np.linalg.norm(from_start - part[..., None] * chord, axis=-1), axis=1)
 
 
 @pytest.mark.slow

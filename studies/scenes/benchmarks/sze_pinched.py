@@ -1,0 +1,50 @@
+"""Cylinder between diaphragms pinched by two radial point forces: Sze, Liu, Lo (2004), section 3.6.
+
+Between an eighth and a fifth of the load the wall snaps: u_B turns from inwards to outwards on a nearly level piece of
+the curve. The load grows all the way on 48x48; coarser meshes have limit points of their own, where the wall folds over
+single elements, and loads must be close to one another for the path to be followed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from formulations.geometry.surfaces import cylinder
+from formulations.section.laminate import Laminate, Ply
+from studies.request import Request
+from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scenes.data import tabulated
+from studies.scenes.element import ELEMENT, patch
+from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
+
+E, NU, RADIUS, LENGTH, H = 30e3, 0.3, 100.0, 200.0, 1.0  # MPa, -, mm, mm, mm
+P_MAX = 12_000.0  # N per force on the whole cylinder; four octants share each
+
+
+LOADS = replace(LOAD_FRACTIONS, default=(0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0))
+FILE = "sze2004_3.6_pinched_cylinder_diaphragms.csv"
+SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.6 (S4R, 48x48)"
+
+
+class PinchedBetweenDiaphragms:
+    """An octant: a1 from mid-length to the diaphragm, a2 from the load to the side.
+
+    Radial displacements at mid-length: w_A inwards under the load, u_B outwards on the side.
+    """
+
+    name: str = "sze-pinched"
+    title: str = "Pinched cylinder between diaphragms (Sze 3.6)"
+    default_mesh: tuple[int, int] = (48, 48)
+    settings: tuple[Setting, ...] = (LOADS, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "u_B_mm": (2, 1)})
+
+    def build(self, request: Request) -> SceneModel:
+        """A quarter of the force in the octant's corner, half of it on each face."""
+        end, side = LENGTH / 2, np.pi / 2
+        laminate, edges = Laminate.single(Ply.isotropic(E, NU, H)), ("symmetric", "diaphragm", "symmetric", "symmetric")
+        octant = patch(request, cylinder(RADIUS), (0, end), (0, side), laminate, edges)
+        A, B = octant.grid.node_at(0.0, 0.0), octant.grid.node_at(0.0, side)
+        radial = normal_at(octant, {"w_A_mm": (A, -1), "u_B_mm": (B, 1)})
+        return StaticModel.of(request, octant, radial, forces=normal_forces(octant.grid, {A: -P_MAX / 4}))
