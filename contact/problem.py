@@ -87,6 +87,10 @@ class ContactProblem:
     candidates at hand do not show it.
 
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
+
+    driven: how many unknowns, the last ones, move the foundation: gaps depend on them, its forces leave them out.
+    travel: on a path on which only the foundation moves, the problem in (u, t) with its parameter t for such an
+    unknown, whose row is empty; the parameter is counted as on the path.
     """
 
     linearise: Linearise
@@ -102,6 +106,8 @@ class ContactProblem:
     only: Callable[[np.ndarray], ContactProblem] | None = None
     gap_size: float = 0.0
     ordered: bool = False
+    driven: int = 0
+    travel: Callable[[], ContactProblem] | None = None
 
     @property
     def weight_matrix(self) -> sparse.csc_array | sparse.csr_matrix:
@@ -116,15 +122,24 @@ class ContactProblem:
         """Largest size [mm] of the terms |g| + |G| |u| that make up a gap; their rounding is the gap's."""
         return float(np.max(np.abs(gap) + abs(self.gap_jacobian(u)) @ np.abs(u), initial=self.gap_size))
 
+    def push(self, u: np.ndarray) -> sparse.csr_matrix:
+        """The rows (m, n) of G by which contact forces act: no force on what moves the foundation."""
+        return sparse.csr_matrix(self.gap_jacobian(u) @ self._body(len(u))) if self.driven else self.gap_jacobian(u)
+
     def stiffness(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray) -> sparse.csc_matrix:
         """K (n, n): the tangent less what the curvature of the gap takes off it under the pressures (m,)."""
         if self.gap_curvature is None:
             return lin.tangent
-        return sparse.csc_matrix(lin.tangent - self.gap_curvature(u, self.nodal_forces(pressure)))
+        turned = self.gap_curvature(u, self.nodal_forces(pressure))
+        return sparse.csc_matrix(lin.tangent - (self._body(len(u)) @ turned if self.driven else turned))
 
     def contact_force(self, u: np.ndarray, pressure: np.ndarray) -> np.ndarray:
         """G^T W p (n,): the force of the foundation on the unknowns."""
-        return np.asarray(self.gap_jacobian(u).T @ self.nodal_forces(pressure))
+        return np.asarray(self.push(u).T @ self.nodal_forces(pressure))
+
+    def _body(self, n: int) -> sparse.dia_array:
+        """Projector (n, n) onto the unknowns of the body."""
+        return sparse.diags_array((np.arange(n) < n - self.driven).astype(float))
 
 
 def rounding_floor(lin: Linearised, u: np.ndarray) -> float:
@@ -170,6 +185,7 @@ class Outcome(enum.Enum):
     CYCLING = "the contact set repeats itself and the fallback did not settle it"
     UNSOLVED = "the linearised contact problem was not solved"
     REFUSED = "the algorithm does not apply"
+    LIMIT_POINT = "the path turns back before it gets there"
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
 
     @property

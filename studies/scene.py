@@ -161,7 +161,7 @@ class Stage:
 
     begin(previous) -> (problem_at(t), starting solution); targets: the values of t to report, the path starts at 0;
     observe(problem, state, t) -> Observation.  whole(u): the unknowns of the model from those of the stage, when it
-    solves a smaller problem on the way.
+    solves a smaller problem on the way.  see_mode(state, mode): what is seen of a mode (n,) at the end of the path.
     """
 
     name: str
@@ -169,6 +169,7 @@ class Stage:
     targets: Sequence[float]
     observe: Callable[[ContactProblem, ContactSolution, float], Observation]
     whole: Callable[[np.ndarray], np.ndarray] | None = field(default=None, kw_only=True)
+    see_mode: Callable[[ContactSolution, np.ndarray], Observation] | None = field(default=None, kw_only=True)
 
     def lifted(self, solution: ContactSolution) -> ContactSolution:
         """The solution in the unknowns of the model."""

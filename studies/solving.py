@@ -163,13 +163,14 @@ def _record_end(visited: Visited, result: Result) -> None:
     if point.outcome is Outcome.REFUSED:  # at once, or known only once the tangent is
         result.unsupported = f"{result.request.contact} does not apply: {visited.said}"
         return
+    said = visited.said
     if point.end is not None and point.end.limit is not None:
         result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
-    where = (
-        f"{stage} at {point.requested:g}: {visited.said}"
-        if visited.trace is None
-        else f"{stage}: {visited.trace.reason}"
-    )
+    if point.end is not None and point.end.mode is not None and visited.stage.see_mode is not None:
+        seen = visited.stage.see_mode(point.solution, point.end.mode)
+        _record(result, seen, {}, {})
+        said += "; " + ", ".join(f"{name} = {value:.4g}" for name, value in seen.quantities.items())
+    where = f"{stage} at {point.requested:g}: {said}" if visited.trace is None else f"{stage}: {visited.trace.reason}"
     result.reason = f"{where}; last converged at {point.reached:g}"
 
 

@@ -7,6 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from contact.newton.loop import MOST_UPDATES
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem
@@ -27,6 +28,7 @@ class NewtonAlgorithm:
     max_iterations: int = 40
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
+    max_updates: int = MOST_UPDATES
     parameters: ClassVar[tuple[Parameter, ...]] = SHARED
 
     def supports(self, problem: ContactProblem) -> str | None:

@@ -39,5 +39,5 @@ class Semismooth(NewtonAlgorithm):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from ``start`` until the set repeats and the forces balance."""
-        step = partial(settle_most, settle=self.settle, c=self.c)
+        step = partial(settle_most, settle=self.settle, c=self.c, most=self.max_updates)
         return iterate(self.run(problem), start, step, self.max_iterations, self.c)

@@ -2,7 +2,8 @@
 
 Every point is looked for on a plane of the space of x = (m u, t): normal to the tangent of the curve while marching, so
 that neither the load nor any displacement has to grow (Keller, 1977); normal to the chord across a maximum or minimum
-of the load to find that limit point; t = constant at a given load. No contact: the set does not change along the curve.
+of the load to find that limit point; t = constant at a given load. The curve is that of a body without contact under a
+load, or of one that a moving foundation presses; t is then the travel.
 """
 
 from __future__ import annotations
@@ -15,12 +16,14 @@ from typing import Any
 import numpy as np
 
 from contact.continuation.equilibrium_curve import ArcPoint, Curve
+from contact.continuation.pressed_curve import PressedCurve
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import Linearise, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
 LIMIT_TOLERANCE = 1e-5  # distance of a limit point from its last estimate, relative to its distance from rest
 LIMIT_ATTEMPTS = 20
+AnyCurve = Curve | PressedCurve
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +44,8 @@ class ArcLength:
     first_factor: load factor of the first step.  easy, hard: iterations at which the step grows or shrinks.
     smallest, largest: bounds of the step, as fractions and multiples of the first one.  straight: least cosine between
     tangent and chord of a step; a sharper turn is taken in smaller steps, or the march could return on its own trace.
+    watched: fraction of the first step above which a point must belong to the curve by its negative eigenvalues, where
+    they are counted; smaller steps pass branches.  to_limit: end with the first limit point.
     tolerance: residual relative to the forces in balance at which the Newton of a point ends.
     """
 
@@ -51,6 +56,8 @@ class ArcLength:
     smallest: float = 1e-6
     largest: float = 8.0
     straight: float = 0.9
+    watched: float = 1e-2
+    to_limit: bool = False
     max_points: int = 1000
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
@@ -68,26 +75,36 @@ class ArcLength:
         factors; each counts where the load first reaches it.
         """
         curve = Curve.at_rest(linearise, load, self.max_iterations, self.solver, self.tolerance)
-        points, outcome, reason = self._march(curve, targets, on_point)
+        return self.along(curve, ArcPoint(np.zeros_like(load), 0.0), targets, on_point)
+
+    def along(
+        self,
+        curve: AnyCurve,
+        start: ArcPoint,
+        targets: Sequence[float],
+        on_point: Callable[[float], None] = lambda t: None,
+    ) -> Trace:
+        """The same of any curve, from one of its points."""
+        points, outcome, reason = self._march(curve, start, targets, on_point)
         refined, unresolved = _with_limits(curve, points)
         if unresolved and outcome.converged:
             outcome, reason = Outcome.STEP_LIMIT, unresolved
-        return Trace(tuple(refined), outcome, reason, curve.run.tally.counters, curve.run.tally.history)
+        return Trace(tuple(refined), outcome, reason, curve.tally.counters, curve.tally.history)
 
     def _march(
-        self, curve: Curve, targets: Sequence[float], on_point: Callable[[float], None]
+        self, curve: AnyCurve, start: ArcPoint, targets: Sequence[float], on_point: Callable[[float], None]
     ) -> tuple[list[ArcPoint], Outcome, str]:
-        """From rest through the targets; the last point lies at the last of them.
+        """From the start through the targets; the last point lies at the last of them.
 
         The scale follows the march: all the displacement so far counts like all the load, up and down, so far.
         """
         first = float(np.sqrt(2.0)) * self.first_factor
-        points, step, ahead = [ArcPoint(np.zeros_like(curve.load), 0.0)], first, list(targets)
-        direction = curve.tangent(points[0].u, np.append(points[0].u, 1.0))
+        points, step, ahead = [start], first, list(targets)
+        direction = curve.tangent(start, np.append(np.zeros_like(start.u), 1.0))
         moved, loaded = 0.0, 0.0
         while len(points) <= self.max_points:
             last = points[-1]
-            found = self._advance(curve, last, step * direction)
+            found, onwards = self._advance(curve, last, step * direction, watchful=step > self.watched * first)
             crossings = [_at_factor(curve, last, found, t) for t in ahead if found is not None and found.factor >= t]
             if found is None or None in crossings:
                 step /= 2
@@ -100,20 +117,34 @@ class ArcLength:
                 return points, Outcome.CONVERGED, ""
             moved += float(np.linalg.norm(found.u - last.u))
             loaded += abs(found.factor - last.factor)
-            curve = curve.scaled(moved, loaded)
-            direction = curve.tangent(found.u, curve.place(found) - curve.place(last))
-            points.append(replace(found, rising=bool(direction[-1] > 0)))
+            before, curve = curve.m, curve.scaled(moved, loaded)
+            onwards[:-1] *= curve.m / before
+            direction = onwards / np.linalg.norm(onwards)
+            points.append(found)
             on_point(found.factor)
+            if self.to_limit and not found.rising:
+                return points, Outcome.LIMIT_POINT, f"the path turns back after t = {last.factor:.6g}"
             step = self._next_step(step, found.iterations, self.largest * first)
         return points, Outcome.ITERATION_LIMIT, f"{self.max_points} points of the curve did not reach t = {ahead[0]:g}"
 
-    def _advance(self, curve: Curve, last: ArcPoint, ahead: np.ndarray) -> ArcPoint | None:
-        """The point on the plane normal to ``ahead`` at its end; None when it fails or the curve turns too sharply."""
+    def _advance(
+        self, curve: AnyCurve, last: ArcPoint, ahead: np.ndarray, *, watchful: bool
+    ) -> tuple[ArcPoint | None, np.ndarray]:
+        """The point on the plane normal to ``ahead`` at its end, and the tangent there.
+
+        None where there is none, where the curve turns too sharply or, if ``watchful``, where the point is none of this
+        curve: the number of negative eigenvalues changes by one where the curve turns back, and by none elsewhere.
+        """
         length = float(np.linalg.norm(ahead))
-        x = curve.place(last)
-        found = curve.on_plane(last, x + ahead, ahead / length, f"step {length:.6g}")
-        straight = found is not None and length >= self.straight * np.linalg.norm(curve.place(found) - x)
-        return found if straight else None
+        found = curve.on_plane(last, curve.place(last) + ahead, ahead / length, f"step {length:.6g}")
+        if found is None:
+            return None, ahead
+        chord = curve.place(found) - curve.place(last)
+        if length < self.straight * np.linalg.norm(chord):
+            return None, ahead
+        onwards = curve.tangent(found, chord)
+        found = replace(found, rising=bool(onwards[-1] > 0))
+        return (None if watchful and _elsewhere(last, found) else found), onwards
 
     def _next_step(self, step: float, iterations: int, largest: float) -> float:
         if iterations <= self.easy:
@@ -121,14 +152,21 @@ class ArcLength:
         return 0.6 * step if iterations >= self.hard else step
 
 
-def _at_factor(curve: Curve, before: ArcPoint, after: ArcPoint, factor: float) -> ArcPoint | None:
+def _elsewhere(last: ArcPoint, found: ArcPoint) -> bool:
+    """Whether the numbers of negative eigenvalues say that branches lie between the points."""
+    if last.negative is None or found.negative is None:
+        return False
+    return abs(found.negative - last.negative) > (found.rising != last.rising)
+
+
+def _at_factor(curve: AnyCurve, before: ArcPoint, after: ArcPoint, factor: float) -> ArcPoint | None:
     """The point at a given load factor between two points."""
     x, y = curve.place(before), curve.place(after)
     guess = x + (factor - before.factor) / (after.factor - before.factor) * (y - x)
     return curve.on_plane(before, guess, np.append(np.zeros_like(before.u), 1.0), f"at t = {factor:g}")
 
 
-def _with_limits(curve: Curve, points: Sequence[ArcPoint]) -> tuple[list[ArcPoint], str]:
+def _with_limits(curve: AnyCurve, points: Sequence[ArcPoint]) -> tuple[list[ArcPoint], str]:
     """Insert the points where the load is stationary; the reason names the first that could not be found."""
     refined, unresolved = [points[0]], ""
     for before, after in pairwise(points):
@@ -152,12 +190,12 @@ class _End:
     slope: np.ndarray
 
     @classmethod
-    def of(cls, curve: Curve, point: ArcPoint, normal: np.ndarray) -> _End:
-        x, tangent = curve.place(point), curve.tangent(point.u, normal)
+    def of(cls, curve: AnyCurve, point: ArcPoint, normal: np.ndarray) -> _End:
+        x, tangent = curve.place(point), curve.tangent(point, normal)
         return cls(point, x, float(normal @ x), tangent / (normal @ tangent))
 
 
-def limit_point(curve: Curve, before: ArcPoint, after: ArcPoint) -> ArcPoint | None:
+def limit_point(curve: AnyCurve, before: ArcPoint, after: ArcPoint) -> ArcPoint | None:
     """The limit point between two points on either side of it, or None.
 
     With s the coordinate along their chord, dx/ds is known exactly at a point; the zero of dt/ds is bracketed and

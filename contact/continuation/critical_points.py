@@ -71,13 +71,17 @@ class PathEnd(enum.Enum):
     NEITHER = "neither"  # or not to be told
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Ending:
-    """Why a path ends, and in one sentence; ``limit``: the parameter of the limit point, where there is one."""
+    """Why a path ends, and in one sentence.
+
+    limit: the parameter of the limit point, where there is one; mode (n,): the unit vector along which u moves there.
+    """
 
     kind: PathEnd
     sentence: str
     limit: float | None = None
+    mode: np.ndarray | None = None
 
 
 def why_it_ends(
@@ -99,8 +103,8 @@ def why_it_ends(
     limit = _limit_point(states, found)
     passed = _passed(first, found)
     if limit is not None:
-        at, signs = limit
-        return Ending(PathEnd.LIMIT_POINT, f"limit point of the path at about {at:.7g}: {signs}{passed}", at)
+        at, signs, mode = limit
+        return Ending(PathEnd.LIMIT_POINT, f"limit point of the path at about {at:.7g}: {signs}{passed}", at, mode)
     least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
     told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
@@ -110,8 +114,8 @@ def why_it_ends(
     return Ending(PathEnd.NEITHER, sentence)
 
 
-def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[float, str] | None:
-    """Parameter and signs of the limit point just ahead, or None.
+def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[float, str, np.ndarray] | None:
+    """Parameter, signs and mode of the limit point just ahead, or None.
 
     Mode, speed and eigenvalue must all three behave as at a fold. Its mode is the one along which the path accelerates.
     The secant of a parabola between two states is f over the mean of their mu, which says how much faster the last
@@ -132,7 +136,7 @@ def _limit_point(states: Sequence[State], found: Sequence[Spectrum]) -> tuple[fl
         return None
     falls = f"falls to zero like a square root, from {mu[0]:.3g} to {mu[2]:.3g} N/mm in the last {abs(t2 - t0):.2g}"
     told = f"an eigenvalue of the tangent {falls}, and the path speeds up along its mode (cosine {cosine:.2f})"
-    return float(limit), told
+    return float(limit), told, mode
 
 
 def _passed(first: float, found: Sequence[Spectrum]) -> str:

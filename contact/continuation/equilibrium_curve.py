@@ -6,13 +6,13 @@ The scale m says how much displacement counts like one unit of load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
-from contact.newton.state import Iterate
+from contact.newton.state import Iterate, Tally
 from contact.newton.step import NewtonRun
 from contact.problem import Linearisation, Linearise, Linearised, without_contact
 from contact.solvers.sparse import SingularMatrixError
@@ -25,7 +25,8 @@ NO_SET = np.zeros(0, bool)
 class ArcPoint:
     """A converged point of the curve: u (n,), load factor, iterations it took.
 
-    rising: the load grows along the curve; limit: it is stationary.
+    rising: the load grows along the curve; limit: it is stationary.  pressure, active (m,): of the contact candidates,
+    where there are any.  negative: eigenvalues of the tangent at fixed load, where they are counted.
     """
 
     u: np.ndarray
@@ -33,6 +34,9 @@ class ArcPoint:
     iterations: int = 0
     rising: bool = True
     limit: bool = False
+    pressure: np.ndarray = field(default_factory=lambda: NO_CONTACT)
+    active: np.ndarray = field(default_factory=lambda: NO_SET)
+    negative: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +58,13 @@ class Curve:
         """Displacements and load count alike on the tangent at rest; ``linearise`` must not contain the load."""
         run = NewtonRun(without_contact(linearise, len(load)), solver=solver, tolerance=tolerance)
         curve = cls(run, load, 1.0, max_iterations)
-        tangent = curve.tangent(np.zeros_like(load), np.append(np.zeros_like(load), 1.0))
+        tangent = curve.tangent(ArcPoint(np.zeros_like(load), 0.0), np.append(np.zeros_like(load), 1.0))
         return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1]))
+
+    @property
+    def tally(self) -> Tally:
+        """What all points have cost."""
+        return self.run.tally
 
     def scaled(self, displacement: float, factor: float) -> Curve:
         """The curve in the scale in which so much displacement counts like so much load."""
@@ -65,10 +74,10 @@ class Curve:
         """x = (m u, t) (n + 1,)."""
         return np.append(self.m * point.u, point.factor)
 
-    def tangent(self, u: np.ndarray, along: np.ndarray) -> np.ndarray:
-        """Unit tangent at a converged u, K du = f dt, in the sense of ``along``."""
-        forward = np.append(np.zeros_like(u), 1.0)
-        found = self._solve(self.run.linearise(u, None), along / np.linalg.norm(along), forward)
+    def tangent(self, point: ArcPoint, along: np.ndarray) -> np.ndarray:
+        """Unit tangent at a converged point, K du = f dt, in the sense of ``along``."""
+        forward = np.append(np.zeros_like(point.u), 1.0)
+        found = self._solve(self.run.linearise(point.u, None), along / np.linalg.norm(along), forward)
         found[:-1] *= self.m
         return found / np.linalg.norm(found)
 

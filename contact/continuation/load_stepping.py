@@ -8,11 +8,14 @@ from typing import Any
 
 from contact.continuation.candidates import solve_within_reach
 from contact.continuation.critical_points import Ending, State, branches_passed, why_it_ends
+from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 SMALLEST = 2.0**-10  # of the step asked for
+PATIENCE = 3  # attempts on the way to a target may fail before a path that has a travel is followed by arc length
+FIRST_ARC = 0.125  # of the step that has failed last
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +53,8 @@ def follow(
     iteration ends with the first point that is not converged. Once a step has been cut, a state in contact with more
     negative eigenvalues than that at the last target is no state of the path, but one beyond it: the step is cut again.
     Without contact, paths of large rotations pass bifurcations and are followed.
+    Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
+    arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
     """
     at = start
     for target in targets:
@@ -81,7 +86,8 @@ class Stepper:
     """Steps of adapted size to ``target``; each attempt is accepted or rejected, which gives the next stepper.
 
     asked: the step that is asked for, the largest; smallest: size below which it is not cut.  states: converged, the
-    first and the last three; step: the next one; cut: whether one has been; the rest goes into the :class:`PathPoint`.
+    first and the last three; step: the next one; cut: whether one has been; failures: how many; the rest goes into the
+    :class:`PathPoint`.
     """
 
     problem_at: Callable[[float], ContactProblem]
@@ -92,6 +98,7 @@ class Stepper:
     states: tuple[State, ...]
     step: float
     cut: bool = False
+    failures: int = 0
     substeps: int = 0
     counters: Mapping[str, float] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
@@ -132,6 +139,8 @@ class Stepper:
         """Where it was, with half the step; with an outcome where no smaller one would do."""
         if attempt.solution.outcome is Outcome.REFUSED:
             return replace(self._spent(attempt, None), outcome=Outcome.REFUSED)
+        if self.failures + 1 >= PATIENCE and self.target > self.reached and self.problem_at(self.reached).travel:
+            return self._by_arc_length(attempt, failure)
         if abs(self.step) / 2 < self.smallest:
             end = why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
             text = f"{failure}; {Outcome.STEP_LIMIT.value}; {end.sentence}"
@@ -139,7 +148,26 @@ class Stepper:
             return replace(ended, outcome=Outcome.STEP_LIMIT, end=end)
         step = (attempt.parameter - self.reached) / 2
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: step cut to {step:.6g}")
-        return replace(self._spent(attempt, event), step=step, cut=True)
+        return replace(self._spent(attempt, event), step=step, cut=True, failures=self.failures + 1)
+
+    def _by_arc_length(self, attempt: Attempt, failure: Event) -> Stepper:
+        """At the target or at the limit point before it, after the last failure that is put up with."""
+        event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: by arc length from {self.reached:.6g} on")
+        begun = self._spent(attempt, event)
+        first = FIRST_ARC * (attempt.parameter - self.reached)
+        turned = by_arc_length(self.problem_at, self.states, self.target, self.algorithm, first)
+        said = None if turned.end is None else Event(EventKind.PATH_END, turned.end.sentence)
+        ended = begun._spent(Attempt(turned.t, turned.solution, None), said)
+        first_state, *others = self.states
+        states = (first_state, *others[-2:], (turned.t, replace(turned.solution, counters={}, history=())))
+        return replace(
+            ended,
+            states=states,
+            substeps=self.substeps + turned.points,
+            outcome=turned.outcome,
+            cause=turned.outcome if turned.outcome.converged else attempt.solution.outcome,
+            end=turned.end,
+        )
 
     def point(self) -> PathPoint:
         """What has come of it."""

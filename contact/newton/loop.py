@@ -84,21 +84,28 @@ def iterate(
         event, updates = step.event, updates + step.updates
 
 
-def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0) -> Step:
+def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most: int = MOST_UPDATES) -> Step:
     """The step on the set that the linearised problem keeps, up to the fraction ``settle`` of it.
 
     Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there.
-    A path that has no next state would go on like that for hundreds of factorisations: MOST_UPDATES end it.
+    A path that has no next state would go on like that for hundreds of factorisations: ``most`` updates end it.
     Raises StepError, SingularMatrixError.
     """
-    if at.updates > MOST_UPDATES:
+    if at.updates > most:
         raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {at.updates} times beyond one an iteration")
     again = settle < 1 and at.again
-    return settle_set(run, at, at.active, 0.0 if again else settle, c, last=again)
+    return settle_set(run, at, at.active, 0.0 if again else settle, c, last=again, most=most)
 
 
 def settle_set(
-    run: NewtonRun, at: Iterate, active: np.ndarray, settle: float = 0.0, c: float = 1.0, *, last: bool = True
+    run: NewtonRun,
+    at: Iterate,
+    active: np.ndarray,
+    settle: float = 0.0,
+    c: float = 1.0,
+    *,
+    last: bool = True,
+    most: int = MOST_UPDATES,
 ) -> Step:
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
@@ -109,7 +116,7 @@ def settle_set(
     """
     jacobian, seen = run.problem.gap_jacobian(at.u), set[bytes]()
     event: Event | None = None
-    most, updates = MOST_UPDATES if last else FEW_UPDATES, 0
+    most, updates = most if last else min(most, FEW_UPDATES), 0
     while True:
         du, pressure = run.step(at.lin, at.u, at.pressure, active)
         gap = at.gap + jacobian @ du

@@ -33,12 +33,12 @@ class Pivots:
         cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
     ) -> Pivots:
         """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown."""
-        jacobian = problem.gap_jacobian(u)
-        rows = jacobian[nodes]
-        if np.max(np.bincount(rows.indices), initial=0) > 1:
+        rows, acting = problem.gap_jacobian(u)[nodes], problem.push(u)
+        holding = acting[nodes]
+        if np.max(np.bincount(holding.indices[holding.data != 0]), initial=0) > 1:
             raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
-        push = sparse.csc_matrix(jacobian.T @ problem.weight_matrix[:, nodes])
-        pivot, slope = firmest(rows)
+        push = sparse.csc_matrix(acting.T @ problem.weight_matrix[:, nodes])
+        pivot, slope = firmest(holding)
         if not np.all(slope):
             names = ", ".join(map(str, nodes[slope == 0]))
             raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")

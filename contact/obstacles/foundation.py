@@ -13,7 +13,7 @@ from typing import Protocol, Self
 import numpy as np
 from scipy import sparse
 
-from contact.problem import ContactProblem, Linearise
+from contact.problem import ContactProblem, Linearisation, Linearise
 
 
 class Foundation(Protocol):
@@ -104,6 +104,25 @@ def against(linearise: Linearise, candidates: Candidates, foundation: Foundation
     if candidates.coupling is not None:
         return problem
     return replace(problem, only=lambda chosen: _against(linearise, candidates.only(chosen), foundation))
+
+
+def travelling(
+    linearise: Linearise, candidates: Candidates, foundation: Foundation, velocity: np.ndarray
+) -> ContactProblem:
+    """The same where the travel t of the foundation along ``velocity`` (3,) is the last unknown, its row empty.
+
+    foundation: where it is at t = 0; seen from it, the points move against its velocity: x(u) - t velocity.
+    """
+    column = -np.tile(velocity, len(candidates.reference))
+    operator = sparse.hstack([candidates.operator, sparse.csr_matrix(column[:, None])], format="csr")
+
+    def with_travel(x: np.ndarray, memory: object) -> Linearisation:
+        lin = linearise(x[:-1], memory)
+        K = sparse.csc_matrix(sparse.block_diag([lin.tangent, sparse.csc_matrix((1, 1))]))
+        return Linearisation(np.append(lin.residual, 0.0), K, lin.scale, lambda dx: lin.remember(dx[:-1]))
+
+    problem = against(with_travel, replace(candidates, operator=operator), foundation)
+    return replace(problem, driven=1)
 
 
 def _against(linearise: Linearise, candidates: Candidates, foundation: Foundation) -> ContactProblem:

@@ -13,7 +13,7 @@ from functools import cached_property, partial
 import numpy as np
 import pandas as pd
 
-from contact.obstacles.foundation import Candidates, Foundation, against
+from contact.obstacles.foundation import Candidates, Foundation, against, travelling
 from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
@@ -23,6 +23,7 @@ from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.parts import Part
 
 OVERLAP = 1e-6  # mm
+MODE_STEP = 1e-3  # mm: the faces are linear in u but for a turn of frames
 
 
 Body = ShellModel | SolidModel
@@ -95,7 +96,7 @@ class PressedTyre:
             begin = partial(begin_inflation, self.column.body)
             yield Stage("column", begin, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
         yield Stage("inflation", partial(begin_inflation, self.body), (1.0,), self._observe_inflation)
-        yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press)
+        yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press, see_mode=self._see_mode)
 
     def _begin_press(self, previous: ContactSolution | None) -> Begun:
         assert previous is not None
@@ -107,10 +108,15 @@ class PressedTyre:
             raise UsageError(f"the foundation is too narrow: it overlaps the inflated tyre by {overlap:.3g} mm")
         start = ContactSolution(previous.u, np.zeros(m), np.zeros(m, bool), Outcome.CONVERGED)
 
+        def travel() -> ContactProblem:
+            touching = self.foundation.moved(first_touch * NORMAL)
+            problem = travelling(self.body.linearise, self.candidates, touching, -NORMAL)
+            return replace(problem, ordered=self.body.ordered)
+
         def at(delta: float) -> ContactProblem:
             there = self.foundation.moved((first_touch - delta) * NORMAL)
             problem = against(self.body.linearise, self.candidates, there)
-            return self.with_balances(replace(problem, ordered=self.body.ordered))
+            return self.with_balances(replace(problem, ordered=self.body.ordered, travel=travel))
 
         return at, start
 
@@ -152,6 +158,19 @@ class PressedTyre:
         nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
         tables = {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
         return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
+
+    def _see_mode(self, state: ContactSolution, mode: np.ndarray) -> Observation:
+        """How the outer face moves along the mode, the largest motion as unit: a table, and where it is largest."""
+        step = MODE_STEP / float(np.max(np.abs(mode)))
+        ends = [self.wall.faces(state.u + sign * step * mode)[1] for sign in (-1.0, 1.0)]
+        motion = (ends[1] - ends[0]) / (2 * step)
+        size = np.linalg.norm(motion, axis=1)
+        angles = np.rad2deg(self.wall.part.angles)
+        largest = int(np.argmax(size))
+        place = {"mode_psi_deg": abs(float(angles[largest, 0])), "mode_phi_deg": abs(float(angles[largest, 1]))}
+        nodes = {"psi_deg": angles[:, 0], "phi_deg": angles[:, 1]}
+        nodes |= {f"{axis}": motion[:, i] / size[largest] for i, axis in enumerate("xyz")}
+        return Observation(None, place, {"mode": pd.DataFrame(nodes)})
 
     def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
         """Both faces of the meridian phi = 0."""

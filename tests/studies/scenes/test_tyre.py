@@ -115,10 +115,34 @@ def test_the_paper_tyre_goes_on_to_a_limit_point() -> None:
     assert {step["delta_mm"]: step["force_N"] for step in found.steps[:2]} == pytest.approx(
         {30.0: 3408.3, 35.0: 4193.8}, rel=1e-3
     )
-    assert found.outcome is Outcome.STEP_LIMIT
-    assert "limit point of the path at about 37.2" in found.reason
+    assert found.outcome is Outcome.LIMIT_POINT
+    assert "limit point of the path at 37.23" in found.reason
     assert found.quantities["press_limit_point"] == pytest.approx(37.236, abs=0.002)
     assert found.quantities["patch_to_clamp_mm"] > 50
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("mesh", ["20x18", "28x26", "42x40"])
+def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str) -> None:
+    """Under 60 times the cost of a step to 20 mm, with a state that the judge would pass, and the place of the mode."""
+    element = {"thickness_strain": "balanced"}
+    easy, lost = (run({"delta_mm": delta, **element}, mesh, model="half") for delta in ("20", "40"))
+    assert lost.outcome is Outcome.LIMIT_POINT
+    for what in ("factorisations", "flops"):
+        assert lost.counters[what] < 60 * easy.counters[what]
+    assert lost.timing["cpu"] < 60 * easy.timing["cpu"]
+    limit = lost.quantities["press_limit_point"]
+    assert f"limit point of the path at {limit:.7g}" in lost.reason
+    assert "negative eigenvalues of the tangent" in lost.reason
+    assert 50 < lost.quantities["mode_psi_deg"] < 90  # beside the rim of the patch
+    assert lost.quantities["mode_phi_deg"] < 15
+    (mode,) = lost.tables["mode"]
+    assert np.max(np.linalg.norm(mode[["x", "y", "z"]], axis=1)) == pytest.approx(1.0)
+    reached = run({"delta_mm": f"{limit - 0.05}", **element}, mesh, model="half", steps=8)
+    assert reached.outcome.converged  # by plain steps of the travel
+    force = reached.steps[-1]["force_N"]
+    forces = lost.model.candidates.weights @ lost.last.pressure * lost.model.part.copies
+    assert force == pytest.approx(forces, rel=0.01)
 
 
 @pytest.mark.parametrize("epsilon", ["inf", "1e4"])

@@ -1,0 +1,145 @@
+"""Equilibrium curves of a body and a foundation that moves: points on planes of x = (m u, t), t the travel.
+
+The travel is an unknown, the last one, on which the gaps depend; the plane is its equation::
+
+    r(u) = G_u^T W p,    g(u, t) >= 0,  p >= 0,  p g = 0,    N . (m u, t) = N . guess
+
+That is a contact problem like any other, but for a row of the tangent that the foundation does not push. An algorithm
+that puts its set into the tangent solves it, which is regular where the path turns back in t.
+Source: Keller (1977); with contact, Wriggers, Computational Contact Mechanics (2006), section 10.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from contact.continuation.critical_points import negative_eigenvalues
+from contact.continuation.equilibrium_curve import ArcPoint
+from contact.events import Event, EventKind
+from contact.newton.pivots import Pivots
+from contact.newton.state import Tally
+from contact.newton.step import NewtonRun
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
+
+FEW = {"max_iterations": 10, "max_updates": 10}  # what a point may take: a step that is not easy is cut
+ProblemAt = Callable[[float], ContactProblem]
+
+
+@dataclass(frozen=True, eq=False)
+class PressedCurve:
+    """The path of problem_at(t), followed by points (u, t).
+
+    problem: that in (u, t), the ``travel`` of a problem of the path.  m: scale of the displacements.  tally: what all
+    points have cost.
+    """
+
+    problem_at: ProblemAt
+    problem: ContactProblem
+    algorithm: ContactAlgorithm
+    m: float = 1.0
+    tally: Tally = field(default_factory=Tally)
+
+    @classmethod
+    def through(
+        cls,
+        problem_at: Callable[[float], ContactProblem],
+        t: float,
+        state: ContactSolution,
+        algorithm: ContactAlgorithm,
+    ) -> tuple[PressedCurve, ArcPoint]:
+        """The curve and its point at the converged ``state`` at t, where displacements and travel count alike.
+
+        Raises ValueError on a path on which more than a foundation moves, or another thing.
+        """
+        travel = problem_at(t).travel
+        if travel is None:
+            raise ValueError("the path has no travel of a foundation for its parameter")
+        curve = cls(problem_at, travel(), hasty(algorithm))
+        start = curve.counted(ArcPoint(state.u, t, pressure=state.pressure, active=state.active))
+        tangent = curve.tangent(start, np.append(np.zeros_like(state.u), 1.0))
+        return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1])), start
+
+    def scaled(self, displacement: float, travel: float) -> PressedCurve:
+        """The curve in the scale in which so much displacement counts like so much travel."""
+        return replace(self, m=travel / max(displacement, np.finfo(float).tiny))
+
+    def place(self, point: ArcPoint) -> np.ndarray:
+        """x = (m u, t) (n + 1,)."""
+        return np.append(self.m * point.u, point.factor)
+
+    def tangent(self, point: ArcPoint, along: np.ndarray) -> np.ndarray:
+        """Unit tangent at a converged point in the sense of ``along``, while its set stays.
+
+        Raises SingularMatrixError.
+        """
+        x = np.append(point.u, point.factor)
+        problem = self._bordered(along / np.linalg.norm(along), x)
+        run = NewtonRun(problem, self.algorithm.epsilon, tally=self.tally)
+        A, b = problem.stiffness(run.linearise(x, None), x, point.pressure), np.zeros_like(x)
+        b[-1] = _size(A)
+        nodes, pivots = np.flatnonzero(point.active), None
+        if len(nodes):
+            pivots = Pivots.choose(problem, x, nodes, A, run.epsilon).homogeneous()
+            A, b = pivots.substitute(A, b)
+        found = run.solution(run.factorise(A), A, b)
+        if pivots is not None:
+            found, _ = pivots.resolve(found)
+        found[:-1] *= self.m
+        return found / np.linalg.norm(found)
+
+    def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint | None:
+        """The point on the plane through ``guess`` with the given normal, from the converged ``start``; None if none.
+
+        ``event`` heads its rows of history.
+        """
+        problem = self._bordered(normal, np.append(guess[:-1] / self.m, guess[-1]))
+        begin = ContactSolution(np.append(start.u, start.factor), start.pressure, start.active, Outcome.CONVERGED)
+        found = self.algorithm.solve(problem, begin)
+        for key, value in found.counters.items():
+            self.tally.counters[key] = self.tally.counters.get(key, 0) + value
+        t = float(found.u[-1])
+        rows: list[dict[str, object]] = [{"parameter": t, "iteration": i, **row} for i, row in enumerate(found.history)]
+        if rows:
+            rows[0].setdefault("event", Event(EventKind.POINT, event))
+        self.tally.history += rows
+        if not found.outcome.converged:
+            return None
+        spent = int(found.counters.get("newton_iterations", 0))
+        return self.counted(ArcPoint(found.u[:-1], t, spent, pressure=found.pressure, active=found.active))
+
+    def counted(self, point: ArcPoint) -> ArcPoint:
+        """The point with the number of negative eigenvalues of the tangent there, at fixed travel."""
+        state = ContactSolution(point.u, point.pressure, point.active, Outcome.CONVERGED)
+        for what in ("assemblies", "factorisations"):
+            self.tally.counters[what] += 1
+        found = negative_eigenvalues(self.problem_at(point.factor), state, self.algorithm.epsilon)
+        return replace(point, negative=found)
+
+    def _bordered(self, normal: np.ndarray, through: np.ndarray) -> ContactProblem:
+        """The problem with the plane through the given (u, t) for its last row, in the size of the others."""
+        row, body = np.append(self.m * normal[:-1], normal[-1]), self.problem.linearise
+
+        def linearise(x: np.ndarray, memory: object) -> Linearisation:
+            lin = body(x, memory)
+            size, residual = _size(lin.tangent), lin.residual.copy()
+            residual[-1] = size * (row @ (x - through))
+            last = sparse.csr_matrix(size * row[None, :])
+            K = sparse.csc_matrix(sparse.vstack([lin.tangent[:-1], last], format="csc"))
+            return Linearisation(residual, K, lin.scale, lin.remember)
+
+        return replace(self.problem, linearise=linearise)
+
+
+def _size(K: sparse.csc_matrix) -> float:
+    """Mean size of the diagonal of the body."""
+    return float(np.mean(np.abs(K.diagonal()[:-1])))
+
+
+def hasty(algorithm: ContactAlgorithm) -> ContactAlgorithm:
+    """The algorithm that gives up early, as far as it can be told to."""
+    known = {each.name for each in fields(algorithm)} if is_dataclass(algorithm) else set[str]()
+    return replace(algorithm, **{name: most for name, most in FEW.items() if name in known})  # type: ignore[type-var]

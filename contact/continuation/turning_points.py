@@ -1,0 +1,79 @@
+"""Where a path of moving foundations turns back: its first limit point by arc length, and the mode there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.continuation.arc_length import ArcLength, Trace
+from contact.continuation.critical_points import Ending, PathEnd, State, why_it_ends
+from contact.continuation.equilibrium_curve import ArcPoint
+from contact.continuation.pressed_curve import PressedCurve
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.solvers.sparse import SingularMatrixError
+
+EASY, HARD = 5, 8  # iterations of a point with contact, whose set takes some of them
+POINTS = 60
+SMALLEST = 1e-5  # of the first step
+
+
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """The end of a path towards a target: at the target, at the limit point before it, or where no step succeeds.
+
+    t, solution: the last state, of which counters and history are those of all points; points: their number.
+    """
+
+    t: float
+    solution: ContactSolution
+    outcome: Outcome
+    points: int
+    end: Ending | None = None
+
+
+def by_arc_length(
+    problem_at: Callable[[float], ContactProblem],
+    states: tuple[State, ...],
+    target: float,
+    algorithm: ContactAlgorithm,
+    first: float,
+) -> Turned:
+    """The path from the last of the converged ``states`` (parameter, solution) to the target or to its limit point.
+
+    first: change of the parameter in the first step.  Raises ValueError where only its parameter moves the path.
+    """
+    start, state = states[-1]
+    arc = ArcLength(first, EASY, HARD, smallest=SMALLEST, max_points=POINTS, to_limit=True)
+    curve, begin = PressedCurve.through(problem_at, start, state, algorithm)
+    trace = arc.along(curve, begin, [target])
+    outcome, end = trace.outcome, None
+    if trace.outcome is Outcome.LIMIT_POINT:
+        last = next((point for point in trace.points if point.limit), trace.points[-2])
+        end = _limit(curve, trace, last)
+    else:
+        last = trace.points[-1]
+    if not outcome.converged and end is None:
+        reached = [(point.factor, _state(point)) for point in trace.points[-3:]]
+        outcome, end = Outcome.STEP_LIMIT, why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
+    found = replace(_state(last), counters=trace.counters, history=tuple(trace.history))
+    return Turned(last.factor, found, outcome, len(trace.points) - 1, end)
+
+
+def _limit(curve: PressedCurve, trace: Trace, last: ArcPoint) -> Ending:
+    """What the points on both sides of the limit point say of it."""
+    before, after = trace.points[-3 if last.limit else -2], trace.points[-1]
+    told = f"limit point of the path at {last.factor:.7g}: it turns back"
+    if before.negative is not None and after.negative is not None:
+        told += "; negative eigenvalues of the tangent on the motions that the contact set leaves free: "
+        told += f"{before.negative} before, {after.negative} behind it"
+    try:
+        mode = curve.tangent(last, curve.place(after) - curve.place(before))[:-1]
+    except SingularMatrixError:
+        mode = after.u - last.u
+    return Ending(PathEnd.LIMIT_POINT, told, last.factor, mode / (float(np.linalg.norm(mode)) or 1.0))
+
+
+def _state(point: ArcPoint) -> ContactSolution:
+    return ContactSolution(point.u, point.pressure, point.active, Outcome.CONVERGED)
