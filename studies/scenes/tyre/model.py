@@ -18,6 +18,7 @@ from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, part_of
 from studies.scenes.tyre.press import Column, PressedTyre, Wall, begin_inflation
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within
+from studies.scenes.tyre.stability import beside_the_patch
 from studies.scenes.tyre.wall import checked_wall, inflated_shell
 
 
@@ -61,6 +62,11 @@ class TyreModel(ShellSceneModel, PressedTyre):
         for stage in super().stages():
             cut = stage.name == "press" and not self.part.whole
             yield sector_stage(stage, self.shell, self.part, self.outer_pressure) if cut else stage
+
+    def _see_mode(self, state: ContactSolution, mode: np.ndarray) -> Observation:
+        seen = super()._see_mode(state, mode)
+        waves = beside_the_patch(self.shell, self.part, state.u, self.nodes[state.active])
+        return replace(seen, quantities=seen.quantities | waves)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the nodes of the part; zero during inflation."""

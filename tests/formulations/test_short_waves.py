@@ -1,0 +1,105 @@
+"""The acoustic tensor of a shell against closed forms, second differences of its energy, and what grids make of it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from formulations.discretisation import Discretisation
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate, torus
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from formulations.short_waves import acoustic_tensors, short_waves
+from formulations.strains.catalogue import MEASURES
+
+E, H = 6.0, 2.0  # MPa, mm
+G = E / 2  # nu = 0
+
+
+def strip(n: int, length: float = H) -> ShellModel:
+    """A plate of n elements along its length, one unit wide, all of its edges held."""
+    grid = Grid.tensor(np.linspace(0.0, length, n + 1), np.array([0.0, 1.0]))
+    fixed = np.ones((grid.n_nodes, 6), bool)
+    inside = (grid.nodes[:, 0] > 1e-9) & (grid.nodes[:, 0] < length - 1e-9)
+    fixed[inside] = [False, False, True, True, False, False]  # plane strain
+    laminate = Laminate.single(Ply.isotropic(E, 0.0, H))
+    discretisation = Discretisation.build(Plate(), grid, laminate, fixed)
+    return ShellModel(discretisation, MEASURES["exact"], thickness_strain="balanced")
+
+
+def compressed(shell: ShellModel, stretch: float) -> tuple[ShellModel, np.ndarray]:
+    """The plate with its ends brought together, and the displacements of a homogeneous state."""
+    v = np.zeros((shell.discretisation.grid.n_nodes, 6))
+    v[:, :2] = (stretch - 1) * shell.discretisation.grid.nodes[:, :1]
+    held = shell.discretisation.map.held
+    prescribed = np.where(held, v, 0.0)
+    fields = ("discretisation", "measure", "section", "newton", "thickness_strain", "membrane")
+    moved = ShellModel(**{name: getattr(shell, name) for name in fields}, prescribed=prescribed)
+    return moved, moved.discretisation.map.restrict(v)
+
+
+@pytest.mark.parametrize("stretch", [1.0, 1.1, 0.9, np.sqrt(2 / 3)])
+def test_a_plate_under_uniform_strain(stretch: float) -> None:
+    """The faces move apart and together: G h/6 of the linear part of the shear, and half of the resultant E h E11.
+
+    At E11 = -G/(3 E) = -1/6 the plate loses its ellipticity.
+    """
+    shell, u = compressed(strip(3), stretch)
+    found = short_waves(shell, u)
+    strain = (stretch**2 - 1) / 2
+    along_1 = H * (G / 6 + E * strain / 2)
+    np.testing.assert_allclose(found.least, min(along_1, H * G / 6), rtol=1e-9, atol=1e-12)
+    if strain < 0:
+        np.testing.assert_allclose(found.angle, 0.0)
+        np.testing.assert_allclose(found.amplitude[:, ::2], -found.amplitude[:, 1::2], atol=1e-9)
+
+
+def negative(n: int, strain: float) -> int:
+    shell, u = compressed(strip(n), np.sqrt(1 + 2 * strain))
+    return int(np.sum(np.linalg.eigvalsh(shell.linearise(u).tangent.toarray()) < 0))
+
+
+def test_finer_grids_buckle_earlier_only_where_ellipticity_is_lost() -> None:
+    """A block as long as it is thick: before E11 = -1/6 no grid buckles it; behind it each that is fine enough does."""
+    assert [negative(n, -0.15) for n in (4, 16, 64)] == [0, 0, 0]
+    assert negative(4, -0.17) == 0 < negative(64, -0.17)
+    counts = [negative(n, -0.20) for n in (4, 8, 16, 32)]
+    assert np.all(np.divide(counts[1:], counts[:-1]) > 2)  # the finer, the more
+
+
+def patch_of_torus(measure: str, n: int, size: float) -> ShellModel:
+    grid = Grid.tensor(np.linspace(0.4, 0.4 + size, n + 1), np.linspace(0.0, 0.2 * size, n + 1))
+    laminate = Laminate(tuple(Ply(20.0, 7.0, 2.3, 1.8, 0.4, 0.5, angle, 1.2) for angle in (0.9, -0.9)), 0.0)
+    free = np.zeros((grid.n_nodes, 6), bool)
+    return ShellModel(Discretisation.build(torus(200.0, 50.0), grid, laminate, free), MEASURES[measure])
+
+
+@pytest.mark.parametrize("measure", ["exact", "von-karman"])
+@pytest.mark.parametrize("angle", [0.0, 0.6, 2.0])
+def test_the_tensor_by_second_differences_of_the_energy(measure: str, angle: float) -> None:
+    """Waves of any amplitude on a small strained patch: their energy per area is k^2/4 a.A a in the mean.
+
+    The elements interpolate them linearly: of second order.
+    """
+    rng = np.random.default_rng(5)
+    size, waves, step = 0.006, 2, 1e-7
+    strained, a = 0.05 * rng.normal(size=(2, 6)), rng.normal(size=6)
+    errors = []
+    for n in (24, 48):
+        shell = patch_of_torus(measure, n, size)
+        own = shell.discretisation
+        grid, lengths = own.grid, np.array([50.0, 200.0 + 50.0 * np.cos(0.4 + size / 2)])
+        s = lengths * (grid.nodes - grid.centre.mean(axis=0))
+        base = own.map.restrict(s @ strained)
+        (A,) = acoustic_tensors(shell, base, np.array([angle]))
+        k = 2 * np.pi * waves / (50.0 * size)
+        energies = []
+        for shift in (0.0, np.pi / 2):  # cos^2 + sin^2: no mean of what is mixed is left
+            wave = step * np.cos(k * s @ [np.cos(angle), np.sin(angle)] + shift)[:, None] * a
+            values = [shell.energy(own.map.restrict(s @ strained + sign * wave)) for sign in (-1, 0, 1)]
+            energies.append((values[0] - 2 * values[1] + values[2]) / step**2)
+        expected = k**2 * float(own.geometry.weight @ (A @ a @ a))
+        errors.append(sum(energies) / expected - 1)
+    assert abs(errors[1]) < 0.05
+    assert errors[0] / errors[1] == pytest.approx(4.0, rel=0.3)
