@@ -46,7 +46,8 @@ class ArcLength:
     tangent and chord of a step; a sharper turn is taken in smaller steps, or the march could return on its own trace.
     watched: fraction of the first step above which a point must belong to the curve by its negative eigenvalues, where
     they are counted; smaller steps pass branches.  to_limit: end with the first limit point.
-    tolerance: residual relative to the forces in balance at which the Newton of a point ends.
+    tolerance: residual relative to the forces in balance at which the Newton of a point ends.  ordered: as for a
+    problem; minimum degree is led astray by the full row of the border, and fills in twice as much as without it.
     """
 
     first_factor: float
@@ -61,6 +62,7 @@ class ArcLength:
     max_points: int = 1000
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
+    ordered: bool = False
 
     def trace(
         self,
@@ -74,7 +76,7 @@ class ArcLength:
         ``linearise`` must not contain the load; ``load`` (n,) is the force at t = 1.  targets: increasing positive load
         factors; each counts where the load first reaches it.
         """
-        curve = Curve.at_rest(linearise, load, self.max_iterations, self.solver, self.tolerance)
+        curve = Curve.at_rest(linearise, load, self.max_iterations, self.solver, self.tolerance, self.ordered)
         return self.along(curve, ArcPoint(np.zeros_like(load), 0.0), targets, on_point)
 
     def along(

@@ -53,10 +53,16 @@ class Curve:
 
     @classmethod
     def at_rest(
-        cls, linearise: Linearise, load: np.ndarray, max_iterations: int, solver: str, tolerance: float
+        cls,
+        linearise: Linearise,
+        load: np.ndarray,
+        max_iterations: int,
+        solver: str,
+        tolerance: float,
+        ordered: bool = False,
     ) -> Curve:
         """Displacements and load count alike on the tangent at rest; ``linearise`` must not contain the load."""
-        run = NewtonRun(without_contact(linearise, len(load)), solver=solver, tolerance=tolerance)
+        run = NewtonRun(without_contact(linearise, len(load), ordered=ordered), solver=solver, tolerance=tolerance)
         curve = cls(run, load, 1.0, max_iterations)
         tangent = curve.tangent(ArcPoint(np.zeros_like(load), 0.0), np.append(np.zeros_like(load), 1.0))
         return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1]))

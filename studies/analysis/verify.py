@@ -28,7 +28,7 @@ from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
 
 CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
-HOW = ("mesh", "contact", "newton", "steps", "model", "sector_deg", "tolerance", "solver", "epsilon")
+HOW = ("mesh", "lines", "contact", "newton", "steps", "model", "sector_deg", "tolerance", "solver", "epsilon")
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),

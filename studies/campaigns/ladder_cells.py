@@ -6,7 +6,7 @@ The same ladders serve every element and every table over all scenes.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 from studies.campaigns.cell import Cell
 
@@ -19,6 +19,8 @@ class Ladder:
 
     quantities: what is judged, the first one is the scene's headline. at: the step where they are read, KEY=VALUE;
     without one, the last step. family: whose picture they are in. settings, measure: as for ``footprint solve``.
+    coarser: what is solved in the place of the finest mesh where that is left out and only two would be left.
+    causes: why quantities by name are not in an asymptotic range.
     """
 
     name: str
@@ -29,6 +31,12 @@ class Ladder:
     settings: Mapping[str, str]
     measure: str
     at: str
+    coarser: tuple[str, ...] = ()
+    causes: Mapping[str, str] = field(default_factory=dict)
+
+    def climbed(self, *, finest: bool) -> tuple[str, ...]:
+        """Its meshes, with the finest or without."""
+        return self.meshes if finest else (*self.coarser, *self.meshes[:-1])
 
 
 def _ladder(
@@ -46,6 +54,11 @@ def _ladder(
     return Ladder(name or scene, scene, family, meshes, quantities, settings, measure, at)
 
 
+def _from_second(ladder: Ladder) -> Ladder:
+    """The same without its first mesh, which is too coarse for an order."""
+    return replace(ladder, meshes=ladder.meshes[1:], coarser=ladder.meshes[:1])
+
+
 def _meshes(n1: int, n2: int, factors: tuple[int, ...] = (1, 2, 4, 8)) -> tuple[str, ...]:
     """Multiples of a mesh; by default each halves the elements of the one before."""
     return tuple(f"{n1 * k}x{n2 * k}" for k in factors)
@@ -56,35 +69,45 @@ def _linear(scene: str, *quantities: str, **settings: str) -> Ladder:
 
 
 _ROTATIONS, _SNAP, _CLOSED, _CONTACT, _TYRE = "large rotations", "snap through", "closed forms", "contact", "tyre"
-_TYRE_MESHES = ("28x26", "42x40", "56x54", "84x80")  # all close to the same grading
+_TYRE_MESHES = _meshes(14, 18)  # those of the solid, and one more
 ISOTROPIC = {
     **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
     **{"load": "follower", "pressure_area": "face"},
 }
+_SQUEEZE = (
+    "the rim carries a line force, which passes from one ring of nodes to the next as soon as the elements are as small"
+    " as the strip of 0.6 thicknesses over which it squeezes the wall"
+)
 _STRIPS = ("16x1", "32x1", "64x1", "128x1")  # nothing varies across
+_LONG = ("64x1", "128x1", "256x1", "512x1")
+_PLATES = ("14x1", "28x1", "56x1", "112x1")
 _FULL = {"load_fraction": "1"}
+# A free edge has a layer as wide as the wall is thick, where twist turns into shear: even lines meet it on one mesh of
+# many, and the order changes there.
+_EDGES = {**_FULL, "lines": "edges"}
+_RIM = {"lines": "rim"}
 _TIP = ("tip_deflection_mm", "tip_shortening_mm")
 _WALL = ("stretch", "thickness_ratio")
 _PATCH = ("force_N", "centre_pressure_MPa")
+_DISC = ("contact_force", "contact_radius")
+_LIMIT = ("limit_load_fraction", "limit_w_C_even_mm")
 _RESULTANTS = tuple(f"N_{name}_{place}_N_per_mm" for place in ("crown", "inner") for name in ("phi", "theta"))
 
 LADDERS = (
-    _ladder("cantilever", _ROTATIONS, _meshes(32, 2), _TIP, **_FULL),
+    # nothing varies across, nu = 0; coarser, two errors of different order take turns
+    _ladder("cantilever", _ROTATIONS, _LONG, _TIP, **_FULL),
     _ladder("sze-moment", _ROTATIONS, _meshes(32, 1), _TIP, load_fraction="0.5"),
-    _ladder("sze-annulus", _ROTATIONS, _meshes(5, 40), ("w_B_mm", "w_A_mm"), **_FULL),
-    _ladder("hemisphere", _ROTATIONS, _meshes(16, 16), ("inward_mm", "outward_mm"), **_FULL),
-    _ladder("sze-pullout", _ROTATIONS, _meshes(8, 12, (1, 2, 3, 4)), ("w_A_mm", "u_B_mm", "u_C_mm"), **_FULL),
-    _ladder(  # before the snap
-        *("sze-pinched", _ROTATIONS, _meshes(16, 16, (1, 2, 3, 4)), ("w_A_mm", "u_B_mm")), load_fraction="0.1"
+    _from_second(_ladder("sze-annulus", _ROTATIONS, _meshes(5, 40), ("w_B_mm", "w_A_mm"), **_EDGES)),
+    _from_second(_ladder("hemisphere", _ROTATIONS, _meshes(16, 16), ("inward_mm", "outward_mm"), **_EDGES)),
+    _from_second(_ladder("sze-pullout", _ROTATIONS, _meshes(6, 9), ("w_A_even_mm", "u_B_mm", "u_C_mm"), **_EDGES)),
+    _from_second(  # before the snap
+        _ladder("sze-pinched", _ROTATIONS, _meshes(8, 8), ("w_A_mm", "u_B_mm"), load_fraction="0.1")
     ),
     *(
-        _ladder(f"semicylinder{plies}", _ROTATIONS, _meshes(8, 8, (2, 3, 4, 6)), ("w_A_mm",))
+        _from_second(_ladder(f"semicylinder{plies}", _ROTATIONS, _meshes(6, 6), ("w_A_mm",)))
         for plies in ("", "-0-90-0", "-90-0-90")
     ),
-    *(  # a whole curve each: 32x32 costs three times 24x24
-        _ladder(f"roof-{letter}", _SNAP, _meshes(4, 4, (1, 2, 4, 6)), ("limit_load_fraction", "limit_w_C_mm"))
-        for letter in "abcdef"
-    ),
+    *(_from_second(_ladder(f"roof-{letter}", _SNAP, _meshes(4, 4), _LIMIT, lines="edges")) for letter in "abcdef"),
     _ladder(  # nothing varies around the axis
         "shallow-cap", _SNAP, ("8x2", "16x2", "32x2", "64x2"), ("limit_load_fraction", "limit_w_apex_mm")
     ),
@@ -99,19 +122,23 @@ LADDERS = (
     ),
     _ladder("pressurised-sphere", _CLOSED, _meshes(2, 2), _WALL, **_FULL),
     # one element around the axis: nothing varies there
-    _ladder("pressurised-torus", _CLOSED, ("32x1", "64x1", "128x1", "256x1"), _RESULTANTS),
+    _ladder("pressurised-torus", _CLOSED, _LONG, _RESULTANTS),
     *(
         _ladder("strip-contact", _CONTACT, _STRIPS, quantities, name=name, measure="linear", load_fraction="5", **shear)
         for name, quantities, shear in (
-            ("strip-contact", ("half_force", "free_length", "edge_pressure"), {}),
+            # lam so large that the elements resolve the pressure at the rim before they resolve the wall's squeeze
+            ("strip-contact", ("half_force", "free_length", "edge_pressure"), {"lam_over_a": "0.2", **_RIM}),
             ("strip-contact-no-shear", ("half_force",), {"lam_over_a": "0.001"}),
         )
     ),
-    _ladder("heavy-strip", _CONTACT, _STRIPS, ("lift_force", "free_length"), measure="linear", **_FULL),
-    _ladder(
-        "plate-contact", _CONTACT, _STRIPS, ("contact_force", "contact_radius"), measure="linear", load_fraction="5"
+    _ladder("heavy-strip", _CONTACT, _LONG, ("lift_force", "free_length"), measure="linear", **_FULL, **_RIM),
+    replace(
+        _ladder("plate-contact", _CONTACT, _PLATES, _DISC, measure="linear", load_fraction="5", **_RIM),
+        causes={"contact_radius": _SQUEEZE},
     ),
-    _ladder("ring", _CONTACT, _meshes(1, 16, (1, 2, 3, 4)), ("P_H2_over_EI", "flat_half_length"), delta_mm="50"),
+    _from_second(
+        _ladder("ring", _CONTACT, _meshes(1, 10), ("P_H2_over_EI", "flat_half_length"), delta_mm="50", **_RIM)
+    ),
     _ladder("tyre", _TYRE, _TYRE_MESHES, _PATCH, delta_mm="20"),
     _ladder("tyre", _TYRE, _TYRE_MESHES, _PATCH, name="tyre-isotropic", at="delta_mm=10", **ISOTROPIC),
 )
@@ -135,5 +162,5 @@ def cells(element_settings: Mapping[str, str], element_label: str, *, finest: bo
             {**ladder.settings, **element_settings},
         )
         for ladder in LADDERS
-        for mesh in ladder.meshes[: None if finest else -1]
+        for mesh in ladder.climbed(finest=finest)
     )

@@ -33,20 +33,49 @@ ELEMENT = (
     Setting.one_of("element", PRESETS, "refined", BY_ONE_NAME, presets=PRESETS),
     *(Setting.one_of(key, choices, None, text, otherwise="by element") for key, choices, text in OPTIONS),
 )
+LINES = Setting.one_of("lines", ("even", "edges"), "even", "grid lines: evenly spaced, or closer towards edges")
 Span = tuple[float, float]  # both ends of a coordinate
 
 
-def even_grid(request: Request, a1: Span, a2: Span) -> Grid:
-    """The mesh asked for, evenly spaced between the ends of both coordinates."""
+def even_grid(request: Request, a1: Span, a2: Span, closer: Sequence[bool] = (False,) * 4) -> Grid:
+    """The mesh asked for between the ends of both coordinates, evenly spaced unless the scene has LINES.
+
+    closer: whether the lines are to get closer towards the first and the last a1, and the first and the last a2.
+    """
     n1, n2 = request.mesh
-    return Grid.tensor(np.linspace(*a1, n1 + 1), np.linspace(*a2, n2 + 1))
+    towards = closer if request.settings.get("lines") == "edges" else (False,) * 4
+    return Grid.tensor(spaced_lines(*a1, n1, *towards[:2]), spaced_lines(*a2, n2, *towards[2:]))
+
+
+def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_end: bool = False) -> np.ndarray:
+    """n + 1 lines, evenly spaced, or closer towards one end or both; those of 2 n contain them.
+
+    x(s) = sin(pi s/2) from 0 to 1 towards the end, at even s, and (1 - cos pi s)/2 towards both. The maps are smooth,
+    so the order stays. The last elements are of the size (pi/n)^2/8 or /4: they come down to the layers that a shell
+    with shear has at its edges, as wide as the wall is thick, while most others are far larger.
+    """
+    s = np.linspace(0.0, 1.0, n + 1)
+    if to_start and to_end:
+        s = (1 - np.cos(np.pi * s)) / 2
+    elif to_end:
+        s = np.sin(np.pi / 2 * s)
+    elif to_start:
+        s = 1 - np.sin(np.pi / 2 * (1 - s))
+    lines = start + (end - start) * s
+    lines[-1] = end
+    return lines
 
 
 def patch(
     request: Request, surface: Surface, a1: Span, a2: Span, laminate: Laminate, edges: Sequence[str]
 ) -> Discretisation:
-    """A piece of a surface on the mesh asked for, evenly spaced; edges: see :meth:`Supports.of_edges`."""
-    grid = even_grid(request, a1, a2)
+    """A piece of a surface on the mesh asked for; edges: see :meth:`Supports.of_edges`; a symmetry plane is none."""
+    closer = [word != "symmetric" for word in edges]
+    return on_grid(request, surface, even_grid(request, a1, a2, closer), laminate, edges)
+
+
+def on_grid(request: Request, surface: Surface, grid: Grid, laminate: Laminate, edges: Sequence[str]) -> Discretisation:
+    """A piece of a surface on a grid; edges: see :meth:`Supports.of_edges`."""
     return discretise(request, surface, grid, laminate, *Supports.of_edges(grid, *edges).masks)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TypedDict, Unpack
 
 import numpy as np
@@ -44,6 +45,24 @@ def normal_at(discretisation: Discretisation, places: Mapping[str, tuple[int | n
         return {name: float(sign * v[nodes, 4:].mean()) for name, (nodes, sign) in places.items()}
 
     return read
+
+
+def point_rise(force: float, shear_stiffness: float, thickness: float, size: float) -> float:
+    """What elements of a size other than the wall's thickness h add [mm] to the deflection under a point force F [N].
+
+    Under it a shell of the shear stiffness S [N/mm] sinks in by a logarithm without bound, S lap w = -F delta, so
+    w = -F/(2 pi S) ln r. Elements of the size l see that at r ~ l: they have F/(2 pi S) ln(h/l) more than those as
+    large as the wall is thick, and the deflection without it has a limit. force: of the whole plane around the point,
+    of which symmetry may leave a quarter.
+    """
+    return force / (2 * np.pi * shear_stiffness) * float(np.log(thickness / size))
+
+
+def element_size(discretisation: Discretisation, node: int) -> float:
+    """Geometric mean of the sides [mm] of the elements at a node."""
+    elements = discretisation.grid.elements
+    corners = discretisation.positions()[0][elements[np.any(elements == node, axis=1)]]
+    return float(np.sqrt(np.linalg.norm(corners[:, [1, 3]] - corners[:, [0]], axis=-1).prod(axis=-1).mean()))
 
 
 def edge_shares(nodes: int) -> np.ndarray:
@@ -124,26 +143,40 @@ class StaticModel(ShellSceneModel):
         n = shell.discretisation.n_free
         return with_balances(without_contact(shell.linearise, n, ordered=shell.ordered), shell)
 
+    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
+        return self.measure_at(self.shell, u)
+
     def _observe(self, problem: ContactProblem, state: ContactSolution, fraction: float) -> Observation:
-        displacements = self.measure_at(self.shell, state.u)
+        displacements = self._displacements(state.u, fraction)
         return Observation({"load_fraction": fraction, **displacements}, displacements)
 
 
 @dataclass(frozen=True, eq=False)
 class CurveModel(StaticModel):
-    """The same under dead forces only, its curve traced through limit points until its last load fraction."""
+    """The same under dead forces only, its curve traced through limit points until its last load fraction.
+
+    rises: of displacements by name under a point load, see :func:`point_rise`, at load fraction 1; what is left without
+    them is reported, too: of w_mm as w_even_mm.
+    """
 
     continuation: ArcLength
+    rises: Mapping[str, float]
 
     @classmethod
     def of(
-        cls, request: Request, discretisation: Discretisation, measure_at: Reading, **loads: Unpack[Loads]
+        cls,
+        request: Request,
+        discretisation: Discretisation,
+        measure_at: Reading,
+        rises: Mapping[str, float] = MappingProxyType({}),
+        **loads: Unpack[Loads],
     ) -> CurveModel:
         """The first arc step is ``arc_step`` over the number of steps."""
         first = request.number("arc_step") / request.steps
         solver, tolerance = request.choice("solver"), request.number("tolerance")
         static = StaticModel.of(request, discretisation, measure_at, **loads)
-        return cls(**vars(static), continuation=ArcLength(first, solver=solver, tolerance=tolerance))
+        continuation = ArcLength(first, solver=solver, tolerance=tolerance, ordered=static.shell.ordered)
+        return cls(**vars(static), continuation=continuation, rises=rises)
 
     def stages(self) -> Iterator[Stage]:
         """The curve from rest."""
@@ -152,11 +185,17 @@ class CurveModel(StaticModel):
         path = ("curve", self._begin, self.fractions, self._observe)
         yield ArcStage(*path, self.continuation, unloaded, self.shell.forces, self._summarise)
 
+    def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
+        found = self.measure_at(self.shell, u)
+        even = {key.replace("_mm", "_even_mm"): found[key] - fraction * rise for key, rise in self.rises.items()}
+        return found | even
+
     def _summarise(self, points: Sequence[ArcPoint]) -> dict[str, float]:
         """Number of limit points, load and displacements of the first."""
         limits = [point for point in points if point.limit]
         summary = {"limit_points": float(len(limits))}
         if limits:
             summary["limit_load_fraction"] = limits[0].factor
-            summary |= {f"limit_{key}": value for key, value in self.measure_at(self.shell, limits[0].u).items()}
+            at_limit = self._displacements(limits[0].u, limits[0].factor)
+            summary |= {f"limit_{key}": value for key, value in at_limit.items()}
         return summary

@@ -44,9 +44,10 @@ def _introduction(store: Store) -> str:
 Every scene on three or more meshes with the default element, `element=refined`. An order is the p of an error c h^p,
 fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its
 last two orders agree within {rule["same_order"]:g}; with three meshes there is one order only, and it must be within
-{rule["same_order"]:g} of the {rule["formal_order"]:g} of a bilinear element. The extrapolated value is Richardson's
-with the last order, and its uncertainty is the mesh error of the finest mesh times {rule["safe"]:g}, outside the
-asymptotic range times {rule["unsafe"]:g}. A dash stands where there is no order.""")
+{rule["same_order"]:g} of the {rule["formal_order"]:g} of a bilinear element. Every mesh is nested in the next, which
+halves its elements. The extrapolated value is Richardson's with the last order, and its uncertainty is the mesh error
+of the finest mesh times {rule["safe"]:g}, outside the asymptotic range times {rule["unsafe"]:g}. A dash stands where
+there is no order.""")
 
 
 def _orders(store: Store, data: pd.DataFrame) -> Part:
@@ -68,13 +69,29 @@ def _orders(store: Store, data: pd.DataFrame) -> Part:
 matter: their values agree within {share(store.rules()["same_value"], 3)}. *Last order*: of the three finest
 meshes; *order 1 before*: of the three meshes one step coarser.
 
-What can keep a sequence from its asymptotic range: two errors of different order and sign that take turns; a contact
-patch that grows by whole nodes; and a point load. Under a point load a shell with transverse shear sinks in by a
-logarithm of the element size, so a displacement there has no limit, and its orders fall for ever.""")
+Lines are laid so that nothing else changes from mesh to mesh than the size of the elements: closer towards free edges,
+where a shell with shear has a layer as wide as the wall is thick, and with one on the rim of contact where a closed
+form knows it. Under a point load F a shell of the shear stiffness S sinks in by F/(2 π S) times the logarithm of the
+element size, without a limit: `even` displacements are those of elements as large as the wall is thick.""")
     names = ["finest", *(f"{i} coarser" for i in range(1, longest))][::-1]
     steps = ["last order", *(f"order {i} before" for i in range(1, longest - 2))][::-1]
     header = ["scene", "quantity", "meshes", *names, *steps, "asymptotic range", "extrapolated", "±"]
-    return joined(text, table("Quantities on all meshes, orders and limits", header, rows, words=3))
+    return joined(text, table("Quantities on all meshes, orders and limits", header, rows, words=3), _outside(data))
+
+
+def _outside(data: pd.DataFrame) -> str:
+    """A sentence for each sequence that is not asymptotic."""
+    lines = []
+    for _, own in data[~data["asymptotic"].astype(bool)].groupby("sequence", sort=False):
+        first, values = own.iloc[0], own["value"].to_numpy(float)
+        apart = share(np.ptp(values[-3:]) / abs(values[-1]), 2)
+        orders = " and ".join(fixed(order, 2) for order in own["order"].iloc[2:])
+        cause = first["cause"] or "the cause is not known"
+        lines.append(
+            f"- {first['ladder']}, {code(first['quantity'])}: {cause} (orders {orders}; the last three "
+            f"meshes are {apart} apart)."
+        )
+    return "\n".join(["Not asymptotic, and why:", "", *lines]) if lines else ""
 
 
 def _pictures(data: pd.DataFrame) -> Part:

@@ -21,14 +21,14 @@ from studies.scene import Reference
 
 COLUMNS = (
     *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "value"),
-    *("order", "verdict", "asymptotic", "limit", "uncertainty", "iterations", "label", "command"),
+    *("order", "verdict", "asymptotic", "cause", "limit", "uncertainty", "iterations", "label", "command"),
 )
 ERROR_COLUMNS = (
     *("sequence", "reference", "kind", "value", "uncertainty", "source", "mesh", "error", "order"),
     *("mesh_part", "model_part", "limit_uncertainty", "verdict"),
 )
 WITHIN, BEYOND, NO_LIMIT = "within the uncertainties", "beyond the uncertainties", "no limit"
-ELEMENTS = {"refined": None, "paper": -1}  # by name, the meshes of its ladders: all, or all but the finest
+ELEMENTS = {"refined": True, "paper": False}  # by name, whether its ladders have their finest mesh
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +36,7 @@ class Rungs:
     """One quantity on the meshes of a ladder, coarse to fine; at: the load it is read at, empty for the whole path.
 
     ladder, family: empty for cells that no ladder has planned.  answers: None for a mesh that has no record.
+    cause: why it is not asymptotic, as its ladder has it.
     """
 
     ladder: str
@@ -47,6 +48,7 @@ class Rungs:
     labels: tuple[str, ...]
     answers: tuple[Answer | None, ...]
     sizes: tuple[float, ...]
+    cause: str = ""
 
     @property
     def finest(self) -> Answer | None:
@@ -89,29 +91,33 @@ def convergence(answers: Answers, table: pd.DataFrame) -> tuple[pd.DataFrame, pd
 
 def _planned(answers: Answers) -> Iterator[Rungs]:
     """The ladders that the campaign has planned, with each element, and the benchmarks at every load."""
-    for element, last in ELEMENTS.items():
+    for element, finest in ELEMENTS.items():
         for ladder in LADDERS:
-            labels = tuple(LABEL.format(ladder=ladder.name, mesh=mesh, element=element) for mesh in ladder.meshes)
+            named = {"ladder": ladder.name, "element": element}
+            labels = {mesh: LABEL.format(mesh=mesh, **named) for mesh in ladder.climbed(finest=finest)}
             key, _, value = ladder.at.partition("=")
             at = [{key: float(value)} if key else {}]
-            yield from _of_ladder(answers, ladder, element, labels[:last], at)
+            yield from _of_ladder(answers, ladder, element, labels, at)
     for ladder in BENCHMARKS:
-        labels = tuple(f"{ladder.name} {mesh.split('x')[0]}" for mesh in ladder.meshes)
-        first = answers.get(labels[0])
+        labels = {mesh: f"{ladder.name} {mesh.split('x')[0]}" for mesh in ladder.meshes}
+        first = answers.get(labels[ladder.meshes[0]])
         loads = [] if first is None else first.settings["load_fraction"]
         yield from _of_ladder(answers, ladder, "paper", labels, [{"load_fraction": load} for load in loads])
 
 
 def _of_ladder(
-    answers: Answers, ladder: Ladder, element: str, labels: tuple[str, ...], loads: Sequence[Mapping[str, float]]
+    answers: Answers, ladder: Ladder, element: str, of: Mapping[str, str], loads: Sequence[Mapping[str, float]]
 ) -> Iterator[Rungs]:
+    """of: labels by mesh."""
+    meshes, labels = tuple(of), tuple(of.values())
     if not any(label in answers.planned for label in labels):
         return
-    found, meshes = tuple(map(answers.get, labels)), ladder.meshes[: len(labels)]
+    found = tuple(map(answers.get, labels))
     sizes = tuple(1 / int(mesh.split("x")[0]) for mesh in meshes)
     for quantity in ladder.quantities:
+        cause = ladder.causes.get(quantity, "")
         for at in loads:
-            yield Rungs(ladder.name, ladder.family, element, quantity, at, meshes, labels, found, sizes)
+            yield Rungs(ladder.name, ladder.family, element, quantity, at, meshes, labels, found, sizes, cause)
 
 
 def _others(answers: Answers, table: pd.DataFrame) -> Iterator[Rungs]:
@@ -132,7 +138,7 @@ def _rows(i: int, rungs: Rungs, sequence: MeshSequence) -> Iterator[list[object]
     found = rungs.finest
     who = ["", ""] if found is None else [found.record[key] for key in ("scene", "measure")]
     at = ",".join(f"{key}={value:g}" for key, value in rungs.at.items())
-    verdict = [sequence.verdict, sequence.asymptotic, sequence.limit, sequence.uncertainty]
+    verdict = [sequence.verdict, sequence.asymptotic, rungs.cause, sequence.limit, sequence.uncertainty]
     for j, (mesh, answer) in enumerate(zip(rungs.meshes, rungs.answers, strict=True)):
         yield [
             *(i, rungs.ladder, rungs.family, rungs.element, *who, rungs.quantity, at),

@@ -10,7 +10,7 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.element import ELEMENT, LINES, discretise, even_grid
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm
@@ -28,13 +28,14 @@ class Hemisphere:
     name: str = "hemisphere"
     title: str = "Hemisphere with an 18 degree hole (Sze 3.4)"
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 2e-3, {"outward_mm": (1, 1), "inward_mm": (2, 1)})
 
     def build(self, request: Request) -> SceneModel:
         """Outward pull at a2 = 0, inward push at a2 = 90 degrees, half on each face."""
         right = np.pi / 2
-        grid = even_grid(request, (0, right - HOLE), (0, right))
+        closer = (True,) * 4  # towards the free edges, and the loads on the planes of symmetry
+        grid = even_grid(request, (0, right - HOLE), (0, right), closer)
         pulled, pushed = grid.node_at(0.0, 0.0), grid.node_at(0.0, right)
         supports = Supports.of_edges(grid, "free", "free", "symmetric", "symmetric")
         supports = supports.hold(pulled, (0,), ("inner",))  # the rigid motion along the axis, and nothing else

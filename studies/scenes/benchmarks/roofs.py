@@ -14,8 +14,16 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import read_reference, references
-from studies.scenes.element import ELEMENT, patch
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, normal_at, normal_forces
+from studies.scenes.element import ELEMENT, LINES, patch
+from studies.scenes.statics import (
+    ARC_STEP,
+    CURVE_FRACTIONS,
+    CurveModel,
+    element_size,
+    normal_at,
+    normal_forces,
+    point_rise,
+)
 
 RADIUS, HALF_LENGTH, HALF_ANGLE = 2540.0, 254.0, 0.1  # mm, mm, rad
 P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
@@ -59,7 +67,7 @@ class Roof:
     solid: tuple[float, float]
     uncertainty: float
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, ARC_STEP, LINES, *ELEMENT, SOLVER)
 
     @property
     def references(self) -> tuple[Reference, ...]:
@@ -81,13 +89,21 @@ class Roof:
         quarter = patch(request, cylinder(RADIUS), (0, HALF_LENGTH), (0, HALF_ANGLE), self.laminate(), edges)
         centre = quarter.grid.node_at(0.0, 0.0)
         forces = normal_forces(quarter.grid, {centre: -P_MAX / 4})
-        return CurveModel.of(request, quarter, normal_at(quarter, {"w_C_mm": (centre, -1)}), forces=forces)
+        under_load = normal_at(quarter, {"w_C_mm": (centre, -1)})
+        shear = self.thickness * (E / (2 * (1 + NU)) if self.layers == "isotropic" else G)  # the same in every ply
+        rise = {"w_C_mm": point_rise(P_MAX, shear, self.thickness, element_size(quarter, centre))}
+        return CurveModel.of(request, quarter, under_load, rise, forces=forces)
 
 
 def _limit(kind: str, source: str, uncertainty: float, values: tuple[float, float]) -> tuple[Reference, ...]:
-    """Load fraction and displacement of a limit point, the second one twice as uncertain."""
-    within = {"limit_load_fraction": uncertainty, "limit_w_C_mm": 2 * uncertainty}
-    return references(kind, source, within, [({}, dict(zip(within, values, strict=True)))])
+    """Load fraction and displacement of a limit point, the second one twice as uncertain.
+
+    That covers what the published elements, about as large as the wall is thick, are off w_C_even_mm (0.1 %).
+    """
+    within = {"limit_load_fraction": uncertainty} | dict.fromkeys(
+        ("limit_w_C_mm", "limit_w_C_even_mm"), 2 * uncertainty
+    )
+    return references(kind, source, within, [({}, dict(zip(within, (*values, values[1]), strict=True)))])
 
 
 def _roof(letter: str, h: float, layers: str, solid: tuple[float, float], uncertainty: float) -> Roof:

@@ -9,7 +9,7 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
-from studies.scenes.element import ELEMENT, patch
+from studies.scenes.element import ELEMENT, LINES, patch
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces, normal_at
 
 E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
@@ -26,7 +26,7 @@ class SlitAnnulus:
     name: str = "sze-annulus"
     title: str = "Slit annular plate lifted at the slit (Sze 3.3)"
     default_mesh: tuple[int, int] = (10, 80)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "w_B_mm": (2, 1)})
 
     def build(self, request: Request) -> SceneModel:

@@ -6,6 +6,8 @@ curve is traced by arc length.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from formulations.geometry.surfaces import cylinder
@@ -13,16 +15,37 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
-from studies.scenes.element import ELEMENT, patch
-from studies.scenes.statics import ARC_STEP, LOAD_FRACTIONS, CurveModel, normal_at, normal_forces
+from studies.scenes.element import ELEMENT, LINES, patch
+from studies.scenes.statics import (
+    ARC_STEP,
+    LOAD_FRACTIONS,
+    CurveModel,
+    element_size,
+    normal_at,
+    normal_forces,
+    point_rise,
+)
 
 E, NU, RADIUS, LENGTH, H = 10.5e6, 0.3125, 4.953, 10.35, 0.094  # MPa, -, mm, mm, mm
+SHEAR = H * E / (2 * (1 + NU))  # N/mm
 P_MAX = 40_000.0  # N per force on the whole cylinder; four octants share each
 
 
 FILE = "sze2004_3.5_pullout_open_cylinder.csv"
 SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.5 (S4R, 24x36)"
 READ = {"w_A_mm": (1, 1), "u_B_mm": (2, -1), "u_C_mm": (3, -1)}  # the table has the inward motions of B and C
+PUBLISHED_SIZE = float(np.sqrt(LENGTH / 2 / 24 * RADIUS * np.pi / 2 / 36))  # mm, of the elements
+
+
+def _references() -> tuple[Reference, ...]:
+    """The table, and w_A as its elements would give it if they were as large as the wall is thick."""
+    found, rise = tabulated(FILE, SOURCE, 5e-3, READ), point_rise(P_MAX, SHEAR, H, PUBLISHED_SIZE)
+    even = (
+        replace(each, quantity="w_A_even_mm", value=each.value - float(each.at["load_fraction"]) * rise)
+        for each in found
+        if each.quantity == "w_A_mm"
+    )
+    return (*found, *even)
 
 
 class PullOut:
@@ -34,8 +57,8 @@ class PullOut:
     name: str = "sze-pullout"
     title: str = "Open cylinder pulled out (Sze 3.5)"
     default_mesh: tuple[int, int] = (16, 24)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
-    references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, READ)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, ARC_STEP, LINES, *ELEMENT, SOLVER)
+    references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""
@@ -44,4 +67,5 @@ class PullOut:
         octant = patch(request, cylinder(RADIUS), (0, end), (0, side), laminate, edges)
         A, B, C = (octant.grid.node_at(*at) for at in ((0, 0), (0, side), (end, side)))
         radial = normal_at(octant, {"w_A_mm": (A, 1), "u_B_mm": (B, 1), "u_C_mm": (C, 1)})
-        return CurveModel.of(request, octant, radial, forces=normal_forces(octant.grid, {A: P_MAX / 4}))
+        rise = {"w_A_mm": point_rise(P_MAX, SHEAR, H, element_size(octant, A))}
+        return CurveModel.of(request, octant, radial, rise, forces=normal_forces(octant.grid, {A: P_MAX / 4}))

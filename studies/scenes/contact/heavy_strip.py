@@ -11,6 +11,7 @@ import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
+from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
 from studies.request import Request
@@ -18,8 +19,9 @@ from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
 from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
-from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.element import ELEMENT, discretise, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
@@ -44,15 +46,21 @@ class HeavyStrip:
     name: str = "heavy-strip"
     title: str = "Heavy strip on a plane, lifted at one end"
     default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (LIFTS, LAMBDA, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (LIFTS, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = REFERENCES
 
     def build(self, request: Request) -> SceneModel:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
-        grid = even_grid(request, (0, LENGTH), (0, B))
+        lam, highest = request.number("lam_over_unit"), request.numbers("load_fraction")[-1]
+        unit = highest**0.25  # the length that a lift scales with, over UNIT
+
+        def rim() -> float:
+            return UNIT * unit * lifted_strip(lam / unit)[0]
+
+        grid = Grid.tensor(contact_lines(request, 0, (0, LENGTH), rim), spaced_lines(0, B, request.mesh[1]))
         end = grid.on_line(0, 0.0)
         supports = Supports.of_edges(grid, "free", "symmetric", "symmetric", "symmetric").hold(end, (2,))
-        wall = strip_wall(UNIT * request.number("lam_over_unit"))
+        wall = strip_wall(UNIT * lam)
         strip = discretise(request, Plate(), grid, wall, *supports.masks)
         shell = loaded_shell(strip, request, forces=area_load(strip, lambda a1, a2: WEIGHT * UP))
         total = WEIGHT * LENGTH * B

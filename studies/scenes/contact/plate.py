@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
+from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
@@ -18,7 +19,8 @@ from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
 from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.element import ELEMENT, patch
+from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
+from studies.scenes.element import ELEMENT, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
@@ -46,7 +48,7 @@ class PlateContact:
     name: str = "plate-contact"
     title: str = "Clamped circular plate pressed on a plane"
     default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (PRESSURES, HOLE, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (PRESSURES, HOLE, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = REFERENCES
 
     def build(self, request: Request) -> SceneModel:
@@ -58,7 +60,10 @@ class PlateContact:
         rim = A * request.number("hole")
         laminate = ShearCorrected((Ply.isotropic(E, NU, H),), -H / 2, KIRCHHOFF)
         edges = ("symmetric", "clamped", "symmetric", "symmetric")
-        quarter = patch(request, annulus(), (rim, A), (0, np.pi / 2), laminate, edges)
+        last = request.numbers("load_fraction")[-1]
+        radii = contact_lines(request, 0, (rim, A), lambda: A * plate_contact(64 * last)[0])
+        grid = Grid.tensor(radii, spaced_lines(0, np.pi / 2, request.mesh[1]))
+        quarter = on_grid(request, annulus(), grid, laminate, edges)
         forces = area_load(quarter, lambda a1, a2: TOUCHING * DOWN)
         plug = TOUCHING * rim / 2 * DOWN  # p pi c^2 over the circumference 2 pi c
         forces += edge_force(quarter, 0, rim, lambda a1, a2: plug)

@@ -11,14 +11,16 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
+from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
 from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
 from studies.scenes.data import Row, references
-from studies.scenes.element import ELEMENT, patch
+from studies.scenes.element import ELEMENT, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0
@@ -44,14 +46,17 @@ class Ring:
     name: str = "ring"
     title: str = "Ring flattened between rigid plates"
     default_mesh: tuple[int, int] = (1, 64)
-    settings: tuple[Setting, ...] = (TRAVELS, THICKNESS, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (TRAVELS, THICKNESS, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides; P is the whole force of a plate."""
         h, right = request.number("h_mm"), np.pi / 2
         laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
-        quarter = patch(request, cylinder(RADIUS), (0, WIDTH), (0, right), laminate, ("symmetric",) * 4)
+        deltas = request.numbers("delta_mm")
+        around = contact_lines(request, 1, (0, right), lambda: flattened_ring(1 - deltas[-1] / RADIUS)[1])
+        grid = Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), around)
+        quarter = on_grid(request, cylinder(RADIUS), grid, laminate, ("symmetric",) * 4)
         shell, side = loaded_shell(quarter, request), quarter.grid.on_line(1, right)
 
         def measured(delta: float, touch: Touch) -> dict[str, float]:
@@ -65,5 +70,4 @@ class Ring:
         def plate(delta: float) -> RigidPlane:
             return RigidPlane(AWAY, RADIUS + h / 2 - delta)
 
-        deltas = request.numbers("delta_mm")
         return ContactModel(shell, side, deltas, plate, measured, key="delta_mm", body_at=lambda delta: shell)

@@ -11,14 +11,17 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
+from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
+from studies.scenes.closed_forms.beams_on_planes import strip_contact
 from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
 from studies.scenes.data import read_reference, references
-from studies.scenes.element import ELEMENT, patch
+from studies.scenes.element import ELEMENT, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
@@ -84,13 +87,19 @@ class ClampedStrip:
     name: str = "strip-contact"
     title: str = "Clamped strip pressed on a flat obstacle"
     default_mesh: tuple[int, int] = (64, 1)
-    settings: tuple[Setting, ...] = (PRESSURES, LAMBDA, EPSILON, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (PRESSURES, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
-        wall = strip_wall(A * request.number("lam_over_a"))
-        half = patch(request, Plate(), (0, A), (0, B), wall, ("clamped", "symmetric", "symmetric", "symmetric"))
+        lam, last = request.number("lam_over_a"), request.numbers("load_fraction")[-1]
+        edges = ("clamped", "symmetric", "symmetric", "symmetric")
+
+        def rim() -> float:
+            return A * strip_contact(24 * last, lam if lam > NO_SHEAR else 0.0).free_length
+
+        grid = Grid.tensor(contact_lines(request, 0, (0, A), rim), spaced_lines(0, B, request.mesh[1]))
+        half = on_grid(request, Plate(), grid, strip_wall(A * lam), edges)
         shell = loaded_shell(half, request, forces=area_load(half, lambda a1, a2: Q0 * UP))
 
         def measured(q: float, touch: Touch) -> dict[str, float]:

@@ -82,9 +82,11 @@ def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
     assert len({cell.label for cell in made}) == len(made) == sum(len(ladder.meshes) for ladder in LADDERS)
     assert len({identity(cell) for cell in made}) == len(made)
     other = cells({"thickness_strain": "nodal"}, "other")
-    hemisphere = next(cell for cell in other if cell.label == "convergence hemisphere 16x16 other")
-    assert hemisphere.settings == {"load_fraction": "1", "thickness_strain": "nodal"}
+    hemisphere = next(cell for cell in other if cell.label == "convergence hemisphere 32x32 other")
+    assert hemisphere.settings == {"load_fraction": "1", "lines": "edges", "thickness_strain": "nodal"}
     assert [cell.label.rsplit(" ", 1)[0] for cell in other] == [cell.label.rsplit(" ", 1)[0] for cell in made]
     fewer = {cell.label for cell in cells({"element": "paper"}, "paper", finest=False)}
     left_out = {f"convergence {ladder.name} {ladder.meshes[-1]} paper" for ladder in LADDERS}
+    instead = {f"convergence {ladder.name} {mesh} paper" for ladder in LADDERS for mesh in ladder.coarser}
     assert {cell.label for cell in made} - fewer == left_out
+    assert fewer - {cell.label for cell in made} == instead

@@ -23,6 +23,7 @@ from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
 from studies.scenes.benchmarks import scordelis_lo as linear_roof
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.data import DATA, read_reference
+from studies.scenes.statics import point_rise
 from studies.solving import resolve, solve
 from support.differences import fitted_order
 
@@ -118,6 +119,9 @@ def test_pinched_cylinder_with_shear_sinks_in_by_a_logarithm() -> None:
     G = linear_cylinder.E / (2 * (1 + linear_cylinder.NU))
     logarithm = linear_cylinder.P * math.log(2) / (2 * math.pi * G * linear_cylinder.H)
     np.testing.assert_allclose(np.diff(added), logarithm, rtol=0.1)
+    S = G * linear_cylinder.H
+    rises = [point_rise(linear_cylinder.P, S, linear_cylinder.H, linear_cylinder.LENGTH / 2 / n) for n in MESHES]
+    np.testing.assert_allclose(np.diff(rises), logarithm, rtol=1e-12)
 
 
 # --- hemisphere with a hole -------------------------------------------------------------------------------------
