@@ -9,9 +9,9 @@ from typing import TypedDict, Unpack
 
 import numpy as np
 
-from contact.continuation.arc_length import ArcLength
+from contact.continuation.arc_length import ArcLength, Trace
 from contact.continuation.equilibrium_curve import ArcPoint
-from contact.problem import ContactProblem, ContactSolution, without_contact
+from contact.problem import ContactProblem, ContactSolution, Linearise, Outcome, without_contact
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.loads.pressure import Couples, Pressure
@@ -23,6 +23,7 @@ from studies.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
 CURVE_FRACTIONS = replace(LOAD_FRACTIONS, default=(1.0,), help="load fractions to hit; the last ends the curve")
+UNTIL = Setting.one_of("until", ("load", "limit"), "load", "end of the curve: the last load, or the first limit point")
 ARC_STEP = Setting("arc_step", 0.01, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
 
 
@@ -152,8 +153,26 @@ class StaticModel(ShellSceneModel):
 
 
 @dataclass(frozen=True, eq=False)
+class ToLimit(ArcLength):
+    """Arc length that is asked for the first limit point, and has converged when it has found it."""
+
+    to_limit: bool = True
+
+    def trace(
+        self,
+        linearise: Linearise,
+        load: np.ndarray,
+        targets: Sequence[float],
+        on_point: Callable[[float], None] = lambda t: None,
+    ) -> Trace:
+        """The curve up to the point after it."""
+        found = super().trace(linearise, load, targets, on_point)
+        return replace(found, outcome=Outcome.CONVERGED) if found.outcome is Outcome.LIMIT_POINT else found
+
+
+@dataclass(frozen=True, eq=False)
 class CurveModel(StaticModel):
-    """The same under dead forces only, its curve traced through limit points until its last load fraction.
+    """The same under dead forces only, its curve traced through limit points until its last load fraction or UNTIL.
 
     rises: of displacements by name under a point load, see :func:`point_rise`, at load fraction 1; what is left without
     them is reported, too: of w_mm as w_even_mm.
@@ -175,7 +194,8 @@ class CurveModel(StaticModel):
         first = request.number("arc_step") / request.steps
         solver, tolerance = request.choice("solver"), request.number("tolerance")
         static = StaticModel.of(request, discretisation, measure_at, **loads)
-        continuation = ArcLength(first, solver=solver, tolerance=tolerance, ordered=static.shell.ordered)
+        arc = ToLimit if request.settings.get("until") == "limit" else ArcLength
+        continuation = arc(first, solver=solver, tolerance=tolerance, ordered=static.shell.ordered)
         return cls(**vars(static), continuation=continuation, rises=rises)
 
     def stages(self) -> Iterator[Stage]:

@@ -18,6 +18,7 @@ from studies.scenes.element import ELEMENT, LINES, patch
 from studies.scenes.statics import (
     ARC_STEP,
     CURVE_FRACTIONS,
+    UNTIL,
     CurveModel,
     element_size,
     normal_at,
@@ -67,7 +68,7 @@ class Roof:
     solid: tuple[float, float]
     uncertainty: float
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, ARC_STEP, LINES, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, UNTIL, ARC_STEP, LINES, *ELEMENT, SOLVER)
 
     @property
     def references(self) -> tuple[Reference, ...]:

@@ -97,6 +97,25 @@ def test_a_curve_is_written_point_by_point(tmp_path: Path) -> None:
     assert result["quantities"]["w_C_mm"] == curve["w_C_mm"].iloc[-1]
 
 
+def test_a_curve_that_ends_with_its_limit_point_has_the_same_one() -> None:
+    whole, part = (solve(*resolve("roof-a", {"until": until}, "4x4")) for until in ("load", "limit"))
+    assert part.outcome is Outcome.CONVERGED
+    assert part.quantities["limit_points"] == 1
+    for key in ("limit_load_fraction", "limit_w_C_mm", "limit_w_C_even_mm"):
+        assert part.quantities[key] == pytest.approx(whole.quantities[key], rel=1e-9)
+    assert part.counters["newton_iterations"] < 0.6 * whole.counters["newton_iterations"]
+
+
+@pytest.mark.parametrize("lines", ["even", "edges"])
+def test_even_deflection_is_without_the_logarithm_of_the_element_size(lines: str) -> None:
+    """F/(2 pi G h) ln(h/l), F of the whole roof and l the mean side of the element under it."""
+    found = solve(*resolve("roof-a", {"until": "limit", "lines": lines}, "4x4")).quantities
+    h, G = 12.7, 3102.75 / 2.6
+    sides = np.array([HALF_LENGTH, RADIUS * HALF_ANGLE]) * (0.25 if lines == "even" else np.sin(np.pi / 8))
+    rise = found["limit_load_fraction"] * P_MAX / (2 * np.pi * G * h) * np.log(h / np.sqrt(sides.prod()))
+    assert found["limit_w_C_mm"] - found["limit_w_C_even_mm"] == pytest.approx(rise, rel=1e-2)
+
+
 # --- limit points and curves ------------------------------------------------------------------------------------------
 
 ROOFS = ("roof-a", "roof-b", "roof-c", "roof-d", "roof-e", "roof-f")
