@@ -11,7 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from formulations.conditions.dof_map import DofMap, Images
-from formulations.conditions.hanging import carried
+from formulations.conditions.hanging import Hangers
 from formulations.element.sparsity import Pattern
 from formulations.element.strain_operator import CORNER_MASS, N_DOF, ElementGeometry
 from formulations.geometry.grid import Grid
@@ -34,6 +34,7 @@ class Discretisation:
     pattern: Pattern = field(repr=False)
     scratch: tuple[np.ndarray, np.ndarray] = field(repr=False)
     ordered: bool = False
+    hangers: Hangers | None = None
 
     @classmethod
     def build(
@@ -57,12 +58,14 @@ class Discretisation:
         order = None
         if ordered:
             order = elimination_order(grid, last=None if images is None else images.followed)
-        dof_map = DofMap.build(fixed, hinged, images, order, carried(grid, surface, interpolation))
+        hangers = Hangers.of(grid, surface, laminate, fixed, hinged)
+        carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
+        dof_map = DofMap.build(fixed, hinged, images, order, carried)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)
         pattern = Pattern.build(dof_map.number[dofs], dof_map.n, dof_map.of_elements(dofs))
         scratch = (np.empty((len(dofs), N_DOF)), np.empty((len(dofs), N_DOF, N_DOF)))
         geometry = ElementGeometry.build(surface, grid, laminate, kinematics, interpolation)
-        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered)
+        return cls(surface, grid, laminate, dof_map, geometry, dofs, pattern, scratch, ordered, hangers)
 
     def leaving_out(self, kinematics: Kinematics) -> Discretisation:
         """The same grid with other gradients."""
@@ -76,9 +79,23 @@ class Discretisation:
         """Number of unknowns."""
         return self.map.n
 
-    def expand(self, u: np.ndarray) -> np.ndarray:
-        """All face displacements (N, 6) from the unknowns; held ones are zero."""
-        return self.map.expand(u)
+    def at(self, v: np.ndarray) -> Discretisation:
+        """The same where forces and stiffnesses are met at the displacements v (N, 6), by which hanging nodes turn."""
+        if self.hangers is None:
+            return self
+        dof_map = self.map.carrying(self.hangers.matrix(v))
+        return replace(self, map=dof_map, pattern=self.pattern.constraining(dof_map.of_elements(self.dofs)))
+
+    def linearised(self) -> Discretisation:
+        """The same for a linear measure: hanging nodes do not turn."""
+        return self if self.hangers is None else replace(self, hangers=self.hangers.linearised())
+
+    def expand(self, u: np.ndarray, prescribed: np.ndarray | None = None) -> np.ndarray:
+        """All face displacements (N, 6) from the unknowns; held ones are zero, or ``prescribed`` (N, 6)."""
+        if self.hangers is None and prescribed is None:
+            return self.map.expand(u)
+        v = self.map.placed(u) if prescribed is None else self.map.placed(u) + prescribed
+        return v if self.hangers is None else self.hangers.place(v)
 
     def reduce(self, forces: np.ndarray) -> np.ndarray:
         """Forces (n,) on the unknowns from nodal forces (N, 6) in the local frames."""
@@ -90,9 +107,12 @@ class Discretisation:
 
     def nodal(self, element_vectors: np.ndarray) -> np.ndarray:
         """Sum element vectors (E, 24) into nodal forces (N, 6), those on held displacements included."""
+        return self.map.hand_on(self.on_nodes(element_vectors))
+
+    def on_nodes(self, element_vectors: np.ndarray) -> np.ndarray:
+        """Sum element vectors (E, 24) into nodal forces (N, 6), those on hanging nodes where they are."""
         n = self.grid.n_nodes * N_V
-        forces = np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
-        return self.map.hand_on(forces)
+        return np.bincount(self.dofs.ravel(), weights=element_vectors.ravel(), minlength=n).reshape(-1, N_V)
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, 24, 24) into the CSC matrix of the unknowns."""

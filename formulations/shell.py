@@ -18,7 +18,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.mixed import MixedElement
 from formulations.loads.pressure import Couples, Pressure
 from formulations.strains.measure import StrainMeasure
-from formulations.strains.quantities import N_E
+from formulations.strains.quantities import N_E, N_Q
 
 NEWTONS = ("plain", "mixed")
 
@@ -73,15 +73,14 @@ class ShellModel:
         shell = self.discretisation
         if self.prescribed is not None and np.any(self.prescribed[~shell.map.held] != 0):
             raise ValueError("a prescribed displacement must be held")
-        if self.prescribed is not None:
-            object.__setattr__(self, "prescribed", shell.map.carry(self.prescribed))
         initial = np.zeros(N_E) if self.initial is None else np.asarray(self.initial, float)
         element = MixedElement.build(
             self.measure, shell.laminate.stiffness(self.section), initial, self.thickness_strain, self.membrane
         )
         object.__setattr__(self, "_element", element)
-        dead = shell.gather(self._dead_contributions())
-        object.__setattr__(self, "_dead", dead if self.forces is None else dead + self.forces)
+        if not np.any(self.measure.contract(np.zeros(N_Q), np.ones(N_E))):
+            object.__setattr__(self, "discretisation", self.discretisation.linearised())
+        object.__setattr__(self, "_dead", self._dead_contributions())
 
     @property
     def ordered(self) -> bool:
@@ -104,11 +103,15 @@ class ShellModel:
         ``memory`` is what ``remember`` of the last step returned, or None. Only the mixed Newton uses it.
         """
         force, external, tangent = self.element_contributions(u, memory)
-        internal, outside = self.discretisation.gather(force), self._outside(external)
-        inside = internal if self.prescribed is None else self.discretisation.nodal(force)
+        v = self.displacements(u)
+        shell = self.discretisation.at(v)
+        internal, outside = shell.gather(force), self._outside(shell, external)
+        inside = internal if self.prescribed is None else shell.nodal(force)
+        if shell.hangers is not None:
+            shell.hangers.stiffen(tangent, v, shell.on_nodes(force - self._loads(external)))
         return Linearisation(
             residual=internal - outside,
-            tangent=self.discretisation.assemble(tangent),
+            tangent=shell.assemble(tangent),
             scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
             remember=lambda du: self._predict(u, du),
         )
@@ -116,15 +119,23 @@ class ShellModel:
     def residual(self, u: np.ndarray) -> np.ndarray:
         """The residual of :meth:`linearise` alone."""
         force, external = self.element_forces(u)
-        return self.discretisation.gather(force) - self._outside(external)
+        shell = self._at(u)
+        return shell.gather(force) - self._outside(shell, external)
 
-    def _outside(self, external: np.ndarray | None) -> np.ndarray:
-        return self._dead if external is None else self._dead + self.discretisation.gather(external)
+    def _outside(self, shell: Discretisation, external: np.ndarray | None) -> np.ndarray:
+        outside = shell.gather(self._dead)
+        if self.forces is not None:
+            outside = outside + self.forces
+        return outside if external is None else outside + shell.gather(external)
+
+    def _at(self, u: np.ndarray) -> Discretisation:
+        return self.discretisation.at(self.displacements(u))
 
     def energy(self, u: np.ndarray) -> float:
         """Strain energy minus the work of the dead loads [N mm]; the potential when D is symmetric and H0 zero."""
         strain_energy = self._element.energy(self.discretisation.geometry, self._element_vectors(u))
-        return strain_energy - float(self._dead @ u)
+        work = float(np.sum(self._dead * self._element_vectors(u)))
+        return strain_energy - (work if self.forces is None else work + float(self.forces @ u))
 
     @property
     def conservative(self) -> bool:
@@ -144,8 +155,7 @@ class ShellModel:
 
     def displacements(self, u: np.ndarray) -> np.ndarray:
         """All face displacements (N, 6), the prescribed ones included."""
-        v = self.discretisation.expand(u)
-        return v if self.prescribed is None else v + self.prescribed
+        return self.discretisation.expand(u, self.prescribed)
 
     def reactions(self, u: np.ndarray) -> np.ndarray:
         """Forces (N, 6) of the supports on the shell in equilibrium at u [N], in the local frames; 0 where free.
@@ -153,10 +163,9 @@ class ShellModel:
         A hinge midway between the faces acts on both alike. Nodal forces put on a support itself are not counted.
         """
         force, external = self.element_forces(u)
-        return self._reactions(force - self._loads(external))
+        return self._reactions(self._at(u), force - self._loads(external))
 
-    def _reactions(self, total: np.ndarray) -> np.ndarray:
-        shell = self.discretisation
+    def _reactions(self, shell: Discretisation, total: np.ndarray) -> np.ndarray:
         nodal = shell.nodal(total)
         on_hinges = np.repeat(nodal.reshape(-1, 3, 2).mean(axis=2), 2, axis=1)
         return np.where(shell.map.held, nodal, np.where(shell.map.hinged, on_hinges, 0.0))
@@ -167,8 +176,8 @@ class ShellModel:
         In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
         """
         force, external = self.element_forces(u)
-        loads = self._loads(external)
-        nodal = self.discretisation.nodal(loads) + self._reactions(force - loads)
+        loads, shell = self._loads(external), self._at(u)
+        nodal = shell.nodal(loads) + self._reactions(shell, force - loads)
         if self.forces is not None:
             nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.map.placed(self.forces))
         return self._resultant(nodal)
@@ -180,7 +189,7 @@ class ShellModel:
         components along a curved surface are interpolated it can not, and the sum falls with the square of the mesh.
         """
         force, _ = self.element_forces(u)
-        return self._resultant(self.discretisation.nodal(force))
+        return self._resultant(self._at(u).nodal(force))
 
     def _resultant(self, nodal: np.ndarray) -> np.ndarray:
         """Cartesian sum (3,) of forces (N, 6) in the local frames."""
@@ -213,7 +222,7 @@ class ShellModel:
         return force, external
 
     def _loads(self, external: np.ndarray | None) -> np.ndarray:
-        return self._dead_contributions() + (0.0 if external is None else external)
+        return self._dead if external is None else self._dead + external
 
     def _dead_contributions(self) -> np.ndarray:
         """Element forces (E, 24) of dead pressure and of H0 on the linear strains."""
@@ -225,10 +234,16 @@ class ShellModel:
 
     def _predict(self, u: np.ndarray, du: np.ndarray) -> np.ndarray | None:
         """H* = D (E(u) + B(u) du), (E, 22), for the mixed Newton."""
-        if self.newton == "plain":
-            return None
-        v, dv = self._element_vectors(u), self.discretisation.expand(du).ravel()[self.discretisation.dofs]
-        return self._element.resultants(self._element.mode_strains(self.discretisation.geometry, v, dv))
+        return None if self.newton == "plain" else self._element.resultants(self._predicted_strains(u, du))
+
+    def strain_change(self, u: np.ndarray, du: np.ndarray) -> np.ndarray:
+        """B(u) du (E, 22): the change of the mode strains along the free displacements du, to first order."""
+        return self._predicted_strains(u, du) - self.mode_strains(u)
+
+    def _predicted_strains(self, u: np.ndarray, du: np.ndarray) -> np.ndarray:
+        shell = self._at(u)
+        v, dv = self._element_vectors(u), shell.map.expand(du).ravel()[shell.dofs]
+        return self._element.mode_strains(shell.geometry, v, dv)
 
     def _element_vectors(self, u: np.ndarray) -> np.ndarray:
         return self.displacements(u).ravel()[self.discretisation.dofs]

@@ -12,6 +12,7 @@ from types import UnionType
 from typing import Any, Self
 
 Value = float | int | str | tuple[float, ...]
+Leaves = tuple[tuple[int, int, int], ...]
 
 
 class Settings(Mapping[str, Value]):
@@ -62,7 +63,9 @@ class Settings(Mapping[str, Value]):
 class Request:
     """Everything that decides a result, resolved: no default is left open.
 
-    mesh: elements along a1 and a2.  model_reason: why this model, for people; it decides nothing.
+    mesh: elements along a1 and a2.  leaves: of the quadtree over them, see
+    :class:`formulations.geometry.quadtree.Quadtree`; none: the mesh itself.
+    model_reason: why this model, for people; it decides nothing.
     """
 
     scene: str
@@ -74,22 +77,27 @@ class Request:
     model_reason: str = field(default="", compare=False)
     steps: int = 1
     settings: Settings = Settings()  # noqa: RUF009  frozen
+    leaves: Leaves = ()
 
     @classmethod
     def of(cls, data: Mapping[str, Any]) -> Self:
         """The request of its plain data, as the index of a campaign holds it."""
         settings = Settings({key: _value(value) for key, value in data["settings"].items()})
-        return cls(**{**data, "mesh": tuple(data["mesh"]), "settings": settings})
+        leaves = tuple((int(level), int(i), int(j)) for level, i, j in data.get("leaves", ()))
+        return cls(**{**data, "mesh": tuple(data["mesh"]), "settings": settings, "leaves": leaves})
 
     @property
     def data(self) -> dict[str, Any]:
         """All that decides the result, as plain data; what :meth:`of` reads."""
-        return {key: value for key, value in asdict(self).items() if key != "model_reason"}
+        left_out = {"model_reason"} if self.leaves else {"model_reason", "leaves"}
+        return {key: value for key, value in asdict(self).items() if key not in left_out}
 
     @property
     def values(self) -> dict[str, Value]:
         """All that decides the result, by name: fields and settings alike."""
-        fields = ("scene", "measure", "contact", "newton", "mesh", "model", "steps")
+        fields = ["scene", "measure", "contact", "newton", "mesh", "model", "steps"]
+        if self.leaves:
+            fields.append("leaves")
         return {**{name: getattr(self, name) for name in fields}, **self.settings}
 
     def key(self, without: Collection[str] = ()) -> str:

@@ -61,6 +61,7 @@ class Result:
     tables: dict[str, list[pd.DataFrame]] = field(default_factory=dict)
     last: ContactSolution | None = None
     frozen: Callable[[], FrozenStep] | None = None
+    end: Visited | None = None
 
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""
@@ -137,6 +138,7 @@ def _run_stages(
 ) -> None:
     for visited in walk(model.stages(), algorithm, steps, tell=lambda stage, at: progress(f"{stage} {at:g}")):
         point, stage = visited.point, visited.stage
+        result.end = visited
         _account(result, stage.name, point.solution.counters, point.solution.history)
         if visited.trace is not None:
             _record_curve(visited, visited.trace, result)

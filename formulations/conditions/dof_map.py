@@ -6,7 +6,7 @@ does, seen through a symmetry; a hanging node moves as the edge it lies on. No s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -168,8 +168,13 @@ class DofMap:
         return np.bincount(self.number + 1, weights=weights, minlength=self.n + 1)[1:]
 
     def matrix(self) -> sparse.csr_matrix:
-        """The map as a sparse matrix (6N, n)."""
-        rows = np.flatnonzero(self.number >= 0)
-        entries = (self.sign[rows], (rows, self.number[rows]))
-        signed = sparse.coo_matrix(entries, shape=(len(self.number), self.n)).tocsr()
-        return signed if self.carried is None else self.carried @ signed
+        """The map as a sparse matrix (6N, n); the places of its entries do not depend on the values of ``carried``."""
+        carried = sparse.eye_array(len(self.number)) if self.carried is None else self.carried
+        row, column, value = carried.tocoo().row, carried.tocoo().col, carried.tocoo().data
+        on = self.number[column] >= 0
+        entries = (value[on] * self.sign[column[on]], (row[on], self.number[column[on]]))
+        return sparse.csr_matrix(entries, shape=(len(self.number), self.n))
+
+    def carrying(self, carried: sparse.csr_matrix) -> DofMap:
+        """The same map with other values of ``carried``."""
+        return replace(self, carried=carried)

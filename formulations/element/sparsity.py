@@ -5,7 +5,7 @@ Scattering through these slots costs a fifth of building a COO matrix at every N
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -44,6 +44,13 @@ class Pattern:
         own, others = np.split(np.minimum(slots, len(entries)), [number.shape[0] * number.shape[1] ** 2])
         placed = None if C is None else (elements, others.reshape(-1, theirs.shape[1], theirs.shape[1]), C)
         return cls(n, indptr.astype(np.int32), (entries % n).astype(np.int32), own, placed)
+
+    def constraining(self, constrained: tuple[np.ndarray, np.ndarray, np.ndarray] | None) -> Pattern:
+        """The same with another C, of the same unknowns."""
+        if self.constrained is None or constrained is None:
+            return self
+        elements, slots, _ = self.constrained
+        return replace(self, constrained=(elements, slots, constrained[2]))
 
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, d, d)."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from formulations.geometry.arcs import Arcs
 from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Geometry, Surface
 from formulations.section.laminate import Laminate
@@ -158,14 +159,26 @@ def _isoparametric(
             Q[:, :, BETA.start + i, :, face::2] = sign * value[:, :, None] * turn[:, :, :, i, :]
     corners = grid.points(CORNERS)
     x, at_node = (at(corners[..., 0], corners[..., 1]) for at in (surface.position, surface.frame))
+    faces = np.stack([x + d * at_node[:, :, 2] for d in (laminate.d_minus, laminate.d_plus)], axis=2)
     nodal = np.empty((len(turn), 4, N_V))
-    for face, d in enumerate((laminate.d_minus, laminate.d_plus)):
-        on_face = grid.on_chords(x + d * at_node[:, :, 2])  # a hanging corner lies on the chord, as it moves
+    for face, on_face in enumerate(np.moveaxis(_on_arcs(faces, grid, laminate.thickness), 2, 0)):
         nodal[..., face::2] = np.einsum("erix,erx->eri", at_node, on_face)
     offset = np.einsum("egqrv,erv->egq", Q, nodal)
     identity = [QUANTITIES.index(name) for name in ("l1-", "l1+", "l2-", "l2+", "beta3")]
     offset[..., identity] -= 1.0
     return Q, offset
+
+
+def _on_arcs(corners: np.ndarray, grid: Grid, h: float) -> np.ndarray:
+    """Positions (E, 4, 2, 3) of the corners on both faces, those of hanging nodes on the arcs that they move on."""
+    if grid.hanging is None:
+        return corners
+    at_nodes = np.empty((grid.n_nodes, 2, 3))
+    at_nodes[grid.elements] = corners
+    ends = at_nodes[grid.hanging.ends]
+    bow = Arcs.between(ends.reshape(-1, 12), h, np.broadcast_to(np.eye(12), (len(ends), 12, 12))).bow
+    at_nodes[grid.hanging.nodes] = ends.mean(axis=1) + bow
+    return np.where(np.isin(grid.elements, grid.hanging.nodes)[..., None, None], at_nodes[grid.elements], corners)
 
 
 def _node_beta(h: float) -> np.ndarray:

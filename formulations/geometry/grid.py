@@ -7,13 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 from scipy import sparse
 
 if TYPE_CHECKING:
     from skfem import MeshQuad
+
+T = TypeVar("T", np.ndarray, sparse.csr_matrix)
 
 # Corners of the reference square, in the order of ``Grid.elements``.
 CORNERS = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
@@ -32,26 +34,26 @@ def graded_lines(breaks: Sequence[float], counts: Sequence[int]) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class Hanging:
-    """Nodes in the middle of an edge of a larger element, and what carries them.
+    """Nodes (k,) in the middle of an edge of a larger element, its ``owner`` (k,), whose ends do not hang.
 
-    nodes (k,).  shares (N, N): what each of all nodes takes of those that do not hang, itself, or 1/2 of both ends of
-    its edge, and so on where an end hangs, too.
+    corners (k, 2), ends (k, 2): both ends of the edge, as corners of the owner and as nodes.  shares (N, N): what each
+    of all nodes takes of those that do not hang, itself, or 1/2 of both ends of its edge.
     """
 
     nodes: np.ndarray
+    owner: np.ndarray
+    corners: np.ndarray
+    ends: np.ndarray
     shares: sparse.csr_matrix
 
     @classmethod
-    def between(cls, nodes: np.ndarray, ends: np.ndarray, n: int) -> Hanging:
-        """Of n nodes those (k,) that hang in the middle between their ``ends`` (k, 2)."""
+    def on_edges(cls, nodes: np.ndarray, owner: np.ndarray, side: np.ndarray, elements: np.ndarray, n: int) -> Hanging:
+        """Those of n nodes (k,) that hang in the middle of a ``side`` (k,) of an element, from corner to next corner."""
+        corners = np.stack([side, (side + 1) % len(CORNERS)], axis=-1)
+        ends = elements[owner[:, None], corners]
         hangs = np.isin(np.arange(n), nodes)
         halves = sparse.coo_matrix((np.full(2 * len(nodes), 0.5), (np.repeat(nodes, 2), ends.ravel())), shape=(n, n))
-        step = sparse.csr_matrix(halves + sparse.diags(np.where(hangs, 0.0, 1.0)))
-        shares = step
-        while np.any(hangs[shares.indices]):
-            shares = sparse.csr_matrix(shares @ step)
-            shares.eliminate_zeros()
-        return cls(nodes, shares)
+        return cls(nodes, owner, corners, ends, sparse.csr_matrix(halves + sparse.diags(np.where(hangs, 0.0, 1.0))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,14 +91,9 @@ class Grid:
         """Coordinates (E, k, 2) of the points xi (k, 2) of the reference square in every element."""
         return self.centre[:, None, :] + self.half[:, None, :] * xi
 
-    def on_chords(self, corners: np.ndarray) -> np.ndarray:
-        """Values (E, 4, 3) at the corners of the elements, those at hanging nodes replaced by the means they are."""
-        if self.hanging is None:
-            return corners
-        at_nodes = np.empty((self.n_nodes, 3))
-        at_nodes[self.elements] = corners
-        hangs = np.isin(self.elements, self.hanging.nodes)[..., None]
-        return np.where(hangs, (self.hanging.shares @ at_nodes)[self.elements], corners)
+    def carried(self, values: T) -> T:
+        """Values at all nodes (N, ...), those at hanging nodes replaced by what they take of the others."""
+        return values if self.hanging is None else self.hanging.shares @ values
 
     @property
     def free_nodes(self) -> np.ndarray:

@@ -25,6 +25,7 @@ from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import Factor, factorise
+from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from studies.bench.newton import iterate, pressed
 from studies.bench.newton import timed as timed_by
@@ -153,6 +154,7 @@ def _pressed(mesh: str) -> Pressed:
     """The solution on a coarse mesh, off its unknowns."""
     model = _model(mesh)
     _, state = pressed(model)
+    assert isinstance(model.part.grid, TensorGrid)
     shape = model.part.grid.node_shape
     psi, phi = _lines(model)
     v = model.shell.displacements(state.u).reshape(*shape, -1)

@@ -12,6 +12,7 @@ from formulations.discretisation import Discretisation
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
+from formulations.geometry.quadtree import Quadtree
 from formulations.geometry.surfaces import Surface
 from formulations.section.laminate import Laminate
 from formulations.strains.catalogue import MEASURES
@@ -38,13 +39,14 @@ Span = tuple[float, float]  # both ends of a coordinate
 
 
 def even_grid(request: Request, a1: Span, a2: Span, closer: Sequence[bool] = (False,) * 4) -> Grid:
-    """The mesh asked for between the ends of both coordinates, evenly spaced unless the scene has LINES.
+    """The mesh asked for between the ends of both coordinates, evenly spaced unless it has LINES; refined as asked.
 
     closer: whether the lines are to get closer towards the first and the last a1, and the first and the last a2.
     """
     n1, n2 = request.mesh
     towards = closer if request.settings.get("lines") == "edges" else (False,) * 4
-    return Grid.tensor(spaced_lines(*a1, n1, *towards[:2]), spaced_lines(*a2, n2, *towards[2:]))
+    lines = spaced_lines(*a1, n1, *towards[:2]), spaced_lines(*a2, n2, *towards[2:])
+    return tree_over(request, *lines).grid() if request.leaves else Grid.tensor(*lines)
 
 
 def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_end: bool = False) -> np.ndarray:
@@ -64,6 +66,13 @@ def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_en
     lines = start + (end - start) * s
     lines[-1] = end
     return lines
+
+
+def tree_over(request: Request, lines1: np.ndarray, lines2: np.ndarray, *, periodic: bool = False) -> Quadtree:
+    """The tree asked for; a coordinate with one element is not cut: nothing varies along it."""
+    first, second = len(lines1) > 2, len(lines2) > 2
+    cut = first or not second, second or not first
+    return Quadtree.over(lines1, lines2, periodic=periodic, cut=cut, leaves=request.leaves)
 
 
 def patch(

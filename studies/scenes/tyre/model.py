@@ -10,12 +10,13 @@ from scipy import sparse
 
 from contact.obstacles.foundation import Candidates
 from contact.problem import ContactProblem, ContactSolution
+from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import Begun, Observation, ShellSceneModel, Stage, nodal_pressure
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
-from studies.scenes.tyre.parts import Part, base_of, column_of, part_of
+from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of
 from studies.scenes.tyre.press import Column, PressedTyre, Wall, begin_inflation
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within
 from studies.scenes.tyre.stability import beside_the_patch
@@ -40,8 +41,12 @@ class TyreModel(ShellSceneModel, PressedTyre):
             part = part_of(base_of(settings), psi, within(phi, cut_of(request)))
         else:
             part = part_of(request.model, psi, phi)
+        if request.leaves:
+            base = base_of(settings) if request.model == "sector" else request.model
+            part = locally_refined(part, request, base)
         shell = inflated_shell(request, part)
-        column = None if request.model == "full" else _column(request, part, shell)
+        alike = isinstance(part.grid, TensorGrid) and request.model != "full"  # all columns of elements are one
+        column = _column(request, part, shell) if alike else None
         area = "mid" if settings["pressure_area"] == "mid" else "outer"
         nodes, candidates = _candidates(shell, part, area, coupled=settings["coupling"] == "consistent")
         wall = Wall(part, nodes, lambda u: _faces(shell, u))
@@ -70,14 +75,16 @@ class TyreModel(ShellSceneModel, PressedTyre):
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the nodes of the part; zero during inflation."""
-        return nodal_pressure(solution, self.nodes, self.part.grid.n_nodes)[self.part.merging()]
+        own = nodal_pressure(solution, self.nodes, self.part.grid.n_nodes)[self.part.merging()]
+        return self.part.grid.carried(own)
 
 
 def _candidates(shell: ShellModel, part: Part, area: str, *, coupled: bool) -> tuple[np.ndarray, Candidates]:
-    """Every node between the clamps that mirrors no other, and its share of the area of all that mirror it."""
+    """Every free node between the clamps that mirrors no other, with the areas of all that mirror or hang on it."""
     grid, own = part.grid, part.merging()
     clamp = float(grid.ends[0, 1])
-    nodes = np.setdiff1d(np.unique(own), np.union1d(grid.on_line(0, clamp), grid.on_line(0, -clamp)))
+    free = np.intersect1d(np.unique(own), grid.free_nodes)
+    nodes = np.setdiff1d(free, np.union1d(grid.on_line(0, clamp), grid.on_line(0, -clamp)))
     merge = sparse.csr_matrix((np.ones(len(own)), (own, np.arange(len(own)))), shape=2 * (len(own),))
     mass = sparse.csr_matrix(merge @ shell.discretisation.nodal_mass(area) @ merge.T)[nodes][:, nodes]
     return nodes, Candidates(
@@ -97,6 +104,7 @@ def _faces(shell: ShellModel, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _column(request: Request, part: Part, shell: ShellModel) -> Column:
     """Inflation of one column with the mirror plane of the part, if it has one, and how it is lifted to the part."""
     one = inflated_shell(request, column_of(part))
+    assert isinstance(part.grid, TensorGrid)
     rows = np.arange(part.grid.n_nodes) // part.grid.node_shape[1]
 
     def lift(u: np.ndarray) -> np.ndarray:

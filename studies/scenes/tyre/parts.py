@@ -12,11 +12,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 
 from formulations.conditions.dof_map import Images
 from formulations.geometry.grid import Grid, TensorGrid
-from studies.request import Value
+from studies.request import Request, Value
 from studies.scene import UsageError
+from studies.scenes.element import tree_over
 
 MODELS = ("auto", "full", "half", "mirror", "quarter", "sector", "axisymmetric")
 TURNED = np.array([1.0, -1.0, -1.0])  # a turn by 180 degrees about e_x: Cartesian components
@@ -31,17 +33,18 @@ class Part:
     is smooth, in equilibrium with itself, and leaves inflation as it is. Its wall shows what lies inside the cut.
 
     edges: supports of psi at both ends, then of phi, see :meth:`Supports.of_edges`.  images: nodes on a seam that
-    mirror others.  copies: how many such parts show the whole patch.  angles (N, 2), shape: the grid of the whole tyre,
-    psi slowest; node (N,), sign (N, 3): the part's node that each of its nodes is or mirrors, and the signs of x, y, z.
+    mirror others.  copies: how many such parts show the whole patch.  angles (N, 2), shape: where all lines of the
+    whole tyre meet, psi slowest; view (N, n), sign (N, 3): what they take of the part's nodes, of one or of the corners
+    of the element that they lie in, and the signs of x, y, z there.
     """
 
-    grid: TensorGrid
+    grid: Grid
     edges: tuple[str, str, str, str]
     images: Images | None
     copies: int
     angles: np.ndarray
     shape: tuple[int, int]
-    node: np.ndarray
+    view: sparse.csr_matrix
     sign: np.ndarray
 
     @property
@@ -118,16 +121,35 @@ def part_of(model: str, psi: np.ndarray, phi: np.ndarray) -> Part:
         images = _turned(grid)
     inside, seam = "symmetric" if half_psi else "clamped", "symmetric" if model == "quarter" else "free"
     copies, node = 2 ** (half_psi + half_phi), row * grid.node_shape[1] + column
-    return Part(grid, (inside, "clamped", seam, seam), images, copies, angles, shape, node, sign)
+    view = sparse.csr_matrix((np.ones(len(node)), node, np.arange(len(node) + 1)), shape=(len(node), grid.n_nodes))
+    return Part(grid, (inside, "clamped", seam, seam), images, copies, angles, shape, view, sign)
 
 
-def _turned(grid: TensorGrid) -> Images:
+def locally_refined(part: Part, request: Request, model: str) -> Part:
+    """The part with the leaves of the request over its elements; of a half they are symmetric under psi -> -psi."""
+    assert isinstance(part.grid, TensorGrid)
+    tree = tree_over(request, *part.grid.lines, periodic=part.grid.periodic)
+    grid = tree.grid()
+    psi, phi = (np.unique(grid.nodes[:, axis]) for axis in (0, 1))
+    if part.grid.periodic:
+        phi = np.append(phi, part.grid.lines[1][-1])
+    psi, phi = (line if line[0] < 0 else np.concatenate([-line[:0:-1], line]) for line in (psi, phi))
+    fine = part_of(model, psi, phi)
+    view = fine.view @ tree.interpolation(grid, fine.grid.nodes)
+    return replace(fine, grid=grid, images=_turned(grid) if model == "half" else None, view=sparse.csr_matrix(view))
+
+
+def _turned(grid: Grid) -> Images:
     """On the seams phi = 0 and pi, or the cut, the nodes with psi <= 0 mirror those with -psi."""
-    nodes = np.concatenate([grid.on_line(1, end) for end in grid.lines[1][[0, -1]]])
-    nodes = nodes[grid.nodes[nodes, 0] <= 1e-12]
-    rows, columns = divmod(nodes, grid.node_shape[1])
-    of = (grid.node_shape[0] - 1 - rows) * grid.node_shape[1] + columns
-    return Images(nodes, of, np.broadcast_to(TURN_OF_FRAME, (len(nodes), 3)))
+    nodes, of = [], []
+    for end in grid.ends[1]:
+        seam = grid.on_line(1, end)
+        seam = seam[np.argsort(grid.nodes[seam, 0])]
+        first = grid.nodes[seam, 0] <= 1e-12
+        nodes.append(seam[first])
+        of.append(seam[::-1][first])
+    at = np.concatenate(nodes)
+    return Images(at, np.concatenate(of), np.broadcast_to(TURN_OF_FRAME, (len(at), 3)))
 
 
 def column_of(part: Part) -> Part:
@@ -135,6 +157,7 @@ def column_of(part: Part) -> Part:
 
     It is as wide as the elements at the crown.
     """
+    assert isinstance(part.grid, TensorGrid)
     grid = Grid.tensor(part.grid.lines[0], np.unique(np.abs(part.angles[:, 1]))[:2])
     second = np.arange(1, grid.n_nodes, 2)  # its displacements are those of the first side, in the turning frame
     images = Images(second, second - 1, np.ones((len(second), 3)))

@@ -12,6 +12,7 @@ from functools import cached_property, partial
 
 import numpy as np
 import pandas as pd
+from scipy import sparse
 
 from contact.obstacles.foundation import Candidates, Foundation, against, travelling
 from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
@@ -24,6 +25,7 @@ from studies.scenes.tyre.parts import Part
 
 OVERLAP = 1e-6  # mm
 MODE_STEP = 1e-3  # mm: the faces are linear in u but for a turn of frames
+WHOLE = 1e-9  # what rounding takes off shares that add up to 1
 
 
 Body = ShellModel | SolidModel
@@ -32,7 +34,7 @@ Faces = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # u -> deformed i
 
 @dataclass(frozen=True, eq=False)
 class Wall:
-    """Both faces of the WHOLE tyre on the grid of ``part.angles``, however small the part of it that is solved.
+    """Both faces of the WHOLE tyre at ``part.angles``, however small the part of it that is solved.
 
     nodes (m,): those of the part's grid that are contact candidates.  of_part: its faces.
     """
@@ -42,25 +44,31 @@ class Wall:
     of_part: Faces
 
     @cached_property
-    def candidate(self) -> np.ndarray:
-        """(N,) the candidate that each node is or mirrors, -1 for none."""
-        candidate = np.full(self.part.grid.n_nodes, -1)
-        candidate[self.nodes] = np.arange(len(self.nodes))
-        return candidate[self.part.merging()[self.part.node]]
+    def of_candidates(self) -> sparse.csr_matrix:
+        """(N, m) what each place takes of the candidates."""
+        part, m = self.part, len(self.nodes)
+        at = sparse.csr_matrix((np.ones(m), (self.nodes, np.arange(m))), shape=(part.grid.n_nodes, m))
+        return sparse.csr_matrix(part.view @ part.grid.carried(at[part.merging()]))
+
+    @cached_property
+    def covered(self) -> np.ndarray:
+        """The places that take all of their value of candidates."""
+        return np.flatnonzero(np.asarray(self.of_candidates.sum(axis=1)).ravel() > 1 - WHOLE)
 
     def faces(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Deformed inner and outer face (N, 3) [mm]."""
-        inner, outer = (self.part.sign * face[self.part.node] for face in self.of_part(u))
+        inner, outer = (self.part.sign * (self.part.view @ face) for face in self.of_part(u))
         return inner, outer
 
     @property
     def crown(self) -> int:
-        """The node (0, 0)."""
+        """The place (0, 0)."""
         return int(np.argmin(np.max(np.abs(self.part.angles), axis=1)))
 
     def spread(self, values: np.ndarray) -> np.ndarray:
-        """Values of the candidates (m,) at all nodes (N,); zero where there is none."""
-        return np.append(values, np.zeros(1, values.dtype))[self.candidate]
+        """Values of the candidates (m,) at all places (N,), zero where there is none; true where all of them are."""
+        spread = self.of_candidates @ values.astype(float)
+        return spread > 1 - WHOLE if values.dtype == bool else spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,11 +158,11 @@ class PressedTyre:
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
         gap = problem.gap(state.u)
-        seen = np.flatnonzero(wall.candidate >= 0)
-        own = wall.candidate[seen]
+        seen = wall.covered
         a1, a2 = np.rad2deg(wall.part.angles[seen]).T
         nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
-        nodes |= {"pressure_MPa": state.pressure[own], "gap_mm": gap[own], "active": state.active[own].astype(int)}
+        nodes |= {"pressure_MPa": wall.spread(state.pressure)[seen], "gap_mm": wall.spread(gap)[seen]}
+        nodes |= {"active": wall.spread(state.active)[seen].astype(int)}
         nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
         tables = {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
         return Observation(step, {k: float(v) for k, v in headline.items()}, tables)

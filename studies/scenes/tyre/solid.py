@@ -119,7 +119,7 @@ def whole_wall(solid: SolidDiscretisation, nodes: np.ndarray, model: str) -> Wal
     else:
         phi = np.append(phi, np.pi)  # where the ring closes
     part = part_of(model, psi, phi)
-    angles = mesh.parameter[outer, :2][part.node] * part.sign[:, [2, 1]]  # to the last digit
+    angles = part.view @ mesh.parameter[outer, :2] * part.sign[:, [2, 1]]  # to the last digit
 
     def faces(u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         x = mesh.x + solid.expand(u)

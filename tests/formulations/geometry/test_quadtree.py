@@ -6,6 +6,7 @@ import meshio
 import numpy as np
 import pytest
 from scipy.sparse.linalg import splu, spsolve
+from scipy.spatial.transform import Rotation
 
 from contact.algorithms.semismooth import Semismooth
 from contact.obstacles.foundation import RigidPlane, against_plane
@@ -16,7 +17,7 @@ from formulations.element.strain_operator import INTERPOLATIONS
 from formulations.geometry.grid import Grid
 from formulations.geometry.nested_dissection import elimination_order
 from formulations.geometry.quadtree import DEEPEST, Quadtree
-from formulations.geometry.surfaces import Plate, cylinder
+from formulations.geometry.surfaces import Plate, cylinder, sphere
 from formulations.loads.lines import edge_force
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
@@ -26,6 +27,7 @@ from studies.fields import write_fields
 from studies.scenes.contact.base import outer_face
 from support.shells import PATCHES, SKEW_LAMINATE, Patch, make_shell
 
+ISO = "isoparametric"
 SAME = 1e-12  # of a solution: the same sums in another order
 PATCH = 1e-10  # relative error of a patch test: rounding times the condition number
 MOST_FILL = 1.25  # of minimum degree's
@@ -195,21 +197,65 @@ def test_loads_and_reactions_balance() -> None:
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_a_pressed_plate_lies_on_a_plane_with_the_same_pressure_everywhere(seed) -> None:
-    """A hanging node is no candidate: its area and its load go to the ends of its edge, and nothing else is needed."""
-    grid = random(over(PATCHES["plate"], 3, 2), 3, seed).grid()
-    supports = Supports.of_edges(grid, *["symmetric"] * 4)
-    fixed, hinged = supports.masks
-    plate = Laminate.single(Ply.isotropic(20.0, 0.3, 0.5))
-    shell = make_shell(Plate(), grid, plate, fixed=fixed, hinged=hinged, measure="exact", pressure=Pressure(0.3))
-    candidates = outer_face(shell.discretisation, grid.free_nodes)
-    problem = against_plane(shell.linearise, candidates, RigidPlane(np.array([0.0, 0.0, 1.0]), plate.d_plus))
-    m = len(candidates.weights)
-    lying = ContactSolution(np.zeros(shell.discretisation.n_free), np.zeros(m), np.ones(m, bool), Outcome.CONVERGED)
-    solution = Semismooth().solve(problem, lying)
-    assert solution.outcome is Outcome.CONVERGED
-    np.testing.assert_allclose(solution.pressure, 0.3, rtol=1e-10)
-    assert candidates.weights.sum() == pytest.approx(np.prod(np.ptp(grid.nodes, axis=0)))
+def test_the_pressure_under_a_pressed_plate_converges_to_what_presses_it(seed) -> None:
+    """A hanging node is no candidate: its area goes to the ends of its edge. Forces balance, pressures have order 2.
+
+    Loads act along the arcs, contact along the straight edges: between the two a moment of the order p l^3 is left.
+    """
+    tree, errors = random(over(PATCHES["plate"], 3, 2), 2, seed), []
+    for _ in range(3):
+        grid = tree.grid()
+        fixed, hinged = Supports.of_edges(grid, *["symmetric"] * 4).masks
+        plate = Laminate.single(Ply.isotropic(20.0, 0.3, 0.5))
+        shell = make_shell(Plate(), grid, plate, fixed=fixed, hinged=hinged, measure="exact", pressure=Pressure(0.3))
+        candidates = outer_face(shell.discretisation, grid.free_nodes)
+        problem = against_plane(shell.linearise, candidates, RigidPlane(np.array([0.0, 0.0, 1.0]), plate.d_plus))
+        m = len(candidates.weights)
+        lying = ContactSolution(np.zeros(shell.discretisation.n_free), np.zeros(m), np.ones(m, bool), Outcome.CONVERGED)
+        solution = Semismooth().solve(problem, lying)
+        assert solution.outcome is Outcome.CONVERGED
+        area = np.prod(np.ptp(grid.nodes, axis=0))
+        assert candidates.weights.sum() == pytest.approx(area)
+        assert candidates.weights @ solution.pressure == pytest.approx(0.3 * area, rel=1e-12)
+        errors.append(float(np.max(np.abs(solution.pressure / 0.3 - 1))))
+        tree = tree.everywhere()
+    assert errors[0] < 0.03
+    assert np.all(np.array(errors[:-1]) > 4 * np.array(errors[1:]))
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_free_shell_turns_without_strain(seed) -> None:
+    """A finite rigid motion on an irregular grid: the nodes that hang follow it on their arcs."""
+    patch = PATCHES["torus"]
+    shell = make_shell(patch.surface, random(over(patch, 3, 2), 2, seed).grid(), SKEW_LAMINATE, interpolation=ISO)
+    own = shell.discretisation
+    turn = Rotation.from_rotvec([0.7, -1.1, 0.4]).as_matrix()
+    frame = own.surface.frame(*own.grid.nodes.T)
+    v = np.zeros((own.grid.n_nodes, 6))
+    for face, x in enumerate(own.positions()):
+        v[:, face::2] = np.einsum("nix,nx->ni", frame, x @ turn.T - x + [1.0, 2.0, -3.0])
+    u = own.map.restrict(v)
+    assert np.max(np.abs(shell.mode_strains(u))) < 1e-13
+    assert np.max(np.abs(shell.residual(u))) < 1e-10 * np.max(np.abs(own.laminate.stiffness(shell.section)))
+
+
+def test_hanging_nodes_do_not_lock_thin_shells() -> None:
+    """The hemisphere of MacNeal and Harder bends almost without stretching: straight edges held it at half of that."""
+    found = []
+    for irregular in (False, True):
+        tree = Quadtree.over(np.linspace(0, np.deg2rad(72), 9), np.linspace(0, np.pi / 2, 9))
+        tree = random(tree, 1, share=0.1) if irregular else tree
+        grid = tree.grid()
+        supports = Supports.of_edges(grid, "free", "free", "symmetric", "symmetric")
+        supports = supports.hold(grid.node_at(0, 0), (0,), ("inner",))
+        wall = Laminate.single(Ply.isotropic(6.825e7, 0.3, 0.04))
+        held, hinged = supports.masks
+        shell = make_shell(sphere(10.0), grid, wall, fixed=held, hinged=hinged, interpolation=ISO, membrane="relaxed")
+        load = np.zeros((grid.n_nodes, 6))
+        load[grid.node_at(0, 0), 4:], load[grid.node_at(0, np.pi / 2), 4:] = 0.5, -0.5
+        f = shell.discretisation.reduce(load)
+        found.append(float(f @ spsolve(shell.linearise(np.zeros(len(f))).tangent, f)))
+    assert found[1] == pytest.approx(found[0], rel=0.1)
 
 
 def test_fields_have_an_element_a_leaf(tmp_path) -> None:
