@@ -86,7 +86,7 @@ def _outside(data: pd.DataFrame) -> str:
         first, values = own.iloc[0], own["value"].to_numpy(float)
         apart = share(np.ptp(values[-3:]) / abs(values[-1]), 2)
         orders = " and ".join(fixed(order, 2) for order in own["order"].iloc[2:])
-        cause = first["cause"] or "the cause is not known"
+        cause = "the cause is not known" if pd.isna(first["cause"]) else first["cause"]
         lines.append(
             f"- {first['ladder']}, {code(first['quantity'])}: {cause} (orders {orders}; the last three "
             f"meshes are {apart} apart)."

@@ -147,3 +147,19 @@ def test_a_mesh_that_was_not_solved_is_a_dash(own_store: Path) -> None:
     values = rows(convergence_page(load_store(own_store)).text, "pagano-S10")[0]
     assert values[4] == "–"
     assert "not solved on every mesh" in values
+
+
+def test_a_sequence_that_is_not_asymptotic_says_why(own_store: Path) -> None:
+    """0.99, 1.01, 0.99 on the last three meshes: 2.02 % of the last one apart, and no order."""
+    change_values(own_store, "convergence plate-contact ", lambda value, i: 1 + 0.01 * (-1) ** i)
+    (ladder,) = (ladder for ladder in LADDERS if ladder.name == "plate-contact")
+    told = {
+        quantity: line
+        for line in convergence_page(load_store(own_store)).text.splitlines()
+        for quantity in ladder.quantities
+        if line.startswith(f"- plate-contact, `{quantity}`: ")
+    }
+    assert set(told) == set(ladder.quantities)
+    assert ladder.causes["contact_radius"] in told["contact_radius"]
+    assert "the cause is not known" in told["contact_force"]
+    assert all("orders – and –" in line and "2.02 % apart" in line for line in told.values())
