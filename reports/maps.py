@@ -13,11 +13,6 @@ def at_delta(table: pd.DataFrame, delta: float) -> pd.DataFrame:
     return table[(table["delta_mm"] - delta).abs() < 1e-9]
 
 
-def deltas(contact: pd.DataFrame) -> list[float]:
-    """The travels in a table, increasing."""
-    return sorted(float(delta) for delta in contact["delta_mm"].unique())
-
-
 def pressure_map(contact: pd.DataFrame) -> pd.DataFrame:
     """Pressure [MPa] of one travel by psi and phi; NaN where the node is not in contact."""
     nodes = pd.DataFrame(

@@ -16,7 +16,7 @@ from reports.chapters.shells import figures_benchmarks
 from reports.chapters.tyre import figures as figures_tyre
 from reports.drawing import Picture, drawn
 from reports.files import write_texts
-from reports.maps import along_meridian, at_delta, deltas, pressure_map
+from reports.maps import along_meridian, at_delta, pressure_map
 from reports.tables import TYRES, Cell, load_cell
 
 UNITS = ("mm", "MPa", "N", "deg")
@@ -37,9 +37,16 @@ def figures_of(directory: Path) -> list[Figure]:
 
 
 def _pictures(cell: Cell) -> dict[str, Picture]:
-    if not cell.steps:
+    if cell.scene in TYRES:
+        return (tyre_pictures(cell) if cell.steps else {}) | _mode_picture(cell)
+    return {"load-displacement.svg": _load_displacement(cell)} if cell.steps else {}
+
+
+def _mode_picture(cell: Cell) -> dict[str, Picture]:
+    """How the wall moves where its path turns back, if it has been found to."""
+    if not (cell.directory / "mode.csv").exists():
         return {}
-    return tyre_pictures(cell) if cell.scene in TYRES else {"load-displacement.svg": _load_displacement(cell)}
+    return {"mode.svg": figures_tyre.mode_map(cell.table("mode"), mm_per_degree(cell.table("profile")))}
 
 
 def tyre_pictures(cell: Cell) -> dict[str, Picture]:
@@ -48,13 +55,16 @@ def tyre_pictures(cell: Cell) -> dict[str, Picture]:
     if not any(step["delta_mm"] for step in cell.steps):  # inflated alone
         return {"profiles.svg": figures_tyre.profiles(profile, [])}
     contact = cell.table("contact")
-    reached = deltas(contact)
+    reached = [step["delta_mm"] for step in cell.steps]  # in the order of the path, which may turn back
     forces = [step["force_N"] for step in cell.steps]
     shown = reached[-4:]
     curves = {f"Δ = {delta:g} mm": along_meridian(at_delta(contact, delta)) for delta in shown}
     last = pressure_map(at_delta(contact, reached[-1]))
+    limits = [bool(step.get("limit_point", 0)) for step in cell.steps]
+    turns = {"turning-back.svg": figures_tyre.turning_back(reached, forces, limits)} if any(limits) else {}
     return {
         "load-deflection.svg": figures_tyre.load_deflection({cell.result["measure"]: (reached, forces)}),
+        **turns,
         "pressure-psi.svg": figures_tyre.pressure_along_psi({"φ = 0": curves}),
         "pressure-map.svg": figures_tyre.pressure_map(last, mm_per_degree(profile)),
         "profiles.svg": figures_tyre.profiles(profile, shown),

@@ -33,6 +33,7 @@ FACES = tuple(f"{face}_{along}_mm" for face in ("inner", "outer") for along in (
 TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
     "profile": ("state", "delta_mm", "psi_deg", *FACES),
+    "mode": ("psi_deg", "phi_deg", "x", "y", "z"),
     "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
 OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}

@@ -16,10 +16,12 @@ import numpy as np
 import pandas as pd
 
 from contact import parameters
-from contact.continuation.arc_length import ArcLength
+from contact.continuation.arc_length import ArcLength, Trace
 from contact.continuation.equilibrium_curve import ArcPoint
+from contact.continuation.load_stepping import follow
+from contact.continuation.pressed_curve import PressedCurve
 from contact.parameters import Parameter
-from contact.problem import ContactProblem, ContactSolution, Linearise
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearise
 from formulations.shell import ShellModel
 from studies.fields import write_fields
 from studies.request import Request, Value
@@ -177,17 +179,59 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class ArcStage(Stage):
-    """A path traced by arc length from rest, through limit points, until the load first reaches its last target.
+class CurveStage(Stage):
+    """A path traced by arc length, through limit points, until its last target is first reached.
 
-    linearise: the model without its load; load (n,): the dead force at t = 1.  summarise(points): headline values of
-    the whole curve; ``observe`` sees every point of it.
+    summarise(points): headline values of the whole curve; ``observe`` sees every point of it.
     """
 
     continuation: ArcLength
+    summarise: Callable[[Sequence[ArcPoint]], dict[str, float]]
+
+    def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
+        """The curve from where the stage begins; its first point is that."""
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False)
+class ArcStage(CurveStage):
+    """The curve of a body without contact from rest, t the factor of its load.
+
+    linearise: the model without its load; load (n,): the dead force at t = 1.
+    """
+
     linearise: Linearise
     load: np.ndarray
-    summarise: Callable[[Sequence[ArcPoint]], dict[str, float]]
+
+    def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
+        """No contact: no algorithm."""
+        return self.continuation.trace(self.linearise, self.load, self.targets, tell)
+
+
+@dataclass(frozen=True, eq=False)
+class PressedStage(CurveStage):
+    """The curve of a body that a foundation presses, t its travel.
+
+    first: travel up to which plain steps lead; from there on by arc length to the targets beyond.
+    """
+
+    first: float
+
+    def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
+        """With the contact of the algorithm."""
+        problem_at, start = begun
+        (point,) = follow(problem_at, 0.0, [self.first], algorithm, start)
+        rest = ArcPoint(start.u, 0.0, pressure=start.pressure, active=start.active)
+        if not point.outcome.converged:
+            said = str(point.solution.history[-1].get("event", point.outcome.value))
+            return Trace(
+                (rest,), point.outcome, said, dict(point.solution.counters), list(map(dict, point.solution.history))
+            )
+        curve, begin = PressedCurve.through(problem_at, self.first, point.solution, algorithm)
+        curve.tally.add(point.solution)
+        beyond = [target for target in self.targets if target > self.first]
+        trace = self.continuation.along(curve, begin, beyond, tell)
+        return replace(trace, points=(rest, *trace.points))
 
 
 class SceneModel(Protocol):

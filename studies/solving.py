@@ -25,7 +25,7 @@ from contact.verify import claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.complete import complete
 from studies.request import Request
-from studies.scene import ArcStage, Observation, Scene, SceneModel, UsageError
+from studies.scene import CurveStage, Observation, Scene, SceneModel, UsageError
 from studies.step import Step
 from studies.store.atomic import plain, write_by, write_json, write_table
 from studies.store.provenance import provenance
@@ -141,7 +141,7 @@ def _run_stages(
         result.end = visited
         _account(result, stage.name, point.solution.counters, point.solution.history)
         if visited.trace is not None:
-            _record_curve(visited, visited.trace, result)
+            _record_curve(visited, visited.trace, result, algorithm.epsilon)
         else:
             result.frozen = partial(_freeze, visited, result)
         if visited.converged or point.reached != 0.0:
@@ -193,16 +193,16 @@ def _freeze(visited: Visited, result: Result) -> FrozenStep:
     return freeze(problem, state.u, state.pressure, plain({**origin, **commit}))
 
 
-def _record_curve(visited: Visited, trace: Trace, result: Result) -> None:
+def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float) -> None:
     """The points of a traced curve, each judged, and the table ``curve``."""
     stage, tolerance = visited.stage, result.request.number("tolerance")
-    assert isinstance(stage, ArcStage)
+    assert isinstance(stage, CurveStage)
     for point in trace.points[1:]:
-        state = replace(visited.before, u=point.u)
+        state = point.state
         problem = replace(visited.problem_at(point.factor), energy=None)  # costs as much again
         seen = stage.observe(problem, state, point.factor)
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
-        _record(result, seen, certificate(problem, state, tolerance=tolerance), spent)
+        _record(result, seen, certificate(problem, state, epsilon, tolerance), spent)
     result.quantities |= stage.summarise(trace.points)
     rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
     result.tables["curve"] = [pd.DataFrame(rows)]

@@ -13,7 +13,7 @@ from contact.continuation.arc_length import Trace
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from studies.scene import ArcStage, Stage
+from studies.scene import CurveStage, Stage
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +73,11 @@ def walk(
     """
     for stage in stages:
         problem_at, before = stage.begin(previous)
-        if isinstance(stage, ArcStage):
-            trace = stage.continuation.trace(stage.linearise, stage.load, stage.targets, partial(tell, stage.name))
-            end = replace(before, u=trace.points[-1].u, counters=trace.counters, history=tuple(trace.history))
-            count = len(trace.points) - 1
-            point = PathPoint(stage.targets[-1], trace.points[-1].factor, trace.outcome, end, count)
+        if isinstance(stage, CurveStage):
+            trace = stage.trace((problem_at, before), algorithm, partial(tell, stage.name))
+            last, count = trace.points[-1], len(trace.points) - 1
+            end = replace(last.state, counters=trace.counters, history=tuple(trace.history))
+            point = PathPoint(stage.targets[-1], last.factor, trace.outcome, end, count)
             visited = Visited(stage, problem_at, before, point, trace)
             yield visited
         else:

@@ -45,7 +45,8 @@ class ArcLength:
     smallest, largest: bounds of the step, as fractions and multiples of the first one.  straight: least cosine between
     tangent and chord of a step; a sharper turn is taken in smaller steps, or the march could return on its own trace.
     watched: fraction of the first step above which a point must belong to the curve by its negative eigenvalues, where
-    they are counted; smaller steps pass branches.  to_limit: end with the first limit point.
+    they are counted; smaller steps pass branches.  to_limit: end with the first limit point.  lowest: load factor below
+    which a curve that goes back is followed no further.
     tolerance: residual relative to the forces in balance at which the Newton of a point ends.  ordered: as for a
     problem; minimum degree is led astray by the full row of the border, and fills in twice as much as without it.
     """
@@ -59,6 +60,7 @@ class ArcLength:
     straight: float = 0.9
     watched: float = 1e-2
     to_limit: bool = False
+    lowest: float = -np.inf
     max_points: int = 1000
     solver: str = "splu"
     tolerance: float = RESIDUAL_TOLERANCE
@@ -126,6 +128,8 @@ class ArcLength:
             on_point(found.factor)
             if self.to_limit and not found.rising:
                 return points, Outcome.LIMIT_POINT, f"the path turns back after t = {last.factor:.6g}"
+            if found.factor < self.lowest:
+                return points, Outcome.LIMIT_POINT, f"the path goes back below t = {self.lowest:g}"
             step = self._next_step(step, found.iterations, self.largest * first)
         return points, Outcome.ITERATION_LIMIT, f"{self.max_points} points of the curve did not reach t = {ahead[0]:g}"
 

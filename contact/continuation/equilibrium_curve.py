@@ -14,7 +14,7 @@ from scipy import sparse
 from contact.events import Event, EventKind
 from contact.newton.state import Iterate, Tally
 from contact.newton.step import NewtonRun
-from contact.problem import Linearisation, Linearise, Linearised, without_contact
+from contact.problem import ContactSolution, Linearisation, Linearise, Linearised, Outcome, without_contact
 from contact.solvers.sparse import SingularMatrixError
 
 NO_CONTACT = np.zeros(0)
@@ -37,6 +37,11 @@ class ArcPoint:
     pressure: np.ndarray = field(default_factory=lambda: NO_CONTACT)
     active: np.ndarray = field(default_factory=lambda: NO_SET)
     negative: int | None = None
+
+    @property
+    def state(self) -> ContactSolution:
+        """As a solution."""
+        return ContactSolution(self.u, self.pressure, self.active, Outcome.CONVERGED)
 
 
 @dataclass(frozen=True, eq=False)

@@ -99,13 +99,11 @@ class PressedCurve:
         problem = self._bordered(normal, np.append(guess[:-1] / self.m, guess[-1]))
         begin = ContactSolution(np.append(start.u, start.factor), start.pressure, start.active, Outcome.CONVERGED)
         found = self.algorithm.solve(problem, begin)
-        for key, value in found.counters.items():
-            self.tally.counters[key] = self.tally.counters.get(key, 0) + value
         t = float(found.u[-1])
         rows: list[dict[str, object]] = [{"parameter": t, "iteration": i, **row} for i, row in enumerate(found.history)]
         if rows:
             rows[0].setdefault("event", Event(EventKind.POINT, event))
-        self.tally.history += rows
+        self.tally.add(replace(found, history=tuple(rows)))
         if not found.outcome.converged:
             return None
         spent = int(found.counters.get("newton_iterations", 0))
@@ -113,10 +111,9 @@ class PressedCurve:
 
     def counted(self, point: ArcPoint) -> ArcPoint:
         """The point with the number of negative eigenvalues of the tangent there, at fixed travel."""
-        state = ContactSolution(point.u, point.pressure, point.active, Outcome.CONVERGED)
         for what in ("assemblies", "factorisations"):
             self.tally.counters[what] += 1
-        found = negative_eigenvalues(self.problem_at(point.factor), state, self.algorithm.epsilon)
+        found = negative_eigenvalues(self.problem_at(point.factor), point.state, self.algorithm.epsilon)
         return replace(point, negative=found)
 
     def _bordered(self, normal: np.ndarray, through: np.ndarray) -> ContactProblem:

@@ -55,9 +55,9 @@ def by_arc_length(
     else:
         last = trace.points[-1]
     if not outcome.converged and end is None:
-        reached = [(point.factor, _state(point)) for point in trace.points[-3:]]
+        reached = [(point.factor, point.state) for point in trace.points[-3:]]
         outcome, end = Outcome.STEP_LIMIT, why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
-    found = replace(_state(last), counters=trace.counters, history=tuple(trace.history))
+    found = replace(last.state, counters=trace.counters, history=tuple(trace.history))
     return Turned(last.factor, found, outcome, len(trace.points) - 1, end)
 
 
@@ -73,7 +73,3 @@ def _limit(curve: PressedCurve, trace: Trace, last: ArcPoint) -> Ending:
     except SingularMatrixError:
         mode = after.u - last.u
     return Ending(PathEnd.LIMIT_POINT, told, last.factor, mode / (float(np.linalg.norm(mode)) or 1.0))
-
-
-def _state(point: ArcPoint) -> ContactSolution:
-    return ContactSolution(point.u, point.pressure, point.active, Outcome.CONVERGED)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from contact.events import Event
-from contact.problem import Linearised
+from contact.problem import ContactSolution, Linearised
 from contact.solvers.sparse import Factor, factor_flops
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops", "set_changes")
@@ -76,6 +76,12 @@ class Tally:
         if self.flops_by_fill < 0:
             self.flops_by_fill = factor_flops(factor) / max(fill, 1.0) ** 2
         self.counters["flops"] += round(self.flops_by_fill * fill**2)
+
+    def add(self, solution: ContactSolution) -> None:
+        """What another solve has spent, and its history."""
+        for key, value in solution.counters.items():
+            self.counters[key] = self.counters.get(key, 0) + value
+        self.history += [dict(row) for row in solution.history]
 
     def note(self, residual: float, active: np.ndarray, before: np.ndarray, event: Event | None = None) -> None:
         """One row of history; the set changes are counted."""

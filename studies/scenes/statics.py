@@ -203,7 +203,7 @@ class CurveModel(StaticModel):
         assert self.shell.forces is not None
         unloaded = self.shell.scaled(0.0).linearise
         path = ("curve", self._begin, self.fractions, self._observe)
-        yield ArcStage(*path, self.continuation, unloaded, self.shell.forces, self._summarise)
+        yield ArcStage(*path, self.continuation, self._summarise, unloaded, self.shell.forces)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         found = self.measure_at(self.shell, u)

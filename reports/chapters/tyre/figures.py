@@ -14,7 +14,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from reports.drawing import BLACK, VERMILION, canvas, legend_above, lines, look, looks, svg
-from reports.maps import at_delta
+from reports.maps import ANGLE_DECIMALS, at_delta
 
 GREY = "#777777"
 SHOWN_PSI, SHOWN_PHI = 60.0, 30.0  # degrees around the patch
@@ -66,6 +66,45 @@ def pressure_map(pressures: pd.DataFrame, mm_per_degree: tuple[float, float]) ->
     axes.set(xlabel="angle around the axis φ [deg]", ylabel="meridian angle ψ [deg]")
     axes.legend(loc="upper right")
     figure.colorbar(colours, ax=axes, label="contact pressure [MPa]")
+    return figure
+
+
+@svg
+def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequence[bool]) -> Figure:
+    """Force over travel about the first limit point, on the way there and behind it; the limit points are marked."""
+    figure, (axes,) = canvas()
+    first = next(i for i, found in enumerate(limit) if found)
+    behind = deltas[first] - min(deltas[first:])
+    axes.plot(deltas, forces, marker="o", markersize=3)
+    marked = np.flatnonzero(limit)
+    axes.plot(
+        np.take(deltas, marked), np.take(forces, marked), "D", color=VERMILION, label="limit points of the travel"
+    )
+    near = np.abs(np.subtract(deltas, deltas[first])) <= 3 * behind
+    shown = np.asarray(forces, dtype=float)[near]
+    axes.set(xlim=(deltas[first] - 3 * behind, deltas[first] + 3 * behind), xlabel=TRAVEL, ylabel=FORCE)
+    axes.set(ylim=(shown.min() - 0.1 * np.ptp(shown), shown.max() + 0.1 * np.ptp(shown)))
+    axes.set_title(f"at {deltas[first]:.4g} mm and {forces[first]:.4g} N it turns back, by {behind:.3g} mm")
+    axes.legend()
+    return figure
+
+
+@svg
+def mode_map(mode: pd.DataFrame, mm_per_degree: tuple[float, float]) -> Figure:
+    """How the wall moves along its normal where the path turns back, the largest motion of a node as unit."""
+    psi, phi = (np.deg2rad(mode[f"{name}_deg"].to_numpy(dtype=float)) for name in ("psi", "phi"))
+    normal = np.stack([np.cos(psi) * np.cos(phi), np.cos(psi) * np.sin(phi), np.sin(psi)], axis=-1)
+    along = np.sum(normal * mode[["x", "y", "z"]].to_numpy(dtype=float), axis=-1)
+    nodes = mode.assign(along=along).round({"psi_deg": ANGLE_DECIMALS, "phi_deg": ANGLE_DECIMALS})
+    table = nodes.pivot(index="psi_deg", columns="phi_deg", values="along")
+    rows, columns = (angles.to_numpy(dtype=float) for angles in (table.index, table.columns))
+    figure, (axes,) = canvas(height=5.4)
+    most = float(np.max(np.abs(table.to_numpy(dtype=float))))
+    colours = axes.pcolormesh(_edges(columns), _edges(rows), table, cmap="RdBu", vmin=-most, vmax=most)
+    shown = float(np.max(rows))
+    axes.set(xlim=(-SHOWN_PHI, SHOWN_PHI), ylim=(-shown, shown), aspect=mm_per_degree[0] / mm_per_degree[1])
+    axes.set(xlabel="angle around the axis φ [deg]", ylabel="meridian angle ψ [deg]")
+    figure.colorbar(colours, ax=axes, label="motion along the normal, largest = 1")
     return figure
 
 

@@ -18,6 +18,7 @@ from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of
 from studies.scenes.tyre.press import Column, PressedTyre, Wall, begin_inflation
+from studies.scenes.tyre.press_path import arc_of
 from studies.scenes.tyre.sector import check_reach, cut_of, sector_stage, within
 from studies.scenes.tyre.stability import beside_the_patch
 from studies.scenes.tyre.wall import checked_wall, inflated_shell
@@ -50,7 +51,8 @@ class TyreModel(ShellSceneModel, PressedTyre):
         area = "mid" if settings["pressure_area"] == "mid" else "outer"
         nodes, candidates = _candidates(shell, part, area, coupled=settings["coupling"] == "consistent")
         wall = Wall(part, nodes, lambda u: _faces(shell, u))
-        return cls(shell, wall, candidates, deltas, foundation(settings), shell, part, nodes, column=column)
+        arc, here = arc_of(request), foundation(settings)
+        return cls(shell, wall, candidates, deltas, here, shell, part, nodes, column=column, arc=arc)
 
     def with_balances(self, problem: ContactProblem) -> ContactProblem:
         """Energy and forces of the inflated shell; of a part only those along the normal of the plane balance."""

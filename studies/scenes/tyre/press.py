@@ -14,16 +14,19 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
+from contact.continuation.arc_length import ArcLength
+from contact.continuation.equilibrium_curve import ArcPoint
 from contact.obstacles.foundation import Candidates, Foundation, against, travelling
 from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
 from formulations.shell import ShellModel
 from formulations.solid import SolidModel
-from studies.scene import Begun, Observation, Stage, UsageError
+from studies.scene import Begun, Observation, PressedStage, Stage, UsageError
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.parts import Part
 
 OVERLAP = 1e-6  # mm
+BY_TRAVEL = 0.25  # of the travel asked for: up to there the arc length has nothing to find
 MODE_STEP = 1e-3  # mm: the faces are linear in u but for a turn of frames
 WHOLE = 1e-9  # what rounding takes off shares that add up to 1
 
@@ -84,6 +87,7 @@ class PressedTyre:
     """The stages of a tyre: inflation without contact, then the travel of the foundation, at the origin here.
 
     column: where inflation is solved first, before it is lifted to the tyre; None when the tyre is inflated itself.
+    arc: how the press is followed by arc length; None for steps of the travel.
     """
 
     body: Body
@@ -92,6 +96,7 @@ class PressedTyre:
     deltas: Sequence[float]
     foundation: Foundation
     column: Column | None = field(default=None, kw_only=True)
+    arc: ArcLength | None = field(default=None, kw_only=True)
 
     @property
     def n_unknowns(self) -> int:
@@ -104,7 +109,24 @@ class PressedTyre:
             begin = partial(begin_inflation, self.column.body)
             yield Stage("column", begin, (1.0,), lambda *_: Observation(None), whole=self.column.lift)
         yield Stage("inflation", partial(begin_inflation, self.body), (1.0,), self._observe_inflation)
-        yield Stage("press", self._begin_press, tuple(self.deltas), self._observe_press, see_mode=self._see_mode)
+        press = ("press", self._begin_press, tuple(self.deltas), self._observe_press)
+        if self.arc is None:
+            yield Stage(*press, see_mode=self._see_mode)
+        else:
+            first = self.deltas[0] if len(self.deltas) > 1 else BY_TRAVEL * self.deltas[0]
+            yield PressedStage(*press, self.arc, self._summarise, first)
+
+    def _summarise(self, points: Sequence[ArcPoint]) -> dict[str, float]:
+        """Number of limit points, the first one, and how far the foundation goes back behind it."""
+        limits = [i for i, point in enumerate(points) if point.limit]
+        if not limits:
+            return {"limit_points": 0.0}
+        behind = min(point.factor for point in points[limits[0] :])
+        return {
+            "limit_points": float(len(limits)),
+            "press_limit_point": points[limits[0]].factor,
+            "least_delta_behind_mm": behind,
+        }
 
     def _begin_press(self, previous: ContactSolution | None) -> Begun:
         assert previous is not None

@@ -18,6 +18,7 @@ from studies.scene import EPSILON, SOLVER, Reference, Setting, UsageError
 from studies.scenes.data import At, Row, read_reference, references
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre import foundation as tyre_foundation
+from studies.scenes.tyre import press_path
 from studies.scenes.tyre.grid_lines import GRADING, checked_mesh, tyre_lines
 from studies.scenes.tyre.model import InflatedTyre, TyreModel
 from studies.scenes.tyre.parts import MODELS, settle_model
@@ -66,6 +67,7 @@ SETTINGS = (
     Setting("clamp_deg", 120.0, "meridian angle of the clamped edges", low=10, high=175),
     GRADING,
     SECTOR,
+    *press_path.SETTINGS,
     *tyre_foundation.SETTINGS,
     *ELEMENT,
     SOLVER,

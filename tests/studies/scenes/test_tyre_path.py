@@ -1,0 +1,81 @@
+"""The press of the tyre by arc length: through the limit point of the travel and on behind it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contact.problem import Outcome
+from reports.result_figures import draw_result
+from studies.scene import UsageError
+from studies.solving import Result, resolve, solve
+
+COARSE = {"thickness_strain": "balanced"}
+
+
+def run(mesh: str, **settings: str) -> Result:
+    return solve(*resolve("tyre", {**COARSE, **settings}, mesh, model="half"))
+
+
+def test_the_arc_leads_to_the_states_of_the_travel() -> None:
+    by_travel, by_arc = run("12x12", delta_mm="5,8,12"), run("12x12", delta_mm="5,8,12", path="arc")
+    assert by_arc.outcome.converged
+    reached = {step["delta_mm"]: step["force_N"] for step in by_arc.steps}
+    for step in by_travel.steps:
+        assert reached[step["delta_mm"]] == pytest.approx(step["force_N"], rel=1e-6)
+    assert by_arc.quantities["limit_points"] == 0
+    assert not any(step["failures"] for step in by_arc.steps)
+    assert len(by_arc.tables["curve"][0]) == len(by_arc.steps) > 3
+
+
+@pytest.mark.slow
+def test_a_curve_that_goes_back_ends_where_it_began() -> None:
+    """On eight elements a wall of them snaps at 12 mm, and what follows leads back until nothing touches any more."""
+    found = run("8x8", delta_mm="5,15", path="arc")
+    assert found.outcome is Outcome.LIMIT_POINT
+    assert "the path goes back below t = 0" in found.reason
+    assert found.quantities["limit_points"] == 1
+    assert found.steps[-1]["delta_mm"] < 0
+    assert found.steps[-1]["force_N"] == 0
+
+
+def test_points_belong_to_an_arc() -> None:
+    with pytest.raises(UsageError, match="arc_points belongs to path=arc"):
+        run("8x8", arc_points="9")
+
+
+def test_a_curve_that_is_too_short_says_so() -> None:
+    found = run("8x8", delta_mm="5,30", path="arc", arc_points="2")
+    assert found.outcome is Outcome.ITERATION_LIMIT
+    assert "2 points of the curve did not reach t = 30" in found.reason
+    assert len(found.steps) == 3
+
+
+@pytest.mark.slow
+def test_the_tyre_turns_back_and_goes_on(tmp_path: Path) -> None:
+    """On a coarse grid the buckle beside the rim is a loop: back by half a millimetre, then on to 40 mm."""
+    ended = run("20x18", delta_mm="30,40")
+    ended.write(tmp_path / "travel")
+    assert "mode.svg" in {path.name for path in draw_result(tmp_path / "travel")}
+    limit = ended.quantities["press_limit_point"]
+    found = run("20x18", delta_mm="34,40", path="arc")
+    assert found.outcome.converged
+    assert found.quantities["limit_points"] == 2
+    assert found.quantities["press_limit_point"] == pytest.approx(limit, abs=1e-4)  # started from elsewhere
+    assert not any(step["failures"] for step in found.steps)  # each judged as a problem at its travel
+    turns = [i for i, step in enumerate(found.steps) if step["limit_point"]]
+    travel = np.array([step["delta_mm"] for step in found.steps])
+    assert np.all(np.diff(travel[: turns[0] + 1]) > 0)
+    assert np.all(np.diff(travel[turns[0] : turns[1] + 1]) < 0)
+    assert np.all(np.diff(travel[turns[1] :]) > 0)
+    assert found.quantities["least_delta_behind_mm"] == pytest.approx(travel[turns[1]])
+    forces = np.array([step["force_N"] for step in found.steps])
+    (by_travel,) = run("20x18", delta_mm="38.2").steps
+    there = np.interp(38.2, travel[: turns[0] + 1], forces[: turns[0] + 1])
+    back = np.interp(38.2, travel[turns[1] : turns[0] : -1], forces[turns[1] : turns[0] : -1])
+    assert by_travel["force_N"] == pytest.approx(there, rel=1e-3)
+    assert back < there - 20
+    found.write(tmp_path / "arc")
+    assert "turning-back.svg" in {path.name for path in draw_result(tmp_path / "arc")}
