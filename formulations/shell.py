@@ -45,9 +45,10 @@ class ShellModel:
     forces (n,): dead nodal forces on the free displacements, in the local frames [N].  initial (11,): resultants H0 of
     the reference state [N/mm].  newton: "plain" or "mixed" (the resultants predicted by the last linear step build the
     geometric stiffness: the mixed-integration-point strategy of Magisano, Leonetti, Garcea, 2017).
-    thickness_strain: "projected" (the paper) or "nodal"; membrane: "compatible" (the paper) or "relaxed"; see
-    :class:`formulations.element.mixed.MixedElement`.  couples: follow the directors of their nodes.  prescribed (N, 6):
-    values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError when one is free.
+    thickness_strain: "projected" (the paper), "balanced" or "nodal"; membrane: "compatible" (the paper) or "relaxed",
+    see :class:`formulations.element.mixed.MixedElement`.  couples: follow the directors of their nodes.
+    prescribed (N, 6): values of the held displacements, 0 elsewhere; u = expand(free) + prescribed. Raises ValueError
+    when one is free.
     A step of them starts wholly in the elements at the support: large ones may lead to another equilibrium, so --steps.
     """
 

@@ -62,11 +62,16 @@ def _projection(nodal: float) -> np.ndarray:
 class MixedElement:
     """Measure and section on the modes; ``initial`` are the resultants H0 of the reference state on the modes.
 
-    thickness_strain: where E33 is sampled, at the Gauss points ("projected", the paper), at the nodes ("nodal") or half
-    and half ("balanced"). An interpolated director is shorter than its nodal values, and a thin shell at finite
-    rotation pays for that: where directors turn by phi across an element of length l and bending stiffness D, the
-    moment is M l/D = phi + (c/2 - 1/6) phi^3 with c = 2/3 at the Gauss points (too stiff), 0 at the nodes (too soft)
-    and 1/3 half-way, where the next error is of the order phi^5.
+    thickness_strain: the share s of E33 that is sampled at the nodes and not at the Gauss points, none ("projected",
+    the paper), half ("balanced") or all ("nodal"). An interpolated director is shorter than its nodal values, and a
+    thin shell at finite rotation pays for that. Where directors turn by phi across an element of length l, bending
+    stiffness D and the angle phi0 at rest (phi > 0 bends it further), the moment is to the third order in both angles::
+
+        curvilinear:    M l/D = phi - (1 + 2 s)/8 phi0 phi^2 + (1/6 - s/3) phi^3
+        isoparametric:  M l/D = (1 - s/3 phi0^2) phi + 3/8 (1 - 2 s) phi0 phi^2 + (1/6 - s/3) phi^3
+
+    so s = 1/2 is what cancels phi^3 in flat and in curved elements. With less a fold is too stiff; with more it is too
+    soft, phi - phi^3/6, and has a limit point of its own at phi = sqrt(2).
     membrane: "compatible" (the paper), or "relaxed": the linear modes of E11 and E22 keep only the share of their
     face-mean part that curvature and thickness justify, see :func:`_relaxation`; it removes what is left of membrane
     locking on coarse meshes of thin curved shells and changes nothing on flat ones.

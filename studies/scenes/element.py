@@ -22,7 +22,7 @@ from studies.scene import Setting, UsageError
 
 PRESETS = {
     "paper": {"interpolation": "curvilinear", "thickness_strain": "projected", "membrane": "compatible"},
-    "refined": {"interpolation": "curvilinear", "thickness_strain": "nodal", "membrane": "relaxed"},
+    "refined": {"interpolation": "curvilinear", "thickness_strain": "balanced", "membrane": "relaxed"},
 }
 OPTIONS: tuple[tuple[str, Iterable[str], str], ...] = (
     ("interpolation", INTERPOLATIONS, "what is interpolated: components or positions"),

@@ -33,8 +33,9 @@ def element_choice_part(store: Store) -> Part:
     enough = share(rule["enough"], 0)
     text = prose(f"""## Which element
 
-The element of the paper (`element=paper`) against the default (`element=refined`), which samples the thickness strain
-at the nodes and relaxes the linear membrane modes of curved elements. Both have the same unknowns and the same limit;
+The element of the paper (`element=paper`) against the default (`element=refined`), which takes half of the thickness
+strain from the nodes, so that an element has no error of the third order in the angle its directors turn by, and
+relaxes the linear membrane modes of curved elements. Both have the same unknowns and the same limit;
 errors are relative to that limit, which is taken from the sequence whose limit is the more certain. On the coarsest
 mesh the default is better for {counts.get("better", 0)} quantities, equal within
 {share(rule["equal"], 1)} or within the uncertainty of the limit for {counts.get("equal", 0)}, and worse

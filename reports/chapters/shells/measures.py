@@ -97,8 +97,8 @@ def element_part(store: Store) -> Part:
 
 Same unknowns, same measure (`exact`): what is interpolated, where the thickness strain is sampled, and how much of the
 linear membrane modes a curved element keeps. The first row is the element of the paper (`element=paper`); the default,
-`element=refined`, is curvilinear, nodal and relaxed: [over all scenes](convergence.md#which-element) that is the better
-one. Hemisphere with a hole under the whole load, inward displacement in mm; in brackets the difference from the
+`element=refined`, is curvilinear, balanced and relaxed: [over all scenes](convergence.md#which-element) that is the
+better one. Hemisphere with a hole under the whole load, inward displacement in mm; in brackets the difference from the
 published {fixed(reference, 3)}, which is itself a finite-element result.""")
     header = ["interpolation", "thickness strain", "membrane", *MESHES]
     return joined(text, table("Inward displacement of the hemisphere", header, rows, words=3), commands(lines))

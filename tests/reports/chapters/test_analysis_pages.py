@@ -93,8 +93,8 @@ def test_the_trade(solved: Path, files: dict[str, str]) -> None:
         *("Shares of the variance", "Walls of measures that approximate"),
     ):
         assert f"**{title}**" in text
-    assert "| `cantilever` | `exact` | `semismooth` | 4x1 |" in text
-    assert "footprint solve cantilever --measure exact --contact semismooth --mesh 4x1" in text
+    assert "| `cantilever` | `exact` | `semismooth` | 8x1 |" in text
+    assert "footprint solve cantilever --measure exact --contact semismooth --mesh 8x1" in text
     flips = load_store(solved).analysis("flips")
     (whole,) = flips[(flips["cost"] == "seconds") & (flips["axis"] == "contact") & (flips["removed"] == "")]["ranking"]
     assert sorted(whole.split(" > ")) == ["regularised", "semismooth", "trial-and-error"]
@@ -109,7 +109,7 @@ def test_advice(files: dict[str, str]) -> None:
     text = files["advice.md"]
     (line,) = [line for line in text.splitlines() if line.startswith("| `cantilever` | `tip_deflection_mm` |")]
     assert line.count("|") == 10
-    assert "4x1 exact" in line
+    assert "8x1 exact" in line
     assert "**Advice on scenes left out**" in text
     assert "nan" not in text
 

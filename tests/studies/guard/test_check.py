@@ -162,7 +162,7 @@ def test_advice_on_the_command_line(solved: Path, capsys: pytest.CaptureFixture[
     asked = ["advise", "cantilever", "--store", str(solved / "store"), "--campaign", "small"]
     asked += ["--cost", "dofs", "--error"]  # seconds rank as the machine is busy
     assert main([*asked, "1%"]) == 0
-    assert "cheapest: exact semismooth mixed refined 4x1" in capsys.readouterr().out
+    assert "cheapest: exact semismooth mixed refined 8x1" in capsys.readouterr().out
     assert main([*asked, "0.01%"]) == 1
     assert "none qualifies of 3 cells" in capsys.readouterr().out  # the linear ones are wrong, not inaccurate
     assert main([*asked, "1%", "--quantity", "force_N"]) == 2

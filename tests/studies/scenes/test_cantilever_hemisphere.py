@@ -50,11 +50,25 @@ def test_refined_cantilever_has_the_order_two_and_the_same_limit(quantity: str) 
 
 
 @pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
-def test_refined_hemisphere_is_within_one_per_cent_on_sixteen_elements(quantity: str) -> None:
+def test_refined_hemisphere_has_less_than_half_the_error_of_the_paper_on_sixteen_elements(quantity: str) -> None:
     published = reference("hemisphere", quantity, "read")
-    refined, paper = (abs(run("hemisphere", 16, e).quantities[quantity] / published - 1) for e in ("refined", "paper"))
-    assert refined <= 0.01
+    refined, paper = (1 - run("hemisphere", 16, e).quantities[quantity] / published for e in ("refined", "paper"))
+    assert 0 < refined <= 0.5 * paper
     assert paper >= 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
+def test_refined_hemisphere_approaches_its_limit_from_below(quantity: str) -> None:
+    """Each mesh at least halves the step of the one before, and the finest is within half a per cent of S4R.
+
+    With all of the thickness strain at the nodes soft folds hide stiff membranes: 0.6 % on 16, but 8.1473 mm inwards on
+    32 and 8.1476 on 64 elements are no sequence with a limit.
+    """
+    steps = np.diff([run("hemisphere", n, "refined").quantities[quantity] for n in MESHES])
+    assert 0 < steps[1] <= 0.5 * steps[0]
+    finest = run("hemisphere", MESHES[-1], "refined").quantities[quantity]
+    assert finest == pytest.approx(reference("hemisphere", quantity, "read"), rel=5e-3)
 
 
 @pytest.mark.slow
