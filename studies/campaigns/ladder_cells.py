@@ -117,8 +117,8 @@ LADDERS = (
             ("hemisphere-isoparametric", {"interpolation": "isoparametric"}),
         )
     ),
-    replace(
-        _from_second(_ladder("sze-pullout", _ROTATIONS, _meshes(6, 9), ("w_A_even_mm", "u_B_mm", "u_C_mm"), **_EDGES)),
+    replace(  # even lines: with closer ones at the load the path is lost at its snap
+        _from_second(_ladder("sze-pullout", _ROTATIONS, _meshes(6, 9), ("w_A_even_mm", "u_B_mm", "u_C_mm"), **_FULL)),
         causes={"u_C_mm": _CANCEL},
     ),
     _from_second(  # before the snap

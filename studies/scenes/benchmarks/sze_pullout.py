@@ -15,7 +15,7 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import tabulated
-from studies.scenes.element import ELEMENT, LINES, patch
+from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import (
     ARC_STEP,
     LOAD_FRACTIONS,
@@ -57,7 +57,7 @@ class PullOut:
     name: str = "sze-pullout"
     title: str = "Open cylinder pulled out (Sze 3.5)"
     default_mesh: tuple[int, int] = (16, 24)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, ARC_STEP, LINES, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:
