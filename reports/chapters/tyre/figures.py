@@ -81,8 +81,8 @@ def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequen
         np.take(deltas, marked), np.take(forces, marked), "D", color=VERMILION, label="limit points of the travel"
     )
     near = np.abs(np.subtract(deltas, deltas[first])) <= 3 * behind
-    shown = np.asarray(forces, dtype=float)[near]
-    axes.set(xlim=(deltas[first] - 3 * behind, deltas[first] + 3 * behind), xlabel=TRAVEL, ylabel=FORCE)
+    at, shown = (np.asarray(each, dtype=float)[near] for each in (deltas, forces))
+    axes.set(xlim=(at.min() - 0.1 * behind, at.max() + 0.1 * behind), xlabel=TRAVEL, ylabel=FORCE)
     axes.set(ylim=(shown.min() - 0.1 * np.ptp(shown), shown.max() + 0.1 * np.ptp(shown)))
     axes.set_title(f"at {deltas[first]:.4g} mm and {forces[first]:.4g} N it turns back, by {behind:.3g} mm")
     axes.legend()
