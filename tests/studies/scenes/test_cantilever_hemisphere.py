@@ -12,6 +12,8 @@ from studies.scenes import SCENES
 from studies.solving import Result, resolve, solve
 
 MESHES = (16, 32, 64)
+FINER = (32, 64, 128)
+ELEMENTS = ("refined", "paper")
 
 
 def run(scene: str, n: int, element: str = "paper", **options: object) -> Result:
@@ -42,11 +44,17 @@ def test_cantilever_converges_to_the_elastica(quantity: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("quantity", ["tip_shortening_mm", "tip_deflection_mm"])
-def test_refined_cantilever_has_the_order_two_and_the_same_limit(quantity: str) -> None:
-    coarse, middle, fine = (run("cantilever", n, "refined").quantities[quantity] for n in MESHES)
-    assert np.log2((middle - coarse) / (fine - middle)) == pytest.approx(2, abs=0.05)
-    by_paper = [run("cantilever", n).quantities[quantity] for n in (64, 128)]  # fine enough for the order 2 to lead
-    assert fine + (fine - middle) / 3 == pytest.approx(by_paper[1] + (by_paper[1] - by_paper[0]) / 3, rel=2e-5)
+def test_refined_cantilever_has_at_least_the_order_two_and_the_limit_of_the_paper(quantity: str) -> None:
+    """What is left of the order 2, chords shorter than their arcs, is a third of the paper's error.
+
+    The error of the order phi^4 that leads on coarse meshes lets the order seem higher: 2.3 and 2.6 here.
+    """
+    refined, paper = (np.array([run("cantilever", n, e).quantities[quantity] for n in FINER]) for e in ELEMENTS)
+    limits = [values[-1] + (values[-1] - values[-2]) / 3 for values in (refined, paper)]
+    assert limits[0] == pytest.approx(limits[1], rel=2e-6)
+    steps = np.diff(refined)
+    assert np.log2(steps[0] / steps[1]) >= 1.95
+    assert np.all(np.abs(refined - limits[1]) < 0.4 * np.abs(paper - limits[1]))
 
 
 @pytest.mark.parametrize("quantity", ["outward_mm", "inward_mm"])
