@@ -27,7 +27,7 @@ WORDS = {  # of a scene: what is judged, and over what
     "shallow-cap": ("deflection of the apex", "load fraction"),
 }
 
-WHOLE = {"scene": "hemisphere", "measure": "exact", "newton": "mixed", "steps": 1, "load_fraction": 1}
+WHOLE = {"scene": "hemisphere", "measure": "exact", "newton": "mixed", "steps": 1, "load_fraction": 1, "lines": "even"}
 OPTIONS, MESHES = ("interpolation", "thickness_strain", "membrane"), ("8x8", "16x16", "32x32")
 
 

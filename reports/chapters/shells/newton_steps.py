@@ -6,7 +6,7 @@ from reports.formats import fixed, scientific
 from reports.markdown import Part, commands, joined, machine, prose, table
 from reports.tables import Cell, Store
 
-WHOLE = {"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible"}
+WHOLE = {"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible", "lines": "even"}
 ELEMENT = {"interpolation": "curvilinear", "thickness_strain": "projected"}
 
 
