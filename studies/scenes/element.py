@@ -46,7 +46,12 @@ def even_grid(request: Request, a1: Span, a2: Span, closer: Sequence[bool] = (Fa
     n1, n2 = request.mesh
     towards = closer if request.settings.get("lines") == "edges" else (False,) * 4
     lines = spaced_lines(*a1, n1, *towards[:2]), spaced_lines(*a2, n2, *towards[2:])
-    return tree_over(request, *lines).grid() if request.leaves else Grid.tensor(*lines)
+    return grid_over(request, *lines)
+
+
+def grid_over(request: Request, lines1: np.ndarray, lines2: np.ndarray) -> Grid:
+    """The grid of these lines, refined as asked."""
+    return tree_over(request, lines1, lines2).grid() if request.leaves else Grid.tensor(lines1, lines2)
 
 
 def spaced_lines(start: float, end: float, n: int, to_start: bool = False, to_end: bool = False) -> np.ndarray:

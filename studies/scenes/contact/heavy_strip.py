@@ -11,7 +11,6 @@ import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.conditions.boundary import Supports
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
 from studies.request import Request
@@ -21,7 +20,7 @@ from studies.scenes.closed_forms.beams_on_planes import lifted_strip
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
-from studies.scenes.element import ELEMENT, discretise, spaced_lines
+from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
@@ -57,7 +56,7 @@ class HeavyStrip:
         def rim() -> float:
             return UNIT * unit * lifted_strip(lam / unit)[0]
 
-        grid = Grid.tensor(contact_lines(request, 0, (0, LENGTH), rim), spaced_lines(0, B, request.mesh[1]))
+        grid = grid_over(request, contact_lines(request, 0, (0, LENGTH), rim), spaced_lines(0, B, request.mesh[1]))
         end = grid.on_line(0, 0.0)
         supports = Supports.of_edges(grid, "free", "symmetric", "symmetric", "symmetric").hold(end, (2,))
         wall = strip_wall(UNIT * lam)

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
@@ -20,7 +19,7 @@ from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
-from studies.scenes.element import ELEMENT, on_grid, spaced_lines
+from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
@@ -62,7 +61,7 @@ class PlateContact:
         edges = ("symmetric", "clamped", "symmetric", "symmetric")
         last = request.numbers("load_fraction")[-1]
         radii = contact_lines(request, 0, (rim, A), lambda: A * plate_contact(64 * last)[0])
-        grid = Grid.tensor(radii, spaced_lines(0, np.pi / 2, request.mesh[1]))
+        grid = grid_over(request, radii, spaced_lines(0, np.pi / 2, request.mesh[1]))
         quarter = on_grid(request, annulus(), grid, laminate, edges)
         forces = area_load(quarter, lambda a1, a2: TOUCHING * DOWN)
         plug = TOUCHING * rim / 2 * DOWN  # p pi c^2 over the circumference 2 pi c

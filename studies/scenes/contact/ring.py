@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
@@ -20,7 +19,7 @@ from studies.scenes.closed_forms.beams_on_planes import flattened_ring
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
 from studies.scenes.data import Row, references
-from studies.scenes.element import ELEMENT, on_grid, spaced_lines
+from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0
@@ -55,7 +54,7 @@ class Ring:
         laminate, EI = Laminate.single(Ply.isotropic(E, 0.0, h)), E * h**3 / 12 * WIDTH
         deltas = request.numbers("delta_mm")
         around = contact_lines(request, 1, (0, right), lambda: flattened_ring(1 - deltas[-1] / RADIUS)[1])
-        grid = Grid.tensor(spaced_lines(0, WIDTH, request.mesh[0]), around)
+        grid = grid_over(request, spaced_lines(0, WIDTH, request.mesh[0]), around)
         quarter = on_grid(request, cylinder(RADIUS), grid, laminate, ("symmetric",) * 4)
         shell, side = loaded_shell(quarter, request), quarter.grid.on_line(1, right)
 

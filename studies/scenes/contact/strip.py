@@ -11,7 +11,6 @@ from __future__ import annotations
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from studies.request import Request
@@ -21,7 +20,7 @@ from studies.scenes.closed_forms.beams_on_planes import strip_contact
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
 from studies.scenes.data import read_reference, references
-from studies.scenes.element import ELEMENT, on_grid, spaced_lines
+from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
@@ -98,7 +97,7 @@ class ClampedStrip:
         def rim() -> float:
             return A * strip_contact(24 * last, lam if lam > NO_SHEAR else 0.0).free_length
 
-        grid = Grid.tensor(contact_lines(request, 0, (0, A), rim), spaced_lines(0, B, request.mesh[1]))
+        grid = grid_over(request, contact_lines(request, 0, (0, A), rim), spaced_lines(0, B, request.mesh[1]))
         half = on_grid(request, Plate(), grid, strip_wall(A * lam), edges)
         shell = loaded_shell(half, request, forces=area_load(half, lambda a1, a2: Q0 * UP))
 

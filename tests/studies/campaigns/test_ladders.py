@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,7 +11,7 @@ from studies.campaigns.ladder_cells import LADDERS, Ladder
 from studies.scene import UsageError
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip, strip_contact
 from studies.scenes.contact.rim_lines import rim_lines
-from studies.scenes.element import spaced_lines
+from studies.scenes.element import spaced_lines, tree_over
 from studies.solving import resolve
 
 SAME = 1e-12
@@ -98,3 +100,16 @@ def test_where_nothing_has_a_rim_its_lines_are_refused(scene, settings) -> None:
     found, request = resolve(scene, settings | {"lines": "rim"}, "16x16")
     with pytest.raises(UsageError, match="needs a rim of contact"):
         found.build(request)
+
+
+@pytest.mark.parametrize("scene", ["strip-contact", "heavy-strip", "plate-contact", "ring"])
+@pytest.mark.parametrize("lines", ["even", "rim"])
+def test_lines_of_contact_scenes_are_refined_as_asked(scene: str, lines: str) -> None:
+    """All elements cut once: the mesh of twice as many along the strip."""
+    at = {"delta_mm": "50"} if scene == "ring" else {"load_fraction": "1" if scene == "heavy-strip" else "5"}
+    asked, twice = ("16x16", "32x32") if scene == "ring" else ("16x1", "32x1")
+    found, request = resolve(scene, at | {"lines": lines}, asked, measure="exact" if scene == "ring" else "linear")
+    tree = tree_over(request, np.arange(request.mesh[0] + 1.0), np.arange(request.mesh[1] + 1.0)).everywhere()
+    grid = found.build(replace(request, leaves=tuple(map(tuple, tree.leaves.tolist())))).shell.discretisation.grid
+    wanted = nodes(Ladder("", scene, "", (), (), at | {"lines": lines}, request.measure, ""), twice)
+    assert np.sort(grid.nodes, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-9)
