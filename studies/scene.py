@@ -147,11 +147,15 @@ class Reference:
 
 @dataclass(frozen=True, eq=False)
 class Observation:
-    """What a scene reads off a converged state: an entry of ``steps`` (or None), headline values, rows of tables."""
+    """What a scene reads off a converged state: an entry of ``steps`` (or None), headline values, rows of tables.
+
+    said: of a mode, for people.
+    """
 
     step: dict[str, Any] | None
     quantities: dict[str, float] = field(default_factory=dict)
     tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+    said: str = ""
 
 
 Begun = tuple[Callable[[float], ContactProblem], ContactSolution]  # problem_at(t), and the solution to start from

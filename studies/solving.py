@@ -171,7 +171,7 @@ def _record_end(visited: Visited, result: Result) -> None:
     if point.end is not None and point.end.mode is not None and visited.stage.see_mode is not None:
         seen = visited.stage.see_mode(point.solution, point.end.mode)
         _record(result, seen, {}, {})
-        said += "; " + ", ".join(f"{name} = {value:.4g}" for name, value in seen.quantities.items())
+        said += f"; {seen.said}"
     where = f"{stage} at {point.requested:g}: {said}" if visited.trace is None else f"{stage}: {visited.trace.reason}"
     result.reason = f"{where}; last converged at {point.reached:g}"
 

@@ -73,7 +73,10 @@ class TyreModel(ShellSceneModel, PressedTyre):
     def _see_mode(self, state: ContactSolution, mode: np.ndarray) -> Observation:
         seen = super()._see_mode(state, mode)
         waves = beside_the_patch(self.shell, self.part, state.u, self.nodes[state.active])
-        return replace(seen, quantities=seen.quantities | waves)
+        said, least = seen.said, waves["short_wave_N_mm"]
+        if least < 0:
+            said += f"; beside the patch short waves cost {least:.3g} N/mm: a finer grid may turn back earlier"
+        return replace(seen, quantities=seen.quantities | waves, said=said)
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the nodes of the part; zero during inflation."""

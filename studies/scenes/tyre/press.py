@@ -200,7 +200,8 @@ class PressedTyre:
         place = {"mode_psi_deg": abs(float(angles[largest, 0])), "mode_phi_deg": abs(float(angles[largest, 1]))}
         nodes = {"psi_deg": angles[:, 0], "phi_deg": angles[:, 1]}
         nodes |= {f"{axis}": motion[:, i] / size[largest] for i, axis in enumerate("xyz")}
-        return Observation(None, place, {"mode": pd.DataFrame(nodes)})
+        said = "its mode is largest at psi = {mode_psi_deg:.4g}, phi = {mode_phi_deg:.4g} deg".format(**place)
+        return Observation(None, place, {"mode": pd.DataFrame(nodes)}, said)
 
     def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
         """Both faces of the meridian phi = 0."""

@@ -136,6 +136,9 @@ def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str
     assert "negative eigenvalues of the tangent" in lost.reason
     assert 50 < lost.quantities["mode_psi_deg"] < 90  # beside the rim of the patch
     assert lost.quantities["mode_phi_deg"] < 15
+    assert "its mode is largest at psi = {mode_psi_deg:.4g}".format(**lost.quantities) in lost.reason
+    assert lost.quantities["short_wave_N_mm"] < 0
+    assert "a finer grid may turn back earlier" in lost.reason
     (mode,) = lost.tables["mode"]
     assert np.max(np.linalg.norm(mode[["x", "y", "z"]], axis=1)) == pytest.approx(1.0)
     reached = run({"delta_mm": f"{limit - 0.05}", **element}, mesh, model="half", steps=8)
