@@ -76,20 +76,49 @@ class PressedCurve:
 
         Raises SingularMatrixError.
         """
+        return self._rates(point, along)[0]
+
+    def corner(self, point: ArcPoint, tangent: np.ndarray) -> tuple[float, np.ndarray]:
+        """Travel at which the set changes first along the tangent, and the unit tangent behind that.
+
+        Behind it the candidate that has lost its pressure leaves the foundation, or the one that has touched is
+        pressed: that is the sense of the tangent on the changed set. Where it leads back, the path turns there, with a
+        regular tangent on both sets.  Raises SingularMatrixError.
+        """
+        x, (along, pressing) = np.append(point.u, point.factor), self._rates(point, tangent)
+        closing = self._closing(x, along)
+        left = np.where(point.active, point.pressure, self.problem.gap(x))
+        rate = np.where(point.active, pressing, closing)
+        until = np.full(len(left), np.inf)
+        until[rate < 0] = np.maximum(left[rate < 0], 0.0) / -rate[rate < 0]
+        changes = int(np.argmin(until))
+        active = point.active.copy()
+        active[changes] ^= True
+        behind, pressing = self._rates(replace(point, active=active), tangent)
+        sense = pressing[changes] if active[changes] else self._closing(x, behind)[changes]
+        return point.factor + float(until[changes] * along[-1]), np.copysign(1.0, sense) * behind
+
+    def _closing(self, x: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """Rates of the gaps (m,) along a direction of (m u, t)."""
+        return np.asarray(self.problem.gap_jacobian(x) @ np.append(direction[:-1] / self.m, direction[-1]))
+
+    def _rates(self, point: ArcPoint, along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The unit tangent on the set of the point, and the rates of the pressures (m,) along it."""
         x = np.append(point.u, point.factor)
         problem = self._bordered(along / np.linalg.norm(along), x)
         run = NewtonRun(problem, self.algorithm.epsilon, tally=self.tally)
         A, b = problem.stiffness(run.linearise(x, None), x, point.pressure), np.zeros_like(x)
         b[-1] = _size(A)
-        nodes, pivots = np.flatnonzero(point.active), None
+        nodes, pivots, pressing = np.flatnonzero(point.active), None, np.zeros_like(point.pressure)
         if len(nodes):
             pivots = Pivots.choose(problem, x, nodes, A, run.epsilon).homogeneous()
             A, b = pivots.substitute(A, b)
         found = run.solution(run.factorise(A), A, b)
         if pivots is not None:
-            found, _ = pivots.resolve(found)
+            found, pressing[nodes] = pivots.resolve(found)
         found[:-1] *= self.m
-        return found / np.linalg.norm(found)
+        size = float(np.linalg.norm(found))
+        return found / size, pressing / size
 
     def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint | None:
         """The point on the plane through ``guess`` with the given normal, from the converged ``start``; None if none.

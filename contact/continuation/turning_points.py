@@ -17,6 +17,7 @@ from contact.solvers.sparse import SingularMatrixError
 EASY, HARD = 5, 8  # iterations of a point with contact, whose set takes some of them
 POINTS = 60
 SMALLEST = 1e-5  # of the first step
+CORNER = 1e-3  # of the way by arc length: a change of the set further ahead is not why no step succeeds
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +55,30 @@ def by_arc_length(
         end = _limit(curve, trace, last)
     else:
         last = trace.points[-1]
+    if outcome is Outcome.STEP_LIMIT:
+        end = _corner(curve, trace)
+        outcome = Outcome.STEP_LIMIT if end is None else Outcome.LIMIT_POINT
     if not outcome.converged and end is None:
         reached = [(point.factor, point.state) for point in trace.points[-3:]]
         outcome, end = Outcome.STEP_LIMIT, why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
     found = replace(last.state, counters=trace.counters, history=tuple(trace.history))
     return Turned(last.factor, found, outcome, len(trace.points) - 1, end)
+
+
+def _corner(curve: PressedCurve, trace: Trace) -> Ending | None:
+    """The limit point where the set changes just ahead, if the path turns back there."""
+    last = trace.points[-1]
+    chord = curve.place(last) - curve.place(trace.points[-2]) if len(trace.points) > 1 else None
+    try:
+        ahead = curve.tangent(last, np.append(np.zeros_like(last.u), 1.0) if chord is None else chord)
+        at, behind = curve.corner(last, ahead)
+    except SingularMatrixError:
+        return None
+    if not (ahead[-1] > 0 > behind[-1] and at - last.factor <= CORNER * (last.factor - trace.points[0].factor)):
+        return None
+    told = f"limit point of the path at {at:.7g}: it turns back where the contact set changes, with a regular tangent"
+    mode = behind[:-1] / (float(np.linalg.norm(behind[:-1])) or 1.0)
+    return Ending(PathEnd.LIMIT_POINT, told, at, mode)
 
 
 def _limit(curve: PressedCurve, trace: Trace, last: ArcPoint) -> Ending:

@@ -200,3 +200,43 @@ def test_a_moving_foundation_is_the_problem_seen_from_it() -> None:
         turned = (moving.contact_force(x + e, p) - moving.contact_force(x - e, p)) / (2 * step)
         stiff = moving.stiffness(moving.linearise(x, None), x, p) - moving.linearise(x, None).tangent
         np.testing.assert_allclose(-stiff.toarray()[:, j], turned, atol=1e-7)
+
+
+def cornered(stiffness: float):
+    """Two points under a plane, coupled by 1: p1 = 10 t, p2 = -(1 + stiffness)(1 - t)."""
+    K = np.array([[9.0, 1.0], [1.0, stiffness]])
+    f = np.array([0.0, -(1.0 + stiffness)])
+
+    def linearise(u, memory):
+        return Linearisation(K @ u - f, sparse.csc_matrix(K), 1.0)
+
+    operator = sparse.csr_matrix((np.ones(2), ([2, 5], [0, 1])), shape=(6, 2))
+    candidates, plane = Candidates(np.zeros((2, 3)), operator, np.ones(2)), RigidPlane(-DOWN, 0.0)
+
+    def at(t: float) -> ContactProblem:
+        problem = against(linearise, candidates, plane.moved(t * DOWN))
+        return replace(problem, travel=lambda: travelling(linearise, candidates, plane, DOWN))
+
+    def state(t: float) -> ContactSolution:
+        u = np.array([-t, -t])
+        return ContactSolution(u, f - K @ u, np.ones(2, bool), Outcome.CONVERGED)
+
+    return at, state
+
+
+@pytest.mark.parametrize("stiffness", [-2.0, -5.0])
+def test_a_path_turns_back_where_a_point_without_stiffness_of_its_own_comes_off(stiffness) -> None:
+    """p2 = -(1 + k)(1 - t), with k + 1 < 0, is gone at t = 1; off the plane g2 = -p2/k, positive for t < 1 only."""
+    at, state = cornered(stiffness)
+    curve, point = PressedCurve.through(at, 0.9, state(0.9), SEMISMOOTH)
+    tangent = curve.tangent(point, np.append(np.zeros(2), 1.0))
+    assert point.pressure[1] == pytest.approx(-(1 + stiffness) * 0.1)
+    travel, behind = curve.corner(point, tangent)
+    assert travel == pytest.approx(1.0, abs=1e-12)
+    assert behind[-1] < 0
+    assert behind[1] / behind[0] == pytest.approx(-1 / stiffness)  # d2 = (f2 - d1)/k
+    turned = by_arc_length(at, ((0.0, state(0.0)), (0.5, state(0.5))), 2.0, SEMISMOOTH, 0.1)
+    assert turned.outcome is Outcome.LIMIT_POINT
+    assert turned.end is not None
+    assert turned.end.limit == pytest.approx(1.0, abs=1e-9)
+    assert "turns back where the contact set changes" in turned.end.sentence

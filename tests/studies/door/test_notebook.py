@@ -54,7 +54,7 @@ def test_figures_are_those_of_plot(run: Run) -> None:
 @pytest.mark.slow
 def test_what_does_not_converge_is_kept() -> None:
     run = solve("tyre", mesh="12x12", delta_mm=(5, 95), settle=1)
-    assert run.outcome == "step-limit"
+    assert run.outcome == "limit-point"
     assert "last converged at" in run.reason
     assert run.steps["delta_mm"].tolist() == [5.0]
 
