@@ -1,9 +1,14 @@
-"""A mesh for an error: a short ladder of adapted grids, extrapolated, up to the first one that is good enough.
+"""A quantity to an error: grids refined where it is decided, until its limit is known well enough.
 
-The force on a grid of N elements, spaced alike on every rung, is F = L + c/N + noise/N: bilinear elements converge with
-the square of their size, and so does what the rim of the patch does between the lines, up and down. L and c are a least
-squares fit with the weights N; its standard error covers what the rim leaves of Richardson's smooth law. The error of a
-rung is |F - L|/|L|, its band covers both sides by Student's t, and a rung passes by the upper end.
+Each round solves on a grid and on the one with all its elements cut, T and T'. Bilinear elements converge with the
+square of their size, so that a round says of the limit::
+
+    L = J' + (J' - J)/3
+
+and two rounds with different grids say how well: L is within u = max(SAFETY |L - L_before|, |J' - J|/6) of the limit,
+where the second half keeps what Richardson's law adds from being taken for certain to more than a half. A first round
+alone knows |J' - J|. Where u is too large, the difference between T and T' shows which elements to cut
+(:mod:`studies.refinement`), and the next round begins.
 """
 
 from __future__ import annotations
@@ -11,44 +16,57 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 import pandas as pd
-from scipy.special import stdtrit
 
+from studies.refinement.goal import OnGrid, on_grid
+from studies.refinement.indicators import indicators
+from studies.refinement.trees import Family
 from studies.request import Request
-from studies.scene import Scene, UsageError
+from studies.scene import Scene, ShellSceneModel, UsageError
 from studies.solving import Result, solve
 
-ELEMENTS = tuple(round(400 * 1.5**k) for k in range(8))  # 400 to 6834
-FEWEST = 3  # rungs, for two unknowns and a residual
-COVER = 0.9  # probability with which the band covers, by Student's t
+SAFETY = 1.5
+MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
+FEWEST, MOST_ROUNDS = 2, 8
+COARSER = 4  # the default mesh over the coarsest one
+TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load is cut everywhere
 
 
-@runtime_checkable
-class AdaptiveScene(Scene, Protocol):
-    """A scene that can space its grid by an estimate of the error of its force."""
+@dataclass(frozen=True)
+class Round:
+    """A quantity on a grid and on the one with all elements cut, their unknowns, and the seconds that both took."""
 
-    def adapted(self, request: Request) -> Self:
-        """The scene with the estimate made; raises UsageError where that fails."""
+    value: float
+    finer: float
+    unknowns: int
+    finer_unknowns: int
+    seconds: float
 
-    def mesh_of(self, request: Request, elements: float) -> tuple[int, int]:
-        """The best proportions of about so many elements."""
+    @property
+    def limit(self) -> float:
+        """Richardson's for the order 2."""
+        return self.finer + (self.finer - self.value) / 3
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """What a ladder says of the force on its last rung; errors are relative.
-
-    limit [N]: extrapolated, known to +- limit_uncertainty.  error: of the last rung, between low and high.
-    """
+    """limit: within +-uncertainty; error: of the last grid's value, in [low, high]. All but the limit are relative."""
 
     limit: float
-    limit_uncertainty: float
+    uncertainty: float
     error: float
-    low: float
-    high: float
+
+    @property
+    def low(self) -> float:
+        """The least that the error of the last grid's value may be."""
+        return max(self.error - self.uncertainty, 0.0)
+
+    @property
+    def high(self) -> float:
+        """The most that it may be."""
+        return self.error + self.uncertainty
 
 
 def parse_error(text: str) -> float:
@@ -58,81 +76,110 @@ def parse_error(text: str) -> float:
     except ValueError:
         value = float("nan")
     if not 1e-4 <= value <= 0.5:
-        raise UsageError(f"error {text!r} must be a part of the force in [0.01%, 50%], as 1% or 0.01")
+        raise UsageError(f"error {text!r} must be a part of the quantity in [0.01%, 50%], as 1% or 0.01")
     return value
 
 
-def extrapolate(elements: Sequence[float], forces: Sequence[float]) -> Estimate:
-    """Fit F = L + c/N by least squares with the weights N; raises ValueError for fewer than three rungs."""
-    n, f = np.asarray(elements, float), np.asarray(forces, float)
-    if len(n) < FEWEST:
-        raise ValueError(f"a ladder needs {FEWEST} rungs, got {len(n)}")
-    weighted = np.stack([n, np.ones_like(n)], axis=-1)  # N times (1, 1/N)
-    (limit, slope), *_ = np.linalg.lstsq(weighted, n * f, rcond=None)
-    left = n * f - weighted @ (limit, slope)
-    variance = float(left @ left) / (len(n) - 2)
-    student = float(stdtrit(len(n) - 2, 0.5 + 0.5 * COVER))
-    uncertainty = student * float(np.sqrt(variance * np.linalg.inv(weighted.T @ weighted)[0, 0]))
-    off, scale = abs(float(f[-1]) - limit), abs(float(limit))
-    low, high = max(off - uncertainty, 0.0), off + uncertainty
-    return Estimate(float(limit), uncertainty, off / scale, low / scale, high / scale)
+def estimate(rounds: Sequence[Round]) -> Estimate:
+    """What all rounds so far say of the limit."""
+    last = rounds[-1]
+    step = abs(last.finer - last.value)
+    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 6)
+    scale = abs(last.limit) or np.finfo(float).tiny
+    return Estimate(last.limit, within / scale, abs(last.finer - last.limit) / scale)
+
+
+def coarsest_mesh(scene: Scene) -> tuple[int, int]:
+    """A quarter of the default mesh both ways, or what the scene names."""
+    named: tuple[int, int] | None = getattr(scene, "coarsest_mesh", None)
+    n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
+    return named or (n1, n2)
 
 
 def solve_to_error(
-    scene: AdaptiveScene,
+    scene: Scene,
     request: Request,
     error: float,
+    quantity: str | None = None,
     progress: Callable[[str], None] = lambda text: None,
-    elements: Sequence[int] = ELEMENTS,
+    most: int = MOST,
 ) -> tuple[Result, bool]:
-    """The result on the first rung whose error is surely below ``error``, or on the last, and whether it is.
+    """The result on the finest grid, and whether its quantity is surely known to a relative ``error``.
 
-    Its quantities hold the ladder and the estimate, its table ``ladder`` the same in columns. A rung that does not
-    converge ends the ladder: its result is returned.
+    request: on the coarsest mesh.  quantity: by default the force, or the first that the scene has references for. The
+    quantities hold the estimate, the table ``refinement`` the rounds. A path that ends before its last load ends the
+    refinement: its result is returned. Raises UsageError for a quantity that the scene does not have.
     """
-    start = time.perf_counter()
-    progress("an estimate on coarse grids")
-    scene = scene.adapted(request)
-    rungs: list[dict[str, float]] = []
-    for count in elements:
-        result = solve(scene, replace(request, mesh=scene.mesh_of(request, count)), progress)
-        if result.unsupported or not result.outcome.converged:
-            return result, False
-        rungs.append(_rung(result))
-        result.timing["ladder"] = time.perf_counter() - start
-        enough = len(rungs) >= FEWEST
-        found = extrapolate(*([rung[key] for rung in rungs] for key in ("elements", "force_N"))) if enough else None
-        _record(result, rungs, found, error)
-        if found is not None and found.high <= error:
-            return result, True
-    result.reason = f"no mesh of up to {elements[-1]} elements has a force that is surely within {100 * error:g} %"
-    return result, False
+    family, rounds = Family.of(scene, request), list[Round]()
+    before: tuple[Family, Result] | None = None
+    for _ in range(MOST_ROUNDS):
+        start = time.process_time()
+        coarse = before[1] if before is not None else solve(scene, family.asked, progress)
+        if coarse.unsupported:
+            return coarse, False
+        if not coarse.outcome.converged:
+            if rounds or family.times >= TOO_COARSE:
+                return coarse, False
+            family = replace(family.everywhere(), times=family.times + 1) if family.tree else family.everywhere()
+            continue
+        quantity = quantity or default_quantity(scene, coarse)
+        if quantity not in coarse.quantities:
+            raise UsageError(f"{scene.name} has no quantity {quantity!r}; it has {', '.join(coarse.quantities)}")
+        finer = family.everywhere()
+        fine = solve(scene, finer.asked, progress)
+        if not fine.outcome.converged:
+            return fine, False
+        unknowns, most_unknowns = (int(each.counters["dofs"]) for each in (coarse, fine))
+        value, finer_value = coarse.quantities[quantity], fine.quantities[quantity]
+        rounds.append(Round(value, finer_value, unknowns, most_unknowns, time.process_time() - start))
+        found = estimate(rounds)
+        progress(f"{quantity} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
+        _record(fine, quantity, rounds, found, error)
+        if len(rounds) >= FEWEST and found.uncertainty <= error:
+            return fine, True
+        if family.tree is None:
+            family, before = finer, (finer, fine)
+        else:
+            try:
+                family = family.refined(_indicators(family, finer, coarse, fine, quantity))
+            except (KeyError, ArithmeticError):  # no dual problem: refined everywhere
+                family, before = finer, (finer, fine)
+            else:
+                before = None
+        if most_unknowns > most / 2:
+            break
+    fine.reason = f"no grid of up to {most} unknowns has a {quantity} that is surely within {100 * error:g} %"
+    return fine, False
 
 
-def _rung(result: Result) -> dict[str, float]:
-    """Mesh, unknowns, force at the last travel and seconds of a result."""
-    n1, n2 = result.request.mesh
-    return {
-        "n1": n1,
-        "n2": n2,
-        "elements": n1 * n2,
-        "unknowns": result.counters["dofs"],
-        "force_N": float(result.steps[-1]["force_N"]),
-        "seconds": result.timing["total"],
+def default_quantity(scene: Scene, result: Result) -> str:
+    """The force, the first quantity with a reference, or the first of all."""
+    named = ["force_N", *(reference.quantity for reference in scene.references), *result.quantities]
+    return next(name for name in named if name in result.quantities)
+
+
+def _indicators(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> np.ndarray:
+    assert family.tree is not None
+    assert finer.tree is not None
+    parents = family.tree.parents(finer.tree)
+    return indicators(_on_grid(coarse, quantity), _on_grid(fine, quantity), parents)
+
+
+def _on_grid(result: Result, quantity: str) -> OnGrid:
+    assert isinstance(result.model, ShellSceneModel)
+    assert result.end is not None
+    return on_grid(result.end, quantity, result.model.shell, result.model.candidate_of_node)
+
+
+def _record(result: Result, quantity: str, rounds: Sequence[Round], found: Estimate, error: float) -> None:
+    """The estimate as quantities, and the rounds as a table."""
+    rows = [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds]
+    result.tables["refinement"] = [pd.DataFrame(rows)]
+    result.quantities |= {
+        "error_asked": error,
+        f"extrapolated_{quantity}": found.limit,
+        "uncertainty": found.uncertainty,
+        "error_estimate": found.error,
+        "error_low": found.low,
+        "error_high": found.high,
     }
-
-
-def _record(result: Result, rungs: Sequence[dict[str, float]], found: Estimate | None, error: float) -> None:
-    """Ladder and estimate as quantities, and the ladder as a table."""
-    result.tables["ladder"] = [pd.DataFrame(rungs)]
-    for k, rung in enumerate(rungs, 1):
-        result.quantities |= {f"ladder_{k}_{key}": rung[key] for key in ("unknowns", "force_N")}
-    result.quantities["error_asked"] = error
-    if found is not None:
-        result.quantities |= {
-            "force_limit_N": found.limit,
-            "force_limit_uncertainty_N": found.limit_uncertainty,
-            "error_estimate": found.error,
-            "error_low": found.low,
-            "error_high": found.high,
-        }

@@ -150,11 +150,12 @@ class Observation:
     """What a scene reads off a converged state: an entry of ``steps`` (or None), headline values, rows of tables.
 
     said: of a mode, for people.
+    tables: made when they are asked for; who only wants the values does not wait for them.
     """
 
     step: dict[str, Any] | None
     quantities: dict[str, float] = field(default_factory=dict)
-    tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+    tables: Callable[[], dict[str, pd.DataFrame]] = dict
     said: str = ""
 
 
@@ -270,9 +271,15 @@ class ShellSceneModel:
         """Number of unknowns."""
         return self.shell.discretisation.n_free
 
+    @property
+    def candidate_of_node(self) -> np.ndarray:
+        """(N,) the contact candidate that each node of the grid is or mirrors, -1 for none."""
+        return np.full(self.shell.discretisation.grid.n_nodes, -1)
+
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Contact pressure (N,) at the grid's nodes; zero where nothing is touched."""
-        return np.zeros(self.shell.discretisation.grid.n_nodes)
+        """Contact pressure (N,) at the grid's nodes; zero where nothing is touched, and before the first contact."""
+        own = self.candidate_of_node if len(solution.pressure) else np.full(self.shell.discretisation.grid.n_nodes, -1)
+        return self.shell.discretisation.grid.carried(np.append(solution.pressure, 0.0)[own])
 
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """One layer of hexahedra between the two faces."""

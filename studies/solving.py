@@ -226,7 +226,7 @@ def certificate(
 
 
 def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int]) -> None:
-    for name, table in seen.tables.items():
+    for name, table in seen.tables().items():
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:

@@ -48,7 +48,7 @@ class Hanging:
 
     @classmethod
     def on_edges(cls, nodes: np.ndarray, owner: np.ndarray, side: np.ndarray, elements: np.ndarray, n: int) -> Hanging:
-        """Those of n nodes (k,) that hang in the middle of a ``side`` (k,) of an element, from corner to next corner."""
+        """Those of n nodes (k,) that hang in the middle of a ``side`` (k,) of an element, from corner to next."""
         corners = np.stack([side, (side + 1) % len(CORNERS)], axis=-1)
         ends = elements[owner[:, None], corners]
         hangs = np.isin(np.arange(n), nodes)

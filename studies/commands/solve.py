@@ -29,7 +29,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--contact", default="semismooth")
     parser.add_argument("--newton", default="mixed", help="plain or mixed")
     parser.add_argument("--mesh", help="N1xN2")
-    parser.add_argument("--error", metavar="E", help="choose the mesh for an error of the force, e.g. 1%%")
+    parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
+    parser.add_argument("--of", metavar="QUANTITY", help="the quantity of --error; by default the force, or the first")
     parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
     parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
     add_settings(parser)
@@ -41,17 +42,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Solve, write and print a short table."""
     given = pairs(options.settings)
-    wanted = _wanted_error(options, given)
+    wanted, mesh = _wanted_error(options, given)
     scene, request = complete(
         options.scene,
         given,
-        options.mesh,
+        mesh,
         **{name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")},
     )
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out} is a file, not a directory")
     with _progress() as tell:
-        result, enough = _solved(scene, request, wanted, tell)
+        result, enough = _solved(scene, request, wanted, options.of, tell)
     if result.unsupported:
         raise UsageError(result.unsupported)
     result.write(options.out)
@@ -66,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
         return NOT_CONVERGED
     if wanted is not None:
-        _print_ladder(result, enough)
+        _print_rounds(result)
     return OK if enough else NOT_CONVERGED
 
 
@@ -80,28 +81,31 @@ def _draw(out: Path) -> None:
         raise UsageError(str(error)) from None
 
 
-def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> float | None:
-    """The error that is asked for; the grid is then an adapted one. Raises UsageError beside a mesh or a grading."""
+def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> tuple[float | None, str | None]:
+    """The error that is asked for, if any, and the mesh, then the coarsest one; raises UsageError for a wrong one."""
     if options.error is None:
-        return None
-    from studies.error_control import parse_error
+        if options.of is not None:
+            raise UsageError("--of names the quantity of --error: give both")
+        return None, options.mesh
+    from studies.error_control import coarsest_mesh, parse_error
 
-    if not hasattr(SCENES.get(options.scene), "adapted"):
-        raise UsageError(f"scene {options.scene!r} has no --error; choose its mesh")
-    if options.mesh is not None or given.get("grading", "adapted") != "adapted":
-        raise UsageError("--error chooses an adapted mesh: leave out --mesh and grading")
-    given["grading"] = "adapted"
-    return parse_error(options.error)
+    scene = SCENES.get(options.scene)
+    if scene is None or options.mesh is not None:
+        return parse_error(options.error), options.mesh
+    if any(setting.key == "grading" for setting in scene.settings):
+        given.setdefault("grading", "uniform")
+    return parse_error(options.error), "{}x{}".format(*coarsest_mesh(scene))
 
 
-def _solved(scene: Scene, request: Request, wanted: float | None, tell: Callable[[str], None]) -> tuple[Result, bool]:
+def _solved(
+    scene: Scene, request: Request, wanted: float | None, quantity: str | None, tell: Callable[[str], None]
+) -> tuple[Result, bool]:
     """The result, and whether its error is the one wanted, if any is."""
     if wanted is None:
         return solve(scene, request, tell), True
-    from studies.error_control import AdaptiveScene, solve_to_error
+    from studies.error_control import solve_to_error
 
-    assert isinstance(scene, AdaptiveScene)
-    return solve_to_error(scene, request, wanted, tell)
+    return solve_to_error(scene, request, wanted, quantity, tell)
 
 
 @contextmanager
@@ -129,12 +133,13 @@ def _print_table(result: Result) -> None:
     print(f"{result.as_json()['outcome']}: {counters}")
 
 
-def _print_ladder(result: Result, enough: bool) -> None:
-    """The rungs, and the mesh that was chosen, or none."""
-    print(result.tables["ladder"][0].to_string(index=False, float_format=lambda x: f"{x:.6g}"))
-    seen = result.quantities
-    if "error_high" in seen:
-        low, at, high = (100 * seen[key] for key in ("error_low", "error_estimate", "error_high"))
-        print(f"force {seen['force_N']:.6g} N, error {at:.2g} % in [{low:.2g}, {high:.2g}] %")
-    n1, n2 = result.request.mesh
-    print(f"mesh for {100 * seen['error_asked']:g} %: " + (f"{n1}x{n2}" if enough else f"none; {result.reason}"))
+def _print_rounds(result: Result) -> None:
+    """The rounds of refinement, the limit, and what the value on the last grid is off."""
+    seen, rounds = result.quantities, result.tables["refinement"][0]
+    print(rounds.to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+    name = str(rounds["quantity"].iloc[0])
+    print(f"{name} = {seen[f'extrapolated_{name}']:.6g} +- {100 * seen['uncertainty']:.2g} %")
+    low, high = (100 * seen[key] for key in ("error_low", "error_high"))
+    print(f"on the last grid {seen[name]:.6g}, off by {low:.2g} to {high:.2g} %")
+    if result.reason:
+        print(result.reason)

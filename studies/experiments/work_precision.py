@@ -10,9 +10,9 @@ from typing import Any
 import pandas as pd
 
 from studies.complete import complete
-from studies.error_control import AdaptiveScene
 from studies.request import Request
 from studies.scene import Scene
+from studies.scenes.tyre.scene import Tyre
 from studies.solving import solve
 
 FAMILIES = dict.fromkeys(("uniform", "patch"), tuple((n, n) for n in range(20, 84, 4)))
@@ -37,7 +37,7 @@ def work_precision(
         scene, request = complete("tyre", {**settings, "grading": family})
         rows += [_solved(scene, request, mesh, 0.0) for mesh in meshes]
     scene, request = complete("tyre", {**settings, "grading": "adapted"})
-    assert isinstance(scene, AdaptiveScene)
+    assert isinstance(scene, Tyre)
     start = time.perf_counter()
     scene = scene.adapted(request)
     estimate = time.perf_counter() - start

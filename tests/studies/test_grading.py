@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from formulations.recovery import energy_products, recovery_errors, refined
 from studies.analysis.comparisons.tyre_models import reaching
-from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
-from studies.error_control import AdaptiveScene, extrapolate, parse_error
 from studies.experiments.work_precision import work_precision
 from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
@@ -89,66 +84,6 @@ def test_the_lines_keep_the_symmetry_of_the_parts() -> None:
     assert forces[0] == pytest.approx(forces[1], rel=1e-9)
 
 
-def test_fit_of_a_ladder() -> None:
-    elements = [400, 600, 900, 1350]
-    exact = extrapolate(elements, [100 + 2000 / n for n in elements])
-    assert exact.limit == pytest.approx(100, rel=1e-9)
-    assert exact.error == pytest.approx(2000 / 1350 / 100, rel=1e-6)
-    assert exact.high - exact.low < 1e-6
-    noisy = extrapolate(elements, [100 + (2000 + 400 * s) / n for n, s in zip(elements, (1, -1, 1, -1), strict=True)])
-    assert abs(noisy.limit - 100) < noisy.limit_uncertainty
-    assert noisy.high > noisy.error > noisy.low >= 0
-    with pytest.raises(ValueError, match="3 rungs"):
-        extrapolate([1, 2], [1, 2])
-
-
-@pytest.mark.parametrize(("text", "value"), [("1%", 0.01), ("0.02", 0.02), ("0.5%", 0.005)])
-def test_an_error_is_read(text: str, value: float) -> None:
-    assert parse_error(text) == pytest.approx(value)
-
-
-@pytest.mark.parametrize("text", ["", "x%", "0", "nan", "-1%", "60%", "1e-9"])
-def test_a_wrong_error_is_refused(text: str) -> None:
-    with pytest.raises(UsageError, match="part of the force"):
-        parse_error(text)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("element", ["paper", "refined"])
-def test_mesh_for_an_error(element: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The mesh that is chosen has the error asked for, and the band covers the true one."""
-    arguments = ["solve", "tyre", "--set", "delta_mm=20", "--set", f"element={element}", "--error", "1%"]
-    assert main([*arguments, "--out", str(tmp_path)]) == OK
-    seen = json.loads((tmp_path / "result.json").read_text())["quantities"]
-    true = abs(seen["force_N"] / LIMITS[element] - 1)
-    assert true <= 0.01
-    assert seen["error_low"] <= true <= seen["error_high"] <= 0.01 == seen["error_asked"]
-    assert abs(seen["force_limit_N"] - LIMITS[element]) <= seen["force_limit_uncertainty_N"]
-    assert (tmp_path / "ladder.csv").exists()
-    assert "mesh for 1 %" in capsys.readouterr().out
-
-
-@pytest.mark.slow
-def test_no_mesh_reaches_too_small_an_error(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("studies.error_control.solve_to_error.__defaults__", (lambda text: None, (200, 300, 400)))
-    arguments = ["solve", "tyre", "--set", "delta_mm=10", "--error", "0.01%", "--out", str(tmp_path)]
-    assert main(arguments) == NOT_CONVERGED
-    assert "none" in capsys.readouterr().out
-    found = json.loads((tmp_path / "result.json").read_text())
-    assert "no mesh of up to 400 elements" in found["reason"]
-    assert found["quantities"]["error_high"] > 1e-4
-
-
-@pytest.mark.parametrize(
-    "wrong", [["tyre", "--mesh", "20x20"], ["tyre", "--set", "grading=patch"], ["hemisphere"], ["tyre-solid"]]
-)
-def test_an_error_excludes_a_mesh(wrong: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["solve", *wrong, "--error", "1%", "--out", str(tmp_path / "out")]) == WRONG_USE
-    assert capsys.readouterr().err.count("\n") == 1
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("element", ["paper", "refined"])
 def test_adapted_grids_save_two_thirds_of_the_unknowns(element: str) -> None:
@@ -159,8 +94,3 @@ def test_adapted_grids_save_two_thirds_of_the_unknowns(element: str) -> None:
     assert uniform is not None
     assert adapted is not None
     assert adapted["unknowns"] <= uniform["unknowns"] / 3
-
-
-def test_the_scene_says_what_it_can_adapt() -> None:
-    scene, _ = resolve("tyre", {})
-    assert isinstance(scene, AdaptiveScene)

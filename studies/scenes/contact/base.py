@@ -15,7 +15,7 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
-from studies.scene import Begun, Observation, ShellSceneModel, Stage, nodal_pressure
+from studies.scene import Begun, Observation, ShellSceneModel, Stage
 
 OUTER = 1  # the face that touches
 
@@ -94,6 +94,9 @@ class ContactModel(ShellSceneModel):
         quantities = self.measure_at(t, touch)
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
-    def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Contact pressure (N,) at the grid's nodes; zero before the first state that has any."""
-        return nodal_pressure(solution, self.nodes, self.shell.discretisation.grid.n_nodes)
+    @property
+    def candidate_of_node(self) -> np.ndarray:
+        """(N,) the contact candidate that each node of the grid is, -1 for none."""
+        candidate = np.full(self.shell.discretisation.grid.n_nodes, -1)
+        candidate[self.nodes] = np.arange(len(self.nodes))
+        return candidate

@@ -13,7 +13,7 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import Begun, Observation, ShellSceneModel, Stage, nodal_pressure
+from studies.scene import Begun, Observation, ShellSceneModel, Stage
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of
@@ -78,10 +78,12 @@ class TyreModel(ShellSceneModel, PressedTyre):
             said += f"; beside the patch short waves cost {least:.3g} N/mm: a finer grid may turn back earlier"
         return replace(seen, quantities=seen.quantities | waves, said=said)
 
-    def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
-        """Contact pressure (N,) at the nodes of the part; zero during inflation."""
-        own = nodal_pressure(solution, self.nodes, self.part.grid.n_nodes)[self.part.merging()]
-        return self.part.grid.carried(own)
+    @property
+    def candidate_of_node(self) -> np.ndarray:
+        """(N,) the candidate that each node of the part is or mirrors, -1 for none."""
+        candidate = np.full(self.part.grid.n_nodes, -1)
+        candidate[self.nodes] = np.arange(len(self.nodes))
+        return candidate[self.part.merging()]
 
 
 def _candidates(shell: ShellModel, part: Part, area: str, *, coupled: bool) -> tuple[np.ndarray, Candidates]:

@@ -159,8 +159,12 @@ class PressedTyre:
         inner, outer = (x[self.wall.crown, 0] for x in self.wall.faces(state.u))
         inner_0, outer_0 = (x[self.wall.crown, 0] for x in self.wall.faces(rest))
         growth = {"inflated_equator_inner_mm": inner - inner_0, "inflated_equator_outer_mm": outer - outer_0}
-        profiles = [self._profile("unloaded", 0.0, rest), self._profile("inflated", 0.0, state.u)]
-        return Observation(None, {k: float(v) for k, v in growth.items()}, {"profile": pd.concat(profiles)})
+
+        def tables() -> dict[str, pd.DataFrame]:
+            states = (("unloaded", rest), ("inflated", state.u))
+            return {"profile": pd.concat([self._profile(name, 0.0, u) for name, u in states])}
+
+        return Observation(None, {k: float(v) for k, v in growth.items()}, tables)
 
     def _observe_press(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
         wall, shape = self.wall, self.wall.part.shape
@@ -179,14 +183,17 @@ class PressedTyre:
             "patch_to_clamp_mm": to_edges(x.reshape(*shape, 3), active),
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
-        gap = problem.gap(state.u)
-        seen = wall.covered
-        a1, a2 = np.rad2deg(wall.part.angles[seen]).T
-        nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
-        nodes |= {"pressure_MPa": wall.spread(state.pressure)[seen], "gap_mm": wall.spread(gap)[seen]}
-        nodes |= {"active": wall.spread(state.active)[seen].astype(int)}
-        nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
-        tables = {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
+
+        def tables() -> dict[str, pd.DataFrame]:
+            seen = wall.covered
+            a1, a2 = np.rad2deg(wall.part.angles[seen]).T
+            nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
+            at_candidates = {"pressure_MPa": state.pressure, "gap_mm": problem.gap(state.u), "active": state.active}
+            nodes |= {name: wall.spread(values)[seen] for name, values in at_candidates.items()}
+            nodes["active"] = nodes["active"].astype(int)
+            nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
+            return {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
+
         return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
 
     def _see_mode(self, state: ContactSolution, mode: np.ndarray) -> Observation:
@@ -201,7 +208,7 @@ class PressedTyre:
         nodes = {"psi_deg": angles[:, 0], "phi_deg": angles[:, 1]}
         nodes |= {f"{axis}": motion[:, i] / size[largest] for i, axis in enumerate("xyz")}
         said = "its mode is largest at psi = {mode_psi_deg:.4g}, phi = {mode_phi_deg:.4g} deg".format(**place)
-        return Observation(None, place, {"mode": pd.DataFrame(nodes)}, said)
+        return Observation(None, place, lambda: {"mode": pd.DataFrame(nodes)}, said)
 
     def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
         """Both faces of the meridian phi = 0."""

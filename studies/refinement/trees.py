@@ -1,0 +1,90 @@
+"""The trees of a request: the coarsest one, what is refined next, and the requests that have their leaves.
+
+A scene whose grid takes no leaves is refined everywhere, by its mesh.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from formulations.geometry.grid import TensorGrid
+from formulations.geometry.quadtree import Quadtree
+from formulations.shell import ShellModel
+from studies.refinement.indicators import dorfler
+from studies.request import Request
+from studies.scene import Scene
+from studies.scenes.element import tree_over
+
+SHARE = 0.5  # of the sum of all indicators, marked at a time
+GROWTH = 2.0  # of the number of elements from one tree to the next, at the least
+PART = 1 / 16  # of the indicator of an element that its four parts have in all: two orders of the size, on both sides
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Grids of a request: its mesh, halved ``times``, or the leaves of a tree over it.
+
+    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half ask for.
+    """
+
+    request: Request
+    tree: Quadtree | None
+    mirrored: bool = False
+    times: int = 0
+
+    @classmethod
+    def of(cls, scene: Scene, request: Request) -> Family:
+        """The coarsest grid."""
+        shell = getattr(scene.build(request), "shell", None)
+        if not isinstance(shell, ShellModel) or not isinstance(shell.discretisation.grid, TensorGrid):
+            return cls(request, None)
+        grid = shell.discretisation.grid
+        tree = tree_over(request, *grid.lines, periodic=grid.periodic)
+        mirrored = bool(np.any(shell.discretisation.map.sign < 0)) and grid.lines[0][0] < 0
+        family = cls(request, tree, mirrored)
+        finer = getattr(scene.build(family.everywhere().asked), "shell", None)
+        taken = isinstance(finer, ShellModel) and len(finer.discretisation.grid.elements) > len(grid.elements)
+        return family if taken else cls(request, None)
+
+    @property
+    def asked(self) -> Request:
+        """The request with this grid."""
+        if self.tree is None:
+            n1, n2 = (n * 2**self.times if n > 1 else 1 for n in self.request.mesh)
+            return replace(self.request, mesh=(n1, n2))
+        if not np.any(self.tree.leaves[:, 0]):
+            return self.request
+        return replace(self.request, leaves=tuple((int(level), int(i), int(j)) for level, i, j in self.tree.leaves))
+
+    def everywhere(self) -> Family:
+        """Every element cut."""
+        if self.tree is None:
+            return replace(self, times=self.times + 1)
+        return replace(self, tree=self.tree.everywhere())
+
+    def refined(self, eta: np.ndarray) -> Family:
+        """Elements cut by Dörfler's criterion for the indicators eta (E,), foreseen for the parts, up to GROWTH."""
+        assert self.tree is not None
+        tree = self.tree
+        while len(tree.leaves) < GROWTH * len(self.tree.leaves):
+            marked = dorfler(eta, SHARE)
+            if self.mirrored:
+                marked |= marked[_mirror(tree)]
+            finer = tree.refined(marked)
+            parents = tree.parents(finer)
+            parts = np.bincount(parents)
+            eta = (eta * np.where(parts > 1, PART / parts, 1.0))[parents]
+            tree = finer
+        return replace(self, tree=tree)
+
+
+def _mirror(tree: Quadtree) -> np.ndarray:
+    """The leaf (E,) at -a1 of each leaf of a tree that is symmetric about a1 = 0."""
+    level, i, j = tree.leaves.T
+    across = ((len(tree.lines[0]) - 1) << level * tree.cut[0]) - 1 - i
+    order, mirrored = np.lexsort((j, i, level)), np.lexsort((j, across, level))
+    image = np.empty(len(level), np.intp)
+    image[mirrored] = order
+    return image

@@ -1,0 +1,140 @@
+"""Quantities to an error: what rounds say of a limit, how a grid is refined for it, and whether the statement holds."""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
+from studies.complete import complete
+from studies.error_control import Round, coarsest_mesh, estimate, parse_error, solve_to_error
+from studies.experiments.error_coverage import CASES, Case, error_coverage
+from studies.scene import UsageError
+from studies.scenes import SCENES
+
+TYRE = (1878.9, 1.5)  # N: the limit at 20 mm of the default element on three families, and how far these differ
+
+
+def rounds(*values: tuple[float, float]) -> list[Round]:
+    return [Round(coarse, fine, 10 * 3**k, 40 * 3**k, 1.0) for k, (coarse, fine) in enumerate(values)]
+
+
+def test_a_smooth_sequence_has_the_limit_of_richardson() -> None:
+    found = estimate(rounds((104.0, 101.0), (102.0, 100.5)))
+    assert found.limit == pytest.approx(100)
+    assert found.error == pytest.approx(0.005)
+    assert found.uncertainty == pytest.approx(1.5 / 6 / 100)
+    assert (found.low, found.high) == pytest.approx((0.0025, 0.0075))
+
+
+def test_limits_that_differ_make_the_statement_wide() -> None:
+    found = estimate(rounds((104.0, 101.0), (102.0, 101.7)))
+    assert found.uncertainty * found.limit == pytest.approx(1.5 * 1.6)
+
+
+@pytest.mark.parametrize("order", [1.0, 1.5, 2.0, 3.0, 4.0])
+def test_the_limit_of_any_order_lies_inside(order: float) -> None:
+    """A grid cut everywhere in each round: L is wrong for another order than 2, and the statement says by how much."""
+    value = [100 + 8 * 2.0 ** (-order * k) for k in range(6)]
+    found = estimate(rounds(*pairwise(value)))
+    assert abs(found.limit - 100) <= found.uncertainty * found.limit
+
+
+@pytest.mark.parametrize(("text", "value"), [("1%", 0.01), ("0.02", 0.02), ("0.5%", 0.005)])
+def test_an_error_is_read(text: str, value: float) -> None:
+    assert parse_error(text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize("text", ["", "x%", "0", "nan", "-1%", "60%", "1e-9"])
+def test_a_wrong_error_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match="part of the quantity"):
+        parse_error(text)
+
+
+@pytest.mark.parametrize("name", sorted(set(SCENES) - {"tyre-solid"}))
+def test_every_scene_has_a_coarsest_mesh_that_it_can_be_built_on(name: str) -> None:
+    scene = SCENES[name]
+    built, request = complete(name, {"grading": "uniform"} if name == "tyre" else {}, coarsest_mesh(scene))
+    assert built.build(request).n_unknowns > 0
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "quantity"),
+    [
+        pytest.param("scordelis-lo", {}, "edge_deflection_mm", marks=pytest.mark.slow),
+        ("pagano", {"S": "10"}, "w_bar"),
+        pytest.param("strip-contact", {}, "half_force", marks=pytest.mark.slow),
+        ("cantilever", {}, "tip_shortening_mm"),
+    ],
+)
+def test_a_statement_holds(scene: str, settings: dict[str, str], quantity: str) -> None:
+    table = error_coverage([Case(scene, (quantity,), settings)], [0.01])
+    (row,) = table.to_dict("records")
+    assert row["reached"]
+    assert row["decided"]
+    assert row["inside"]
+    assert row["low"] - row["known"] <= row["value_error"] <= row["high"] + row["known"]
+
+
+def test_elements_are_cut_where_the_quantity_is_decided() -> None:
+    """The load of a pinched cylinder is at one corner: the finest elements are there, and the others stay coarse."""
+    scene, request = complete("pinched-cylinder", {}, (8, 8))
+    result, _ = solve_to_error(scene, request, 0.01)
+    leaves = np.array(result.request.leaves)
+    level = leaves[:, 0]
+    assert level.max() >= level.min() + 2
+    finest = leaves[level == level.max()]
+    assert np.all(finest[:, 1:].mean(axis=0) / 2.0 ** level.max() < (4, 4))
+
+
+def test_the_command_refines_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["solve", "scordelis-lo", "--error", "2%", "--of", "edge_deflection_mm", "--out", str(tmp_path)]
+    assert main(arguments) == OK
+    out = capsys.readouterr().out
+    assert "edge_deflection_mm = " in out
+    assert "on the last grid" in out
+    seen = json.loads((tmp_path / "result.json").read_text())["quantities"]
+    assert seen["uncertainty"] <= seen["error_asked"] == 0.02
+    assert (tmp_path / "refinement.csv").exists()
+
+
+def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
+    monkeypatch.setattr("studies.error_control.solve_to_error.__defaults__", (None, lambda text: None, 200))
+    assert main(["solve", "scordelis-lo", "--error", "0.01%", "--out", str(tmp_path)]) == NOT_CONVERGED
+    assert "no grid of up to 200 unknowns" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "wrong", [["scordelis-lo", "--of", "force_N"], ["nowhere"], ["scordelis-lo", "--mesh", "axb"]], ids=str
+)
+def test_wrong_requests_are_one_line(wrong: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", *wrong, "--error", "1%", "--out", str(tmp_path / "out")]) == WRONG_USE
+    assert capsys.readouterr().err.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_quantity_without_an_error_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "tyre", "--of", "force_N", "--out", str(tmp_path / "out")]) == WRONG_USE
+    assert "--error" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("element", ["paper", "refined"])
+def test_the_force_of_the_tyre(element: str) -> None:
+    scene, request = complete(
+        "tyre", {"delta_mm": "20", "grading": "uniform", "element": element}, coarsest_mesh(SCENES["tyre"])
+    )
+    result, enough = solve_to_error(scene, request, 0.005)
+    assert enough
+    limit, known = TYRE
+    stated = result.quantities["extrapolated_force_N"]
+    assert abs(stated - limit) <= result.quantities["uncertainty"] * stated + known
+
+
+def test_the_cases_name_what_scenes_have() -> None:
+    assert sum(len(case.quantities) for case in CASES) * 2 >= 80
+    assert {case.scene for case in CASES} <= set(SCENES)
