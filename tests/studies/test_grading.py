@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -56,6 +58,24 @@ def test_uniform_and_patch_lines() -> None:
     assert np.ptp(np.diff(tyre_lines((20, 24), 120.0)[1])) > 0.05
     with pytest.raises(UsageError, match="even"):
         tyre_lines((21, 20), 120.0, "uniform")
+
+
+@pytest.mark.parametrize("grading", ["uniform", "patch"])
+def test_lines_are_symmetric_to_the_last_digit(grading: str) -> None:
+    """numpy's 23 lines from -120 to 120 have -1e-14 in their middle, and a quarter that begins there."""
+    assert np.linspace(-120, 120, 23)[11] != 0
+    for n in range(6, 120, 2):
+        for lines in tyre_lines((n, n), 120.0, grading):
+            assert lines[n // 2] == 0
+            np.testing.assert_array_equal(lines, -lines[::-1])
+
+
+def test_a_refined_quarter_shows_the_whole_tyre() -> None:
+    scene, request = resolve("tyre", {"E_MPa": "20", "nu": "0.45", "grading": "uniform"}, "22x44")
+    leaves = tuple((1, i, j) for i in range(22) for j in range(44))
+    part = scene.build(replace(request, leaves=leaves)).part
+    assert part.shape == (45, 88)
+    np.testing.assert_array_equal(np.min(part.angles, axis=0), [-np.deg2rad(120), -np.pi])
 
 
 @pytest.mark.slow

@@ -30,12 +30,17 @@ def tyre_lines(mesh: tuple[int, int], clamp_deg: float, grading: str = "patch") 
     """
     n1, n2 = checked_mesh(mesh)
     if grading == "uniform":
-        return np.deg2rad(np.linspace(-clamp_deg, clamp_deg, n1 + 1)), np.deg2rad(np.linspace(-180, 180, n2 + 1))
+        return _centred(np.linspace(-clamp_deg, clamp_deg, n1 + 1)), _centred(np.linspace(-180, 180, n2 + 1))
     side1, side2 = round(n1 * 12 / 42), round(n2 * 11 / 40)
     middle = 0.375 * clamp_deg
     psi = graded_lines([-clamp_deg, -middle, middle, clamp_deg], [side1, n1 - 2 * side1, side1])
     phi = graded_lines([-180, -22.5, 22.5, 180], [side2, n2 - 2 * side2, side2])
-    return np.deg2rad(psi), np.deg2rad(phi)
+    return _centred(psi), _centred(phi)
+
+
+def _centred(lines: np.ndarray) -> np.ndarray:
+    """Lines in rad of those in degrees; the middle one is 0 to the last digit, for it is an edge of a quarter."""
+    return np.deg2rad(0.5 * (lines - lines[::-1]))
 
 
 def checked_mesh(mesh: tuple[int, int]) -> tuple[int, int]:
