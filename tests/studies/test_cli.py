@@ -371,6 +371,16 @@ def test_half_extent_takes_the_rim_half_way() -> None:
     assert half_extent(np.arange(-4.0, 5.0), np.zeros(9, bool)) == 0.0
 
 
+@pytest.mark.parametrize("edge", [2.5, 2.6, 3.0, 3.3, 3.49])
+def test_half_extent_by_pressure_places_the_rim_within_the_element(edge: float) -> None:
+    """Nodes 1 apart collect a pressure of 2 that ends at +-edge; only where it ends is not linear."""
+    x = np.arange(-6.0, 7.0)
+    pressure = 2 * np.clip(edge - np.abs(x) + 0.5, 0, 1)
+    assert half_extent(x, pressure > 0, pressure) == pytest.approx(edge, abs=1e-12)
+    assert half_extent(x, pressure > 0) == pytest.approx(2.5 if edge == 2.5 else 3.5)
+    assert half_extent(x, np.abs(x) < 1, pressure) == 0.5  # too few nodes to extrapolate from
+
+
 def test_setting_ranges_are_told() -> None:
     setting = Setting("x", 1.0, "", low=0, high=2, open_low=True)
     assert setting.parse("2") == 2.0

@@ -52,7 +52,9 @@ class TyreModel(ShellSceneModel, PressedTyre):
         nodes, candidates = _candidates(shell, part, area, coupled=settings["coupling"] == "consistent")
         wall = Wall(part, nodes, lambda u: _faces(shell, u))
         arc, here = arc_of(request), foundation(settings)
-        return cls(shell, wall, candidates, deltas, here, shell, part, nodes, column=column, arc=arc)
+        by_pressure = settings["rim"] == "pressure"
+        pressed = (shell, wall, candidates, deltas, here, shell, part, nodes)
+        return cls(*pressed, column=column, arc=arc, rim_by_pressure=by_pressure)
 
     def with_balances(self, problem: ContactProblem) -> ContactProblem:
         """Energy and forces of the inflated shell; of a part only those along the normal of the plane balance."""

@@ -88,6 +88,7 @@ class PressedTyre:
 
     column: where inflation is solved first, before it is lifted to the tyre; None when the tyre is inflated itself.
     arc: how the press is followed by arc length; None for steps of the travel.
+    rim_by_pressure: how the extents of the patch are read, see :func:`half_extent`.
     """
 
     body: Body
@@ -97,6 +98,7 @@ class PressedTyre:
     foundation: Foundation
     column: Column | None = field(default=None, kw_only=True)
     arc: ArcLength | None = field(default=None, kw_only=True)
+    rim_by_pressure: bool = field(default=False, kw_only=True)
 
     @property
     def n_unknowns(self) -> int:
@@ -172,14 +174,16 @@ class PressedTyre:
         active = wall.spread(state.active).reshape(shape)
         x = wall.faces(state.u)[1]
         row, column = divmod(wall.crown, shape[1])
+        read = pressure if self.rim_by_pressure else None
+        along, across = (None, None) if read is None else (read[row], read[:, column])
         assert problem.directions is not None
         inwards = -(problem.directions(state.u) @ NORMAL)
         headline = {
             "force_N": wall.part.copies * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
             "centre_pressure_MPa": float(pressure[row, column]),
             "contact_nodes": int(active.sum()),
-            "half_length_mm": half_extent(x[:, 1].reshape(shape)[row], active[row]),
-            "half_width_mm": half_extent(x[:, 2].reshape(shape)[:, column], active[:, column]),
+            "half_length_mm": half_extent(x[:, 1].reshape(shape)[row], active[row], along),
+            "half_width_mm": half_extent(x[:, 2].reshape(shape)[:, column], active[:, column], across),
             "patch_to_clamp_mm": to_edges(x.reshape(*shape, 3), active),
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
@@ -227,18 +231,30 @@ def begin_inflation(body: Body, previous: ContactSolution | None) -> Begun:
     return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
 
 
-def half_extent(coordinate: np.ndarray, active: np.ndarray) -> float:
-    """Half extent of the patch along a grid line through its centre, by deformed coordinates [mm].
+def half_extent(coordinate: np.ndarray, active: np.ndarray, pressure: np.ndarray | None = None) -> float:
+    """Half extent of the patch along a grid line through its centre, by deformed coordinates (n,) [mm].
 
-    The rim is taken half-way between the last node in contact and the first one out of it, on both sides.
+    The rim is taken half-way between the last node in contact and the first one out of it, on both sides, and so jumps
+    by elements. With the pressures (n,) it is taken within the element: the last node collects pressure from its share
+    of the line as far as that touches, and should have what the two nodes before it extrapolate to.
     """
     touching = np.flatnonzero(active)
     if len(touching) == 0:
         return 0.0
     first, last = touching[0], touching[-1]
-    low = 0.5 * (coordinate[first] + coordinate[max(first - 1, 0)])
-    high = 0.5 * (coordinate[last] + coordinate[min(last + 1, len(coordinate) - 1)])
+    if pressure is None or last - first < 2:
+        pressure = np.ones(len(coordinate))  # all of the last node's share touches
+    high = _rim(coordinate, pressure, last)
+    low = _rim(coordinate[::-1], pressure[::-1], len(coordinate) - 1 - first)
     return float(0.5 * abs(high - low))
+
+
+def _rim(x: np.ndarray, pressure: np.ndarray, last: int) -> float:
+    """Where contact ends behind its ``last`` node: p_last/(2 p_1 - p_2), at most 1, of what that node stands for."""
+    inner, outer = 0.5 * (x[last - 1] + x[last]), 0.5 * (x[last] + x[min(last + 1, len(x) - 1)])
+    whole = max(2 * pressure[last - 1] - pressure[last - 2], pressure[last])
+    share = pressure[last] / whole if whole > 0 else 0.0
+    return float(outer - (1 - share) * (outer - inner))
 
 
 def to_edges(x: np.ndarray, active: np.ndarray) -> float:

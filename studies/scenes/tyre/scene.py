@@ -40,6 +40,7 @@ PLY = {
 AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface is 4 % off a solid
 BY_LOAD = ", ".join(f"{load} {area}" for load, area in AREA_OF.items())
 TRAVELS = "indentation from first touch; 0: inflation alone"
+RIM = "rim of half length and width: half-way to the first node out of contact, or by pressure"
 COUPLING = "from pressure to nodal forces: shares of area or mass matrix"
 POISSON = Setting("nu", None, "Poisson ratio of an isotropic tyre, with E_MPa", otherwise="orthotropic plies")
 SETTINGS = (
@@ -55,6 +56,7 @@ SETTINGS = (
         otherwise=BY_LOAD,
     ),
     Setting.one_of("coupling", ("lumped", "consistent"), "lumped", COUPLING),
+    Setting.one_of("rim", ("half-way", "pressure"), "half-way", RIM),
     EPSILON,
     Setting.one_of("section", SECTIONS, "constant-s33", "constitutive law through the thickness"),
     Setting("plies", 4, "number of plies", "int", 1, 64),
