@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -111,16 +111,16 @@ def solve_to_error(
     refinement: its result is returned. Raises UsageError for a quantity that the scene does not have.
     """
     family, rounds = Family.of(scene, request), list[Round]()
-    before: tuple[Family, Result] | None = None
+    known, too_coarse = None, 0
     for _ in range(MOST_ROUNDS):
         start = time.process_time()
-        coarse = before[1] if before is not None else solve(scene, family.asked, progress)
+        coarse = known or solve(scene, family.asked, progress)
         if coarse.unsupported:
             return coarse, False
         if not coarse.outcome.converged:
-            if rounds or family.times >= TOO_COARSE:
+            if rounds or too_coarse == TOO_COARSE:
                 return coarse, False
-            family = replace(family.everywhere(), times=family.times + 1) if family.tree else family.everywhere()
+            family, too_coarse = family.everywhere(), too_coarse + 1
             continue
         quantity = quantity or default_quantity(scene, coarse)
         if quantity not in coarse.quantities:
@@ -137,17 +137,10 @@ def solve_to_error(
         _record(fine, quantity, rounds, found, error)
         if len(rounds) >= FEWEST and found.uncertainty <= error:
             return fine, True
-        if family.tree is None:
-            family, before = finer, (finer, fine)
-        else:
-            try:
-                family = family.refined(_indicators(family, finer, coarse, fine, quantity))
-            except (KeyError, ArithmeticError):  # no dual problem: refined everywhere
-                family, before = finer, (finer, fine)
-            else:
-                before = None
         if most_unknowns > most / 2:
             break
+        family = _next(family, finer, coarse, fine, quantity)
+        known = fine if family.asked == finer.asked else None
     fine.reason = f"no grid of up to {most} unknowns has a {quantity} that is surely within {100 * error:g} %"
     return fine, False
 
@@ -158,11 +151,15 @@ def default_quantity(scene: Scene, result: Result) -> str:
     return next(name for name in named if name in result.quantities)
 
 
-def _indicators(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> np.ndarray:
-    assert family.tree is not None
-    assert finer.tree is not None
-    parents = family.tree.parents(finer.tree)
-    return indicators(_on_grid(coarse, quantity), _on_grid(fine, quantity), parents)
+def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> Family:
+    """The grid of the next round: refined where the quantity asks for it, or everywhere where no dual problem is."""
+    if family.tree is None or finer.tree is None:
+        return finer
+    try:
+        on_both = _on_grid(coarse, quantity), _on_grid(fine, quantity)
+    except (KeyError, ArithmeticError):
+        return finer
+    return family.refined(indicators(*on_both, family.tree.parents(finer.tree)))
 
 
 def _on_grid(result: Result, quantity: str) -> OnGrid:

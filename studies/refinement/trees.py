@@ -11,6 +11,7 @@ import numpy as np
 
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import Quadtree
+from formulations.geometry.surfaces import Surface
 from formulations.shell import ShellModel
 from studies.refinement.indicators import dorfler
 from studies.request import Request
@@ -19,6 +20,7 @@ from studies.scenes.element import tree_over
 
 SHARE = 0.5  # of the sum of all indicators, marked at a time
 GROWTH = 2.0  # of the number of elements from one tree to the next, at the least
+FLAT = 1.0  # k l^2/h of an element, above which no node may hang on it: the arc of its edge would still lock
 PART = 1 / 16  # of the indicator of an element that its four parts have in all: two orders of the size, on both sides
 
 
@@ -26,13 +28,15 @@ PART = 1 / 16  # of the indicator of an element that its four parts have in all:
 class Family:
     """Grids of a request: its mesh, halved ``times``, or the leaves of a tree over it.
 
-    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half ask for.
+    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half ask for.  surface, h: of the shell.
     """
 
     request: Request
     tree: Quadtree | None
     mirrored: bool = False
     times: int = 0
+    surface: Surface | None = None
+    h: float = 1.0
 
     @classmethod
     def of(cls, scene: Scene, request: Request) -> Family:
@@ -43,7 +47,7 @@ class Family:
         grid = shell.discretisation.grid
         tree = tree_over(request, *grid.lines, periodic=grid.periodic)
         mirrored = bool(np.any(shell.discretisation.map.sign < 0)) and grid.lines[0][0] < 0
-        family = cls(request, tree, mirrored)
+        family = cls(request, tree, mirrored, 0, shell.discretisation.surface, shell.discretisation.laminate.thickness)
         finer = getattr(scene.build(family.everywhere().asked), "shell", None)
         taken = isinstance(finer, ShellModel) and len(finer.discretisation.grid.elements) > len(grid.elements)
         return family if taken else cls(request, None)
@@ -69,7 +73,7 @@ class Family:
         assert self.tree is not None
         tree = self.tree
         while len(tree.leaves) < GROWTH * len(self.tree.leaves):
-            marked = dorfler(eta, SHARE)
+            marked = dorfler(eta, SHARE) | self._curved(tree)
             if self.mirrored:
                 marked |= marked[_mirror(tree)]
             finer = tree.refined(marked)
@@ -78,6 +82,14 @@ class Family:
             eta = (eta * np.where(parts > 1, PART / parts, 1.0))[parents]
             tree = finer
         return replace(self, tree=tree)
+
+    def _curved(self, tree: Quadtree) -> np.ndarray:
+        """Elements (E,) too curved along a direction that is cut for a node to hang on them."""
+        assert self.surface is not None
+        grid = tree.grid()
+        geometry = self.surface.geometry(*grid.centre.T)
+        bent = np.abs(geometry.k) * (2 * grid.half * geometry.A) ** 2 / self.h
+        return np.any((bent > FLAT) & np.array(tree.cut) & (np.sum(tree.cut) > 1), axis=1)
 
 
 def _mirror(tree: Quadtree) -> np.ndarray:

@@ -171,7 +171,7 @@ class PressedTyre:
     def _observe_press(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
         wall, shape = self.wall, self.wall.part.shape
         pressure = wall.spread(state.pressure).reshape(shape)
-        active = wall.spread(state.active).reshape(shape)
+        active, share = (wall.spread(each).reshape(shape) for each in (state.active, state.active.astype(float)))
         x = wall.faces(state.u)[1]
         row, column = divmod(wall.crown, shape[1])
         read = pressure if self.rim_by_pressure else None
@@ -182,8 +182,8 @@ class PressedTyre:
             "force_N": wall.part.copies * float(np.sum(inwards * problem.nodal_forces(state.pressure))),
             "centre_pressure_MPa": float(pressure[row, column]),
             "contact_nodes": int(active.sum()),
-            "half_length_mm": half_extent(x[:, 1].reshape(shape)[row], active[row], along),
-            "half_width_mm": half_extent(x[:, 2].reshape(shape)[:, column], active[:, column], across),
+            "half_length_mm": half_extent(x[:, 1].reshape(shape)[row], share[row], along),
+            "half_width_mm": half_extent(x[:, 2].reshape(shape)[:, column], share[:, column], across),
             "patch_to_clamp_mm": to_edges(x.reshape(*shape, 3), active),
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
@@ -231,25 +231,37 @@ def begin_inflation(body: Body, previous: ContactSolution | None) -> Begun:
     return lambda t: without_contact(body.scaled(t).linearise, n, ordered=body.ordered), start
 
 
-def half_extent(coordinate: np.ndarray, active: np.ndarray, pressure: np.ndarray | None = None) -> float:
-    """Half extent of the patch along a grid line through its centre, by deformed coordinates (n,) [mm].
+def half_extent(coordinate: np.ndarray, share: np.ndarray, pressure: np.ndarray | None = None) -> float:
+    """Half extent of the patch along a line through its centre, by deformed coordinates (n,) [mm].
 
-    The rim is taken half-way between the last node in contact and the first one out of it, on both sides, and so jumps
-    by elements. With the pressures (n,) it is taken within the element: the last node collects pressure from its share
-    of the line as far as that touches, and should have what the two nodes before it extrapolate to.
+    share (n,): 1 at nodes in contact, 0 at others, linear between them. The rim is where it is 1/2: half-way between
+    the last node in contact and the first one out of it, on both sides, and so jumps by elements. With the pressures
+    (n,) of the nodes it is taken within the element: the last node collects pressure from its share of the line as far
+    as that touches, and should have what the two nodes before it extrapolate to.
     """
-    touching = np.flatnonzero(active)
+    share = np.asarray(share, float)
+    touching = np.flatnonzero(share >= 0.5)
     if len(touching) == 0:
         return 0.0
-    first, last = touching[0], touching[-1]
+    first, last = int(touching[0]), int(touching[-1])
     if pressure is None or last - first < 2:
-        pressure = np.ones(len(coordinate))  # all of the last node's share touches
-    high = _rim(coordinate, pressure, last)
-    low = _rim(coordinate[::-1], pressure[::-1], len(coordinate) - 1 - first)
+        low, high = _at_half(coordinate, share, first, -1), _at_half(coordinate, share, last, 1)
+    else:
+        low = _by_pressure(coordinate[::-1], pressure[::-1], len(coordinate) - 1 - first)
+        high = _by_pressure(coordinate, pressure, last)
     return float(0.5 * abs(high - low))
 
 
-def _rim(x: np.ndarray, pressure: np.ndarray, last: int) -> float:
+def _at_half(x: np.ndarray, share: np.ndarray, last: int, step: int) -> float:
+    """Where the share falls to 1/2 between the last place above it and the next."""
+    following = last + step
+    if not 0 <= following < len(share):
+        return float(x[last])
+    above, below = share[last], share[following]
+    return float(((above - 0.5) * x[following] + (0.5 - below) * x[last]) / (above - below))
+
+
+def _by_pressure(x: np.ndarray, pressure: np.ndarray, last: int) -> float:
     """Where contact ends behind its ``last`` node: p_last/(2 p_1 - p_2), at most 1, of what that node stands for."""
     inner, outer = 0.5 * (x[last - 1] + x[last]), 0.5 * (x[last] + x[min(last + 1, len(x) - 1)])
     whole = max(2 * pressure[last - 1] - pressure[last - 2], pressure[last])
