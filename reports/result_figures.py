@@ -37,9 +37,17 @@ def figures_of(directory: Path) -> list[Figure]:
 
 
 def _pictures(cell: Cell) -> dict[str, Picture]:
+    refined = _grid_picture(cell)
     if cell.scene in TYRES:
-        return (tyre_pictures(cell) if cell.steps else {}) | _mode_picture(cell)
-    return {"load-displacement.svg": _load_displacement(cell)} if cell.steps else {}
+        return (tyre_pictures(cell) if cell.steps else {}) | _mode_picture(cell) | refined
+    return ({"load-displacement.svg": _load_displacement(cell)} if cell.steps else {}) | refined
+
+
+def _grid_picture(cell: Cell) -> dict[str, Picture]:
+    """The grid that an error has asked for."""
+    if not (cell.directory / "grid.csv").exists():
+        return {}
+    return {"grid.svg": figures_benchmarks.refined_grid(cell.table("grid"))}
 
 
 def _mode_picture(cell: Cell) -> dict[str, Picture]:

@@ -34,6 +34,7 @@ TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
     "profile": ("state", "delta_mm", "psi_deg", *FACES),
     "mode": ("psi_deg", "phi_deg", "x", "y", "z"),
+    "grid": ("a1_low", "a1_high", "a2_low", "a2_high", "level"),
     "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
 OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}

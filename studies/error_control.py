@@ -5,9 +5,13 @@ square of their size, so that a round says of the limit::
 
     L = J' + (J' - J)/3
 
-and two rounds with different grids say how well: L is within u = max(SAFETY |L - L_before|, |J' - J|/6) of the limit,
-where the second half keeps what Richardson's law adds from being taken for certain to more than a half. A first round
-alone knows |J' - J|. Where u is too large, the difference between T and T' shows which elements to cut
+and two rounds with different grids say how well: L is within ::
+
+    u = max(SAFETY |L - L_before|, |J' - J|/6, rim/2)
+
+of the limit. The second term takes no more than half of what Richardson's law adds for certain, the third no more than
+half of what the rim of a patch of contact, which jumps from node to node, has done from T to T'. A first round alone
+knows |J' - J|. Where u is too large, the difference between T and T' shows which elements to cut
 (:mod:`studies.refinement`), and the next round begins.
 """
 
@@ -36,13 +40,17 @@ TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load is cut 
 
 @dataclass(frozen=True)
 class Round:
-    """A quantity on a grid and on the one with all elements cut, their unknowns, and the seconds that both took."""
+    """A quantity on a grid and on the one with all elements cut, their unknowns, and the seconds that both took.
+
+    rim: what the rim of a patch of contact adds to the indicators.
+    """
 
     value: float
     finer: float
     unknowns: int
     finer_unknowns: int
     seconds: float
+    rim: float = 0.0
 
     @property
     def limit(self) -> float:
@@ -84,7 +92,7 @@ def estimate(rounds: Sequence[Round]) -> Estimate:
     """What all rounds so far say of the limit."""
     last = rounds[-1]
     step = abs(last.finer - last.value)
-    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 6)
+    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 6, last.rim / 2)
     scale = abs(last.limit) or np.finfo(float).tiny
     return Estimate(last.limit, within / scale, abs(last.finer - last.limit) / scale)
 
@@ -131,7 +139,8 @@ def solve_to_error(
             return fine, False
         unknowns, most_unknowns = (int(each.counters["dofs"]) for each in (coarse, fine))
         value, finer_value = coarse.quantities[quantity], fine.quantities[quantity]
-        rounds.append(Round(value, finer_value, unknowns, most_unknowns, time.process_time() - start))
+        following, rim = _next(family, finer, coarse, fine, quantity)
+        rounds.append(Round(value, finer_value, unknowns, most_unknowns, time.process_time() - start, rim))
         found = estimate(rounds)
         progress(f"{quantity} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
         _record(fine, quantity, rounds, found, error)
@@ -139,7 +148,7 @@ def solve_to_error(
             return fine, True
         if most_unknowns > most / 2:
             break
-        family = _next(family, finer, coarse, fine, quantity)
+        family = following
         known = fine if family.asked == finer.asked else None
     fine.reason = f"no grid of up to {most} unknowns has a {quantity} that is surely within {100 * error:g} %"
     return fine, False
@@ -151,15 +160,19 @@ def default_quantity(scene: Scene, result: Result) -> str:
     return next(name for name in named if name in result.quantities)
 
 
-def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> Family:
-    """The grid of the next round: refined where the quantity asks for it, or everywhere where no dual problem is."""
+def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> tuple[Family, float]:
+    """The grid of the next round, refined where the quantity asks for it, and what the rim has of the indicators.
+
+    Where there is no dual problem, it is refined everywhere.
+    """
     if family.tree is None or finer.tree is None:
-        return finer
+        return finer, 0.0
     try:
         on_both = _on_grid(coarse, quantity), _on_grid(fine, quantity)
     except (KeyError, ArithmeticError):
-        return finer
-    return family.refined(indicators(*on_both, family.tree.parents(finer.tree)))
+        return finer, 0.0
+    eta, rim = indicators(*on_both, family.tree.parents(finer.tree))
+    return family.refined(eta), rim
 
 
 def _on_grid(result: Result, quantity: str) -> OnGrid:
@@ -172,6 +185,8 @@ def _record(result: Result, quantity: str, rounds: Sequence[Round], found: Estim
     """The estimate as quantities, and the rounds as a table."""
     rows = [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds]
     result.tables["refinement"] = [pd.DataFrame(rows)]
+    if isinstance(result.model, ShellSceneModel):
+        result.tables["grid"] = [_elements(result.model, result.request)]
     result.quantities |= {
         "error_asked": error,
         f"extrapolated_{quantity}": found.limit,
@@ -180,3 +195,12 @@ def _record(result: Result, quantity: str, rounds: Sequence[Round], found: Estim
         "error_low": found.low,
         "error_high": found.high,
     }
+
+
+def _elements(model: ShellSceneModel, request: Request) -> pd.DataFrame:
+    """The elements of the last grid: their ends along a1 and a2, and how often they were cut."""
+    grid = model.shell.discretisation.grid
+    low, high = grid.centre - grid.half, grid.centre + grid.half
+    levels = [level for level, _, _ in request.leaves] or np.zeros(len(low), int)
+    ends = {f"a{axis + 1}_{name}": each[:, axis] for axis in (0, 1) for name, each in (("low", low), ("high", high))}
+    return pd.DataFrame({**ends, "level": levels})

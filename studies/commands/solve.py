@@ -90,11 +90,11 @@ def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> tuple[f
     from studies.error_control import coarsest_mesh, parse_error
 
     scene = SCENES.get(options.scene)
-    if scene is None or options.mesh is not None:
+    if scene is None:
         return parse_error(options.error), options.mesh
     if any(setting.key == "grading" for setting in scene.settings):
         given.setdefault("grading", "uniform")
-    return parse_error(options.error), "{}x{}".format(*coarsest_mesh(scene))
+    return parse_error(options.error), options.mesh or "{}x{}".format(*coarsest_mesh(scene))
 
 
 def _solved(

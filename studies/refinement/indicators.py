@@ -19,8 +19,11 @@ from formulations.strains.quantities import N_E
 from studies.refinement.goal import OnGrid
 
 
-def indicators(coarse: OnGrid, fine: OnGrid, parents: np.ndarray) -> np.ndarray:
-    """eta (E,) of the coarse elements [unit of J]; parents: the coarse element that each fine one is a part of."""
+def indicators(coarse: OnGrid, fine: OnGrid, parents: np.ndarray) -> tuple[np.ndarray, float]:
+    """eta (E,) of the coarse elements [unit of J], and what the rim of the patch has of their sum.
+
+    parents: the coarse element that each fine one is a part of.
+    """
     grid, parts = coarse.shell.discretisation.grid, fine.shell.discretisation.grid
     xi = (parts.centre - grid.centre[parents]) / grid.half[parents]
     D = fine.shell.discretisation.laminate.stiffness(fine.shell.section)
@@ -28,9 +31,9 @@ def indicators(coarse: OnGrid, fine: OnGrid, parents: np.ndarray) -> np.ndarray:
     for here, there in zip(_strains(coarse), _strains(fine), strict=True):
         d = there[:, :N_E] - _at(here[parents], xi)
         norms.append(np.sqrt(np.maximum(np.einsum("ei,ij,ej->e", d, 0.5 * (D + D.T), d), 0.0)))
-    density = norms[0] * norms[1] + np.abs(_at_rim(coarse, fine, parents))
-    weight = fine.shell.discretisation.geometry.weight
-    return np.bincount(parents, weights=weight * density, minlength=len(grid.elements)).astype(float)
+    weight, rim = fine.shell.discretisation.geometry.weight, np.abs(_at_rim(coarse, fine, parents))
+    eta = np.bincount(parents, weights=weight * (norms[0] * norms[1] + rim), minlength=len(grid.elements))
+    return eta.astype(float), float(weight @ rim)
 
 
 def dorfler(eta: np.ndarray, share: float) -> np.ndarray:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from reports.drawing import BLACK, canvas, legend_above, lines, looks, svg, ticks
@@ -51,4 +52,21 @@ def error_by_mesh(elements: Sequence[int], errors: Mapping[str, Sequence[float]]
     axes.set(xlabel=f"elements along {side}", ylabel="relative error")
     ticks(axes, n, [f"{count:g}" for count in n])
     axes.legend()
+    return figure
+
+
+@svg
+def refined_grid(elements: pd.DataFrame) -> Figure:
+    """Elements in the plane of the coordinates, darker the more often they were cut."""
+    ends = elements[["a1_low", "a1_high", "a2_low", "a2_high"]].to_numpy(float)
+    corners = np.stack([ends[:, [0, 1, 1, 0]], ends[:, [2, 2, 3, 3]]], axis=-1)
+    level = elements["level"].to_numpy(float)
+    figure, (axes,) = canvas()
+    drawn = PolyCollection(list(corners), edgecolors="0.35", linewidths=0.3, cmap="Blues")
+    drawn.set_array(level)
+    drawn.set_clim(level.min() - 1, level.max() + 1)
+    axes.add_collection(drawn)
+    span = {"xlim": (ends[:, 0].min(), ends[:, 1].max()), "ylim": (ends[:, 2].min(), ends[:, 3].max())}
+    title = f"{len(elements)} elements, cut up to {int(level.max())} times"
+    axes.set(xlabel="a1 [rad or mm]", ylabel="a2 [rad or mm]", title=title, **span)
     return figure

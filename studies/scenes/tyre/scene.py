@@ -103,7 +103,7 @@ class Tyre:
     name: str = "tyre"
     title: str = "Pneumatic tyre pressed on a rigid plane (the 2004 paper)"
     default_mesh: tuple[int, int] = (42, 40)
-    coarsest_mesh: tuple[int, int] = (16, 32)  # k l^2/h of its elements is near 1
+    coarsest_mesh: tuple[int, int] = (16, 46)  # k l^2/h of its elements is below 1
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = _references()
     models: tuple[str, ...] = MODELS
