@@ -1,4 +1,8 @@
-"""A campaign of a store as one table: a row for each planned cell, whatever became of it."""
+"""A campaign of a store as one table: a row for each planned cell, whatever became of it.
+
+But for the cells that compare shares of the thickness strain: their meshes are too coarse on purpose, and would be
+taken for rungs of the ladders of their scenes.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,7 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.answers import Answers, number
+from studies.campaigns.share_cells import GROUP
 from studies.request import Request, Settings
 from studies.scenes.element import PRESETS
 from studies.solving import UNSUPPORTED
@@ -33,7 +38,8 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     campaign, or a record that cannot be read.
     """
     answers = Answers.of(store, campaign)
-    table = pd.DataFrame([_row(answers, planned) for planned in answers.planned.values()])
+    rows = (planned for planned in answers.planned.values() if planned.get("group") != GROUP)
+    table = pd.DataFrame([_row(answers, planned) for planned in rows])
     more = [name for kind in "qctk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
     table = table.reindex(columns=[*COLUMNS, *more])
     for name in NUMBERS:

@@ -16,6 +16,7 @@ from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
 from studies.analysis.comparisons.solid_shell import solid_shell
+from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
 from studies.analysis.comparisons.tyre_models import SAME, WITHIN, grids_reaching, tyre_models
 from studies.analysis.fronts import family_fronts, fronts
 from studies.analysis.held_out import held_out, summary
@@ -39,8 +40,9 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
 
 RULES = {  # thresholds that the pages state
     **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
-    **{"enough": ENOUGH, "equal": EQUAL, "same_model": SAME, "within": WITHIN, "fitted_from": FITTED_FROM},
-    **{"core_depth": DEPTH, "strain_rounding": NOTHING_LEFT, "epsilon_soft": SOFT, "epsilon_level": LEVEL},
+    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME, "within": WITHIN},
+    **{"fitted_from": FITTED_FROM, "core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
+    **{"epsilon_soft": SOFT, "epsilon_level": LEVEL},
 }
 
 
@@ -71,6 +73,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         "convergence": sequences,
         "convergence_errors": errors,
         "element_choice": element_choice(sequences),
+        "thickness_share": thickness_share(answers, sequences, errors),
         "measure_errors": curves,
         "measure_limits": limits,
         **tyre_comparison(answers),

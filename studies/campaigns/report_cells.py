@@ -15,6 +15,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.campaigns import ladder_cells as convergence_cells
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import ISOTROPIC
+from studies.campaigns.share_cells import share_cells
 
 _PAPER = {"element": "paper"}
 
@@ -192,9 +193,13 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "measures": measured,
     "solid": lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
     "convergence": lambda: CONVERGENCE,
+    "shares": lambda: tuple(share_cells()),
     "agreement": lambda: (*agreement(), *ROBUSTNESS),
     "models": lambda: MODELS,
-    "report": lambda: (*(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE), *(*agreement(), *ROBUSTNESS, *MODELS)),
+    "report": lambda: (
+        *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
+        *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
+    ),
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),

@@ -267,7 +267,8 @@ def write_cell(cell: Cell, directory: Path) -> Row:
     _, request = resolve(cell.scene, cell.settings, **cell.options)
     settings = dict(request.settings)
     quantities = {"inflated_equator_inner_mm": 1.0, "inflated_equator_outer_mm": 0.9}
-    ladder = next((ladder for ladder in LADDERS if cell.label.startswith(f"convergence {ladder.name} ")), None)
+    of = cell.label.partition(" ")[2] if cell.label.startswith(("convergence ", "share ")) else ""
+    ladder = next((ladder for ladder in LADDERS if of.startswith(f"{ladder.name} ")), None)
     if ladder is not None:
         quantities = climbed(ladder, request.mesh[0])
         if ladder.scene == "tyre":
@@ -283,7 +284,8 @@ def write_cell(cell: Cell, directory: Path) -> Row:
         write_table(directory / "profile.csv", profile_table(deltas))
     else:
         steps = [static_step(cell.scene, request.mesh[0], f) for f in settings["load_fraction"]]
-    write_table(directory / "history.csv", history_table(cut=bool(cell.expected)))
+    if cell.artefacts:
+        write_table(directory / "history.csv", history_table(cut=bool(cell.expected)))
     result = {
         **{name: getattr(request, name) for name in ("scene", "measure", "contact", "newton", "model")},
         "mesh": f"{request.mesh[0]}x{request.mesh[1]}",

@@ -163,7 +163,8 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
         for name in ("contact.csv", "profile.csv"):
             (directory / name).unlink(missing_ok=True)
     files = rendered(load_store(own_store))
-    assert f"| all | {len(LISTS['report']())} | 1 | 0 | 0 | {len(LISTS['report']()) - 1} |" in files["index.md"]
+    shown = sum(cell.artefacts for cell in LISTS["report"]())
+    assert f"| all | {shown} | 1 | 0 | 0 | {shown - 1} |" in files["index.md"]
     assert "| exact trial-and-error plain exact | not converged: cycling |" in files["index.md"]
     assert "| exact trial-and-error plain exact | press at 20: it cycles |" in files["index.md"]
     assert "| cycling: press at 20: it cycles |" in files["tyre.md"]

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from reports.chapter import Chapter
 from reports.chapters.shells.element_choice import element_choice_part
 from reports.chapters.shells.solid_part import solid_part
+from reports.chapters.shells.thickness_share import thickness_share_part
 from reports.drawing import BLACK, LINES, MARKERS, canvas, look, svg, ticks
 from reports.formats import NOTHING, code, fixed, number, share
 from reports.markdown import Part, commands, filled, folded, joined, listing, picture, prose, table
@@ -21,7 +22,8 @@ def convergence_page(store: Store) -> Part:
     """The whole page."""
     data = sequences(store)
     measured = _orders(store, data), _pictures(data), _parts(store, data), commands(data["command"])
-    return joined(_introduction(store), *measured, solid_part(store), element_choice_part(store))
+    elements = element_choice_part(store), thickness_share_part(store)
+    return joined(_introduction(store), *measured, solid_part(store), *elements)
 
 
 def sequences(store: Store) -> pd.DataFrame:
@@ -179,6 +181,6 @@ CHAPTER = Chapter(
     "Convergence",
     "every scene on three meshes or more: order, limit, and the error split into mesh and model.",
     convergence_page,
-    needs=("rules", "convergence", "convergence_errors", "element_choice", "solid_shell"),
+    needs=("rules", "convergence", "convergence_errors", "element_choice", "thickness_share", "solid_shell"),
     always=True,
 )

@@ -1,0 +1,68 @@
+"""Section of the page of convergence: which share of the thickness strain is sampled at the nodes, over all scenes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pandas as pd
+
+from reports.formats import NOTHING, code, fixed, percent, share
+from reports.markdown import Part, commands, joined, prose, table
+from reports.tables import Store
+
+SHARES = ("projected", "balanced", "nodal")  # none, half, all
+
+
+def thickness_share_part(store: Store) -> Part:
+    """What the table says, and the table."""
+    found, rule = store.analysis("thickness_share"), store.rules()
+    text = prose(f"""### Which share of the thickness strain
+
+The default element with none (`projected`, as in the paper), half (`balanced`) or all (`nodal`) of the thickness strain
+taken from the nodes, as far as each scene goes: on its default mesh, and on half of that each way. Errors are relative
+to the limit of the scene's [meshes](#orders-and-limits), or, where they have none, to its reference; a dash: that load
+was not reached. *Best* is a share that no other one beats by more than {share(rule["equal"], 1)}, or than the limit is
+uncertain by. A limit point is confirmed where the default mesh comes no farther than {share(rule["farther"], 0)} beyond
+it, or passes as many.
+
+{said(found)}""")
+    header = ["scene", "quantity", "mesh", *SHARES, "best", "ends at a limit point", "iterations"]
+    return joined(text, table("Errors by the share", header, _rows(found), words=3), commands(found["command"]))
+
+
+def said(found: pd.DataFrame) -> str:
+    """In how many scenes each share is best on each mesh, and in which it has limit points that are not confirmed."""
+    default = found["mesh"] == found.groupby("ladder")["mesh"].transform("first")
+    sentences = []
+    for words, own in (("half of the default mesh", found[~default]), ("the default mesh", found[default])):
+        best = [set(each.loc[each["nearest"].astype(bool), "share"]) for _, each in own.groupby("ladder")]
+        alone = {name: sum(names == {name} for names in best) for name in SHARES}
+        among = {name: sum(name in names for names in best) for name in SHARES}
+        counts = "; ".join(f"`{name}` in {among[name]}, alone in {alone[name]}" for name in SHARES)
+        sentences.append(f"On {words}, of {len(best)} scenes, best are: {counts}.")
+    wrong = found[found["confirmed"].eq(False)]
+    scenes = {name: ", ".join(wrong.loc[wrong["share"] == name, "ladder"]) for name in SHARES}
+    told = "; ".join(f"`{name}` in {scenes[name] or 'none'}" for name in SHARES)
+    sentences.append(f"Limit points that the default mesh does not confirm: {told}.")
+    return " ".join(sentences)
+
+
+def _rows(found: pd.DataFrame) -> Iterator[list[str]]:
+    """A line a scene and mesh, the coarser mesh first."""
+    for (ladder, quantity), both in found.groupby(["ladder", "quantity"], sort=False):
+        for mesh in reversed(list(dict.fromkeys(both["mesh"]))):
+            own = both[both["mesh"] == mesh].set_index("share").reindex(list(SHARES))
+            near = own.index[own["nearest"].eq(True)]
+            best = "equal" if len(near) == len(SHARES) else ", ".join(near) or NOTHING
+            ends = [_end(*pair) for pair in zip(own["turns_at"], own["confirmed"], strict=True)]
+            shown = NOTHING if set(ends) == {NOTHING} else " / ".join(ends)
+            counted = " / ".join(map(fixed, own["iterations"]))
+            yield [str(ladder), code(quantity), mesh, *map(percent, own["error"]), best, shown, counted]
+
+
+def _end(end: float, confirmed: object) -> str:
+    """Where a path ends, and what the finer mesh says of that."""
+    if math.isnan(end):
+        return NOTHING
+    return f"{end:.3g} (not confirmed)" if confirmed is False else f"{end:.3g}"
