@@ -72,7 +72,8 @@ Force of the paper's tyre at {delta} mm against the mean of two fine adapted gri
 finer around the patch; `adapted` follows an estimate of the error of the force from two coarse solutions. A force goes
 up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
 *reaches* {within} when all finer ones of its family stay below. Adapted grids need,
-{"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` chooses such a grid by itself.""")
+{"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` goes on
+from a uniform grid and cuts single elements.""")
     body = listing(f"Grids that reach {within}", needed.fillna({"mesh": ""}), heads, line, words=2)
     known, title = needed[needed["unknowns"].notna()], f"Wall times of the grids that reach {within}"
     timed = machine(listing(title, known, spent, times, words=2))
