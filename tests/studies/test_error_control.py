@@ -73,7 +73,7 @@ def test_every_scene_has_a_coarsest_mesh_that_it_can_be_built_on(name: str) -> N
     ("scene", "settings", "quantity"),
     [
         pytest.param("scordelis-lo", {}, "edge_deflection_mm", marks=pytest.mark.slow),
-        ("pagano", {"S": "10"}, "w_bar"),
+        pytest.param("pagano", {"S": "10"}, "w_bar", marks=pytest.mark.slow),
         pytest.param("strip-contact", {}, "half_force", marks=pytest.mark.slow),
         ("cantilever", {}, "tip_shortening_mm"),
     ],

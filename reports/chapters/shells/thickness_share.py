@@ -32,20 +32,34 @@ it, or passes as many.
 
 
 def said(found: pd.DataFrame) -> str:
-    """In how many scenes each share is best on each mesh, and in which it has limit points that are not confirmed."""
-    default = found["mesh"] == found.groupby("ladder")["mesh"].transform("first")
-    sentences = []
-    for words, own in (("half of the default mesh", found[~default]), ("the default mesh", found[default])):
-        best = [set(each.loc[each["nearest"].astype(bool), "share"]) for _, each in own.groupby("ladder")]
-        alone = {name: sum(names == {name} for names in best) for name in SHARES}
-        among = {name: sum(name in names for names in best) for name in SHARES}
-        counts = "; ".join(f"`{name}` in {among[name]}, alone in {alone[name]}" for name in SHARES)
-        sentences.append(f"On {words}, of {len(best)} scenes, best are: {counts}.")
-    wrong = found[found["confirmed"].eq(False)]
-    scenes = {name: ", ".join(wrong.loc[wrong["share"] == name, "ladder"]) for name in SHARES}
-    told = "; ".join(f"`{name}` in {scenes[name] or 'none'}" for name in SHARES)
-    sentences.append(f"Limit points that the default mesh does not confirm: {told}.")
-    return " ".join(sentences)
+    """In how many scenes each share is best on each mesh, and in which of them its path ends at limit points."""
+    coarse = found["coarse"].astype(bool)
+    halves = {"half of the default mesh": found[coarse], "the default mesh": found[~coarse]}
+    wrong, last = found[found["confirmed"].eq(False)], found[~coarse & found["turns_at"].notna()]
+    return " ".join(
+        [
+            *(_counts(words, own) for words, own in halves.items()),
+            f"Limit points that the default mesh does not confirm: {_scenes(wrong)}.",
+            f"That mesh itself ends at one: {_scenes(last)}.",
+        ]
+    )
+
+
+def _counts(words: str, own: pd.DataFrame) -> str:
+    """In how many scenes all shares are equal, and in how many others each is among the best, and alone."""
+    near = own["nearest"].astype(bool)
+    best = [set(each.loc[near, "share"]) for _, each in own.groupby("ladder")]
+    others = [names for names in best if names != set(SHARES)]
+    among = {name: sum(name in names for names in others) for name in SHARES}
+    alone = {name: sum(names == {name} for names in others) for name in SHARES}
+    told = ", ".join(f"`{name}` in {among[name]} ({alone[name]} alone)" for name in SHARES)
+    return f"On {words} all are equal in {len(best) - len(others)} of {len(best)} scenes; best in others: {told}."
+
+
+def _scenes(own: pd.DataFrame) -> str:
+    """Of each share."""
+    scenes = ((name, ", ".join(own.loc[own["share"] == name, "ladder"])) for name in SHARES)
+    return "; ".join(f"`{name}` in {ladders or 'none'}" for name, ladders in scenes)
 
 
 def _rows(found: pd.DataFrame) -> Iterator[list[str]]:

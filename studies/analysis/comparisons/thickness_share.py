@@ -21,7 +21,7 @@ from studies.campaigns.share_cells import COMPARED, LABEL, meshes_of, read_at
 FARTHER = 0.05  # a finer mesh that goes this much farther does not confirm the end of a path
 END = "_limit_point"  # ends the quantity, named by its stage, that says where a path turned back for good
 COLUMNS = (
-    *("ladder", "quantity", "share", "mesh", "known", "within", "error", "nearest"),
+    *("ladder", "quantity", "share", "mesh", "coarse", "known", "within", "error", "nearest"),
     *("outcome", "turns_at", "limit_points", "confirmed", "iterations", "label", "command"),
 )
 
@@ -29,35 +29,40 @@ COLUMNS = (
 def thickness_share(answers: Answers, sequences: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
     """COLUMNS, a row a scene, mesh and share, of the headline of each ladder; sequences, errors: of ``convergence``.
 
-    known, within: the value that errors are relative to, and its relative uncertainty.  error: NaN where its load was
-    not reached.  nearest: see :func:`nearest`.  turns_at: where the path ends at a limit point, in its own unit; it may
-    pass ``limit_points`` before.  confirmed: see :func:`confirmed`; None without a finer mesh.
+    coarse: on half of the default mesh, not on that.  known, within: the value that errors are relative to, and its
+    relative uncertainty.  error: NaN where its load was not reached.  nearest: see :func:`nearest`.  turns_at: where
+    the path ends at a limit point, in its own unit; it may pass ``limit_points`` before.  confirmed: see
+    :func:`confirmed`; None without a finer mesh.
     """
     rows: list[dict[str, Any]] = []
     for ladder in COMPARED:
         known, within = limit_of(ladder, sequences, errors)
+        of = {"ladder": ladder.name, "quantity": ladder.quantities[0], "known": known, "within": within}
+        half, default = meshes_of(ladder)
         finer: dict[str, Answer] = {}
-        for mesh in reversed(meshes_of(ladder)):
-            found = dict(_answers(answers, ladder, mesh))
-            off = {
-                share: each.value(ladder.quantities[0], **read_at(ladder)) / known - 1 for share, each in found.items()
-            }
+        for mesh, coarse in ((default, False), (half, True)):
+            found, at = dict(_answers(answers, ladder, mesh)), read_at(ladder)
+            off = {share: each.value(ladder.quantities[0], **at) / known - 1 for share, each in found.items()}
             near = nearest(off, within)
             for share, each in found.items():
-                record, above = each.record, finer.get(share)
-                row: dict[str, Any] = {
-                    "ladder": ladder.name,
-                    "quantity": ladder.quantities[0],
-                    "share": share,
-                    "mesh": mesh,
-                }
-                row |= {"known": known, "within": within, "error": off[share], "nearest": share in near}
-                row |= {"outcome": record["outcome"], "turns_at": turns_at(record), "limit_points": passed(record)}
-                row |= {"confirmed": None if above is None else confirmed(record, above.record)}
-                row |= {"iterations": record["counters"].get("newton_iterations", math.nan)}
-                rows.append(row | {"label": each.label, "command": each.command})
+                judged = {"share": share, "error": off[share], "nearest": share in near}
+                rows.append(of | {"mesh": mesh, "coarse": coarse} | judged | _path(each, finer.get(share)))
             finer = found
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _path(answer: Answer, finer: Answer | None) -> dict[str, Any]:
+    """How far it went, and whether the same on the finer mesh confirms that."""
+    record = answer.record
+    return {
+        "outcome": record["outcome"],
+        "turns_at": turns_at(record),
+        "limit_points": passed(record),
+        "confirmed": None if finer is None else confirmed(record, finer.record),
+        "iterations": record["counters"].get("newton_iterations", math.nan),
+        "label": answer.label,
+        "command": answer.command,
+    }
 
 
 def _answers(answers: Answers, ladder: Ladder, mesh: str) -> Iterator[tuple[str, Answer]]:

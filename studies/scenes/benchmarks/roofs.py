@@ -6,6 +6,7 @@ The load passes two or four limit points, the displacement may turn back: the cu
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -70,7 +71,7 @@ class Roof:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = (CURVE_FRACTIONS, UNTIL, ARC_STEP, LINES, *ELEMENT, SOLVER)
 
-    @property
+    @cached_property
     def references(self) -> tuple[Reference, ...]:
         """The first limit point, of the published curve and of a solid."""
         published = published_limit(read_reference(self.data).to_numpy())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -44,7 +45,7 @@ class SemiCylinder:
         """One line for people."""
         return f"Pinched semi-cylinder, {self.layers} (Sze 3.7)"
 
-    @property
+    @cached_property
     def references(self) -> tuple[Reference, ...]:
         """The published curve."""
         return tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (self.column, 1)})

@@ -67,7 +67,9 @@ W_LIMIT = np.sqrt((H**2 - C / A) / 3) - H
 T_LIMIT = travel_at(W_LIMIT)
 
 
-@pytest.mark.parametrize("name", ["semismooth", "trial-and-error", "augmented-lagrangian"])
+@pytest.mark.parametrize(
+    "name", ["semismooth", "trial-and-error", pytest.param("augmented-lagrangian", marks=pytest.mark.slow)]
+)
 def test_a_pressed_truss_snaps_back(name) -> None:
     """Behind the turning point the plane goes back with the apex, and comes off it where the truss lies flat."""
     problem_at, rest = pressed_truss()
@@ -224,7 +226,7 @@ def cornered(stiffness: float):
     return at, state
 
 
-@pytest.mark.parametrize("stiffness", [-2.0, -5.0])
+@pytest.mark.parametrize("stiffness", [-2.0, pytest.param(-5.0, marks=pytest.mark.slow)])
 def test_a_path_turns_back_where_a_point_without_stiffness_of_its_own_comes_off(stiffness) -> None:
     """p2 = -(1 + k)(1 - t), with k + 1 < 0, is gone at t = 1; off the plane g2 = -p2/k, positive for t < 1 only."""
     at, state = cornered(stiffness)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Set
 from pathlib import Path
 
@@ -13,40 +14,38 @@ from reports.tables import load_store
 from studies.store.atomic import write_json
 from support.made_up import analysed_again
 
-COARSE, FINE = "8x8", "16x16"
 
-
-def scene(name: str, coarse: Set[str], fine: Set[str], wrong: Set[str] = frozenset()) -> list[dict[str, object]]:
-    """The shares that are nearest on both meshes, and those that end where the finer mesh goes on."""
-    rows = []
-    for mesh, near in ((FINE, fine), (COARSE, coarse)):
+def scene(
+    name: str, coarse: Set[str], fine: Set[str], wrong: Set[str] = frozenset(), last: Set[str] = frozenset()
+) -> list[dict[str, object]]:
+    """The shares that are nearest on both meshes; those that end where the finer mesh goes on, and where that ends."""
+    rows: list[dict[str, object]] = []
+    for half, near in ((False, fine), (True, coarse)):
         for share in SHARES:
-            told = None if mesh == FINE else share not in wrong
-            rows.append({"ladder": name, "share": share, "mesh": mesh, "nearest": share in near, "confirmed": told})
+            end = 0.7 if share in (wrong if half else last) else math.nan
+            row = {"ladder": name, "share": share, "coarse": half, "nearest": share in near, "turns_at": end}
+            rows.append(row | {"confirmed": share not in wrong if half else None})
     return rows
 
 
-def test_the_sentence_counts_scenes_by_mesh_and_names_where_limit_points_are_not_confirmed() -> None:
-    everyone = set(SHARES)
-    found = pd.DataFrame(
-        [
-            *scene("flat", everyone, everyone),
-            *scene("curved", {"balanced"}, {"balanced", "nodal"}),
-            *scene("folded", {"nodal"}, {"balanced"}, wrong={"nodal", "projected"}),
-            *scene("rolled", {"nodal"}, everyone, wrong={"nodal"}),
-        ]
-    )
-    assert said(found) == (
-        "On half of the default mesh, of 4 scenes, best are: `projected` in 1, alone in 0; `balanced` in 2, "
-        "alone in 1; `nodal` in 3, alone in 2. On the default mesh, of 4 scenes, best are: `projected` in 2, "
-        "alone in 0; `balanced` in 4, alone in 1; `nodal` in 3, alone in 0. Limit points that the default mesh does "
-        "not confirm: `projected` in folded; `balanced` in none; `nodal` in folded, rolled."
-    )
+EVERYONE = frozenset(SHARES)
 
 
-def test_without_any_such_limit_point_the_sentence_says_so() -> None:
-    told = "; ".join(f"`{name}` in none" for name in SHARES)
-    assert said(pd.DataFrame(scene("flat", {"nodal"}, {"nodal"}))).endswith(f"does not confirm: {told}.")
+def test_the_sentence_counts_scenes_by_mesh_and_names_where_paths_end() -> None:
+    found = [
+        *scene("flat", EVERYONE, EVERYONE),
+        *scene("curved", {"balanced"}, {"balanced", "nodal"}),
+        *scene("folded", {"nodal"}, {"balanced"}, wrong={"nodal", "projected"}, last={"nodal"}),
+        *scene("rolled", {"nodal"}, EVERYONE, wrong={"nodal"}),
+        *scene("lost", set(), {"projected", "balanced"}),
+    ]
+    assert said(pd.DataFrame(found)) == (
+        "On half of the default mesh all are equal in 1 of 5 scenes; best in others: `projected` in 0 (0 alone), "
+        "`balanced` in 1 (1 alone), `nodal` in 2 (2 alone). On the default mesh all are equal in 2 of 5 scenes; best "
+        "in others: `projected` in 1 (0 alone), `balanced` in 3 (1 alone), `nodal` in 1 (0 alone). Limit points that "
+        "the default mesh does not confirm: `projected` in folded; `balanced` in none; `nodal` in folded, rolled. "
+        "That mesh itself ends at one: `projected` in none; `balanced` in none; `nodal` in folded."
+    )
 
 
 def rows(store: Path, ladder: str) -> list[list[str]]:
@@ -71,4 +70,4 @@ def test_a_share_that_ends_early_is_not_confirmed_by_a_mesh_that_goes_on(own_sto
     coarse, fine = rows(own_store, "semicylinder")
     assert coarse[5:8] == ["–", "projected, balanced", "– / – / 0.68 (not confirmed)"]
     assert fine[6:8] == ["equal", "–"]
-    assert "`nodal` in semicylinder." in thickness_share_part(load_store(own_store)).text
+    assert "`nodal` in semicylinder. That mesh" in thickness_share_part(load_store(own_store)).text
