@@ -62,7 +62,7 @@ def test_a_wrong_error_is_refused(text: str) -> None:
         parse_error(text)
 
 
-@pytest.mark.parametrize("name", sorted(set(SCENES) - {"tyre-solid"}))
+@pytest.mark.parametrize("name", sorted(SCENES))
 def test_every_scene_has_a_coarsest_mesh_that_it_can_be_built_on(name: str) -> None:
     scene = SCENES[name]
     built, request = complete(name, {"grading": "uniform"} if name == "tyre" else {}, coarsest_mesh(scene))

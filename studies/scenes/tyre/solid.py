@@ -48,6 +48,7 @@ class SolidTyre:
     name: str = "tyre-solid"
     title: str = "The tyre as a 3D solid of quadratic hexahedra; by default isotropic"
     default_mesh: tuple[int, int] = (28, 36)
+    coarsest_mesh: tuple[int, int] = (14, 18)  # even numbers only
     settings: tuple[Setting, ...] = _settings()
     references: tuple[Reference, ...] = tuple(r for r in Tyre.references if r.kind == "computed")
     models: tuple[str, ...] = ("auto", "full", "quarter")
