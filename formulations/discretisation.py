@@ -58,7 +58,7 @@ class Discretisation:
         order = None
         if ordered:
             order = elimination_order(grid, last=None if images is None else images.followed)
-        hangers = Hangers.of(grid, surface, laminate, fixed, hinged)
+        hangers = Hangers.of(grid, surface, laminate, interpolation, fixed, hinged)
         carried = None if hangers is None else hangers.matrix(np.zeros((grid.n_nodes, N_V)))
         dof_map = DofMap.build(fixed, hinged, images, order, carried)
         dofs = (grid.elements[:, :, None] * N_V + np.arange(N_V)).reshape(-1, N_DOF)

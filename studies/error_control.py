@@ -7,11 +7,11 @@ square of their size, so that a round says of the limit::
 
 and two rounds with different grids say how well: L is within ::
 
-    u = max(SAFETY |L - L_before|, |J' - J|/6, rim/2)
+    u = max(SAFETY |L - L_before|, |J' - J|/3, rim/2)
 
-of the limit. The second term takes no more than half of what Richardson's law adds for certain, the third no more than
-half of what the rim of a patch of contact, which jumps from node to node, has done from T to T'. A first round alone
-knows |J' - J|. Where u is too large, the difference between T and T' shows which elements to cut
+of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements T may be off by
+more than four times what T' is. The third is half of what the rim of a patch of contact, which jumps from node to node,
+has done from T to T'. A first round alone knows |J' - J|. Where u is too large, the difference between T and T' shows which elements to cut
 (:mod:`studies.refinement`), and the next round begins.
 """
 
@@ -92,7 +92,7 @@ def estimate(rounds: Sequence[Round]) -> Estimate:
     """What all rounds so far say of the limit."""
     last = rounds[-1]
     step = abs(last.finer - last.value)
-    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 6, last.rim / 2)
+    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 3, last.rim / 2)
     scale = abs(last.limit) or np.finfo(float).tiny
     return Estimate(last.limit, within / scale, abs(last.finer - last.limit) / scale)
 

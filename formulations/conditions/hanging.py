@@ -41,6 +41,7 @@ class Hangers:
         grid: Grid,
         surface: Surface,
         laminate: Laminate,
+        interpolation: str,
         fixed: np.ndarray,
         hinged: np.ndarray | None = None,
     ) -> Hangers | None:
@@ -48,7 +49,7 @@ class Hangers:
         hanging = grid.hanging
         if hanging is None:
             return None
-        arcs, turn = _of_positions(grid, hanging, surface, laminate)
+        arcs, turn = _of_positions(grid, hanging, surface, laminate, exact=interpolation == "curvilinear")
         support = np.zeros((len(hanging.nodes), N_V, N_V))
         support[:, range(N_V), range(N_V)] = ~fixed[hanging.nodes]
         if hinged is not None:
@@ -102,8 +103,10 @@ class Hangers:
         return 0 * ends if self.linear else ends
 
 
-def _of_positions(grid: Grid, hanging: Hanging, surface: Surface, laminate: Laminate) -> tuple[Arcs, np.ndarray]:
-    """Arcs of the positions, and the frames at the hanging nodes."""
+def _of_positions(
+    grid: Grid, hanging: Hanging, surface: Surface, laminate: Laminate, *, exact: bool
+) -> tuple[Arcs, np.ndarray]:
+    """Arcs of the positions, and the frames at the hanging nodes; ``exact``: their middles lie on the surface."""
     frames = surface.frame(*grid.nodes.T)
     at_ends = np.moveaxis(surface.position(*grid.nodes.T)[hanging.ends], 1, 0), np.moveaxis(frames[hanging.ends], 1, 0)
     x = [at + d * frame[:, 2] for at, frame in zip(*at_ends, strict=True) for d in (laminate.d_minus, laminate.d_plus)]
@@ -111,4 +114,9 @@ def _of_positions(grid: Grid, hanging: Hanging, surface: Surface, laminate: Lami
     for point in range(4):
         turned[:, point, :, point] = at_ends[1][point // 2].swapaxes(1, 2)
     arcs = Arcs.between(np.concatenate(x, axis=-1), laminate.thickness, turned.reshape(-1, 12, 12))
+    if exact:
+        middle, normal = surface.position(*grid.nodes[hanging.nodes].T), frames[hanging.nodes, 2]
+        faces = [middle + d * normal for d in (laminate.d_minus, laminate.d_plus)]
+        ends = np.concatenate(x, axis=-1).reshape(-1, 2, 2, 3)
+        arcs = arcs.through(np.stack(faces, axis=1) - ends.mean(axis=1))
     return arcs, frames[hanging.nodes]

@@ -61,8 +61,18 @@ def test_derivatives_by_differences(rng) -> None:
     x, v, dv = rng.normal(size=(3, 5, 12))
     edges, force, step = arcs(x), rng.normal(size=(5, 2, 3)), 1e-5
     np.testing.assert_allclose(edges.moved(v), middle(x + v) - middle(x), rtol=1e-10, atol=1e-10)
+    edges = edges.through(rng.normal(size=(5, 2, 3)))
     by_difference = (edges.moved(v + step * dv) - edges.moved(v - step * dv)) / (2 * step)
     np.testing.assert_allclose(np.einsum("kfxn,kn->kfx", edges.slope(v), dv), by_difference, rtol=1e-6, atol=1e-6)
     change = (edges.slope(v + step * dv) - edges.slope(v - step * dv)) / (2 * step)
     found = np.einsum("kmn,kn->km", edges.curvature(v, force), dv)
     np.testing.assert_allclose(found, np.einsum("kfx,kfxn->kn", force, change), rtol=1e-6, atol=1e-6)
+
+
+def test_a_middle_beside_the_arc_turns_with_its_ends(rng) -> None:
+    x, offset, turn = rng.normal(size=(3, 12)), rng.normal(size=(3, 2, 3)), Rotation.from_rotvec([1.0, -0.3, 2.0])
+    edges = arcs(x).through(offset)
+    turned = turn.apply(x.reshape(-1, 3)).reshape(3, 12)
+    expected = x.reshape(3, 2, 2, 3).mean(axis=1) + offset
+    there = turn.apply(expected.reshape(-1, 3)).reshape(3, 2, 3)
+    np.testing.assert_allclose(expected + edges.moved(turned - x), there, rtol=0, atol=1e-10)
