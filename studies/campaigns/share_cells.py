@@ -15,7 +15,7 @@ from studies.scenes import SCENES
 
 LABEL, GROUP = "share {ladder} {mesh} {share}", "shares"
 # Where a ladder stops before the load that its scene is known for: on to that load, its own on the way. Not the pinched
-# cylinder, which snaps on the way: there steps of the load end at a limit point that is its own with every share.
+# cylinder, which snaps on the way: on coarse meshes steps of the load end there with every share.
 WHOLE: Mapping[str, Mapping[str, str]] = {
     "sze-moment": {"load_fraction": "0.5,1"},
     "tyre": {"delta_mm": "20,35"},

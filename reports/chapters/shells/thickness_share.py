@@ -26,7 +26,10 @@ was not reached. *Best* is a share that no other one beats by more than {share(r
 uncertain by. A limit point is confirmed where the default mesh comes no farther than {share(rule["farther"], 0)} beyond
 it, or passes as many.
 
-{said(found)}""")
+{said(found)}
+
+What is taken from the nodes makes an element softer, and on a mesh that is too stiff for other reasons softness looks
+like accuracy. With all of it a strip that turns by φ bends like φ - φ³/6: folds end at limit points of the element.""")
     header = ["scene", "quantity", "mesh", *SHARES, "best", "ends at a limit point", "iterations"]
     return joined(text, table("Errors by the share", header, _rows(found), words=3), commands(found["command"]))
 
