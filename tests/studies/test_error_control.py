@@ -142,6 +142,16 @@ def test_the_force_of_the_tyre(element: str) -> None:
     assert abs(stated - limit) <= result.quantities["uncertainty"] * stated + known
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("delta", "solid"), [("10", 523.8), ("20", 1326.1)])
+def test_the_isotropic_tyre_against_solids(delta: str, solid: float) -> None:
+    """Two independent programs with three-dimensional elements, known to 0.3 %."""
+    settings = {"E_MPa": "20", "nu": "0.45", "load": "follower", "delta_mm": delta, "grading": "uniform"}
+    result, enough = solve_to_error(*complete("tyre", settings, (12, 24)), 0.002)
+    assert enough
+    assert result.quantities["extrapolated_force_N"] == pytest.approx(solid, rel=0.003)
+
+
 def test_the_cases_name_what_scenes_have() -> None:
     assert sum(len(case.quantities) for case in CASES) * 2 >= 80
     assert {case.scene for case in CASES} <= set(SCENES)
