@@ -99,6 +99,7 @@ def springs(w: float, t: float, heights, spring: float) -> float:
     return spring * sum(min(height - t - w, 0.0) for height in heights)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("heights", [(0.0, 0.1), tuple(np.linspace(0.0, 0.2, 5))])
 def test_the_set_changes_along_the_curve(heights) -> None:
     """Springs are reached one after the other; the largest travel is looked for on the scalar equation for w."""

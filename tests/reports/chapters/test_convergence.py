@@ -93,6 +93,7 @@ def test_parts_add_up_to_the_difference(store: Path) -> None:
     np.testing.assert_allclose(found["mesh_part"] + found["model_part"], found["error"], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_planted_model_error_is_told_from_that_of_the_mesh(own_store: Path) -> None:
     change_values(own_store, "convergence pagano-S100 ", lambda value, i: 1.02 * value)
     (found,) = comparisons_of(own_store).query("ladder == 'pagano-S100' and quantity == 'w_bar'").to_dict("records")
@@ -142,6 +143,7 @@ def test_a_sequence_that_is_not_monotone_has_no_order_and_no_limit(own_store: Pa
     assert parts[0][5:8] == ["–", "–", "–"]
 
 
+@pytest.mark.slow
 def test_a_mesh_that_was_not_solved_is_a_dash(own_store: Path) -> None:
     change_values(own_store, "convergence pagano-S10 ", lambda value, i: None if i == 1 else value)
     values = rows(convergence_page(load_store(own_store)).text, "pagano-S10")[0]
@@ -149,6 +151,7 @@ def test_a_mesh_that_was_not_solved_is_a_dash(own_store: Path) -> None:
     assert "not solved on every mesh" in values
 
 
+@pytest.mark.slow
 def test_a_sequence_that_is_not_asymptotic_says_why(own_store: Path) -> None:
     """0.99, 1.01, 0.99 on the last three meshes: 2.02 % of the last one apart, and no order."""
     change_values(own_store, "convergence plate-contact ", lambda value, i: 1 + 0.01 * (-1) ** i)

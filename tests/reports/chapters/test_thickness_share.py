@@ -8,6 +8,7 @@ from collections.abc import Set
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from reports.chapters.shells.thickness_share import SHARES, said, thickness_share_part
 from reports.tables import load_store
@@ -60,6 +61,7 @@ def test_made_up_errors_are_shown_as_they_were_made(store: Path) -> None:
     assert fine[2:7] == ["16x16", *["-2.50 %"] * 3, "equal"]
 
 
+@pytest.mark.slow
 def test_a_share_that_ends_early_is_not_confirmed_by_a_mesh_that_goes_on(own_store: Path) -> None:
     index = json.loads((own_store / "campaigns" / "report.json").read_text())
     (row,) = (row for row in index["cells"] if row["label"] == "share semicylinder 16x16 nodal")

@@ -97,6 +97,7 @@ def test_a_curve_is_written_point_by_point(tmp_path: Path) -> None:
     assert result["quantities"]["w_C_mm"] == curve["w_C_mm"].iloc[-1]
 
 
+@pytest.mark.slow
 def test_a_curve_that_ends_with_its_limit_point_has_the_same_one() -> None:
     whole, part = (solve(*resolve("roof-a", {"until": until}, "4x4")) for until in ("load", "limit"))
     assert part.outcome is Outcome.CONVERGED

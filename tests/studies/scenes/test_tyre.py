@@ -31,6 +31,7 @@ def paper() -> Result:
     return run({}, model="full")
 
 
+@pytest.mark.slow
 def test_paper_tyre_forces_within_one_percent(paper: Result) -> None:
     assert paper.outcome.converged
     found = {step["delta_mm"]: step["force_N"] for step in paper.steps}
@@ -223,6 +224,7 @@ def test_a_load_has_its_area_unless_another_is_named(load: str, area: str) -> No
         assert force["mid"] / force["face"] == pytest.approx(1.04, abs=0.02)
 
 
+@pytest.mark.slow
 def test_follower_pressure_on_the_face() -> None:
     found = run({**TO_20, "load": "follower", "pressure_area": "face"})
     assert found.steps[-1]["force_N"] == pytest.approx(2247.0, rel=ONE_PERCENT)

@@ -19,6 +19,7 @@ def run(mesh: str, **settings: str) -> Result:
     return solve(*resolve("tyre", {**COARSE, **settings}, mesh, model="half"))
 
 
+@pytest.mark.slow
 def test_the_arc_leads_to_the_states_of_the_travel() -> None:
     by_travel, by_arc = run("12x12", delta_mm="5,8,12"), run("12x12", delta_mm="5,8,12", path="arc")
     assert by_arc.outcome.converged
