@@ -87,6 +87,7 @@ def test_a_statement_holds(scene: str, settings: dict[str, str], quantity: str) 
     assert row["low"] - row["known"] <= row["value_error"] <= row["high"] + row["known"]
 
 
+@pytest.mark.slow
 def test_elements_are_cut_where_the_quantity_is_decided() -> None:
     """The load of a pinched cylinder is at one corner: the finest elements are there, and the others stay coarse."""
     scene, request = complete("pinched-cylinder", {}, (8, 8))

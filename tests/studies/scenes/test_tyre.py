@@ -38,6 +38,7 @@ def test_paper_tyre_forces_within_one_percent(paper: Result) -> None:
     assert found == pytest.approx(TRIAL_FORCE, rel=ONE_PERCENT)
 
 
+@pytest.mark.slow
 def test_paper_tyre_centre_pressure_and_equator(paper: Result) -> None:
     assert paper.steps[-1]["centre_pressure_MPa"] == pytest.approx(0.158, rel=ONE_PERCENT)
     assert paper.steps[-1]["centre_pressure_MPa"] == pytest.approx(0.156, rel=0.015)  # printed
