@@ -146,7 +146,7 @@ def solve_to_error(
         _record(fine, quantity, rounds, found, error)
         if len(rounds) >= FEWEST and found.uncertainty <= error:
             return fine, True
-        if most_unknowns > most / 2:
+        if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
             break
         family = following
         known = fine if family.asked == finer.asked else None

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from formulations.geometry.grid import TensorGrid
-from formulations.geometry.quadtree import Quadtree
+from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.geometry.surfaces import Surface
 from formulations.shell import ShellModel
 from studies.refinement.indicators import dorfler
@@ -76,6 +76,9 @@ class Family:
             marked = dorfler(eta, SHARE) | self._curved(tree)
             if self.mirrored:
                 marked |= marked[_mirror(tree)]
+            marked &= tree.leaves[:, 0] < DEEPEST - 1  # they are cut once more where all are
+            if not marked.any():
+                break
             finer = tree.refined(marked)
             parents = tree.parents(finer)
             parts = np.bincount(parents)

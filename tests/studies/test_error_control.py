@@ -116,6 +116,14 @@ def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFi
     assert "no grid of up to 200 unknowns" in capsys.readouterr().out
 
 
+@pytest.mark.slow
+def test_what_has_no_limit_ends_at_the_deepest_level() -> None:
+    """The pressure at the rim of a strip without shear is a line force: refined there, it only grows."""
+    result, enough = solve_to_error(*complete("strip-contact", {}, (16, 1)), 0.01, "edge_pressure")
+    assert not enough
+    assert "edge_pressure" in result.reason
+
+
 @pytest.mark.parametrize(
     "wrong", [["scordelis-lo", "--of", "force_N"], ["nowhere"], ["scordelis-lo", "--mesh", "axb"]], ids=str
 )
