@@ -136,8 +136,7 @@ def _bending_stiffness(load: str, section: str, nu: float, n: int, h: float) -> 
     else:
         forces = np.zeros((grid.n_nodes, 6))
         for a in (0, 1) if square else (0,):
-            edge = grid.on_line(a, 1.0)
-            share = edge_shares(len(edge))
+            edge, share = edge_shares(discretisation, a, 1.0)
             forces[edge, 2 * a], forces[edge, 2 * a + 1] = -share / h, share / h  # the moment 1 per width
     v = _solve(discretisation, forces, section=section)
     deflection = -float(v[grid.node_at(1.0, 1.0), 4:].mean())

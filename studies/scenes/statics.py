@@ -14,6 +14,7 @@ from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import ContactProblem, ContactSolution, Linearise, Outcome, without_contact
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
+from formulations.loads.lines import edge_lengths
 from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -66,13 +67,6 @@ def element_size(discretisation: Discretisation, node: int) -> float:
     return float(np.sqrt(np.linalg.norm(corners[:, [1, 3]] - corners[:, [0]], axis=-1).prod(axis=-1).mean()))
 
 
-def edge_shares(nodes: int) -> np.ndarray:
-    """Shares (nodes,) of a uniform edge load in equally spaced nodes, int N_r ds over the length; their sum is 1."""
-    shares = np.full(nodes, 1.0 / (nodes - 1))
-    shares[[0, -1]] /= 2
-    return shares
-
-
 class Loads(TypedDict, total=False):
     """What a shell carries; forces (N, 6) are dead and in the local frames."""
 
@@ -81,11 +75,16 @@ class Loads(TypedDict, total=False):
     couples: Couples
 
 
-def edge_forces(grid: Grid, nodes: np.ndarray, force: float) -> np.ndarray:
-    """(N, 6): a uniform normal force [N] in all on an edge of equally spaced nodes, half on either face."""
-    nodal = np.zeros((grid.n_nodes, 6))
-    nodal[nodes, 4:] = 0.5 * force * edge_shares(len(nodes))[:, None]
-    return nodal
+def edge_shares(discretisation: Discretisation, axis: int, value: float) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes (m,) of the line a_{axis+1} = value and their shares of a uniform load on it; the sum of these is 1."""
+    nodes, lengths = edge_lengths(discretisation, axis, value)
+    return nodes, lengths / lengths.sum()
+
+
+def edge_forces(discretisation: Discretisation, axis: int, value: float, force: float) -> np.ndarray:
+    """(N, 6): a uniform normal force [N] in all on the line a_{axis+1} = value, half on either face."""
+    nodes, shares = edge_shares(discretisation, axis, value)
+    return normal_forces(discretisation.grid, dict(zip(nodes.tolist(), force * shares, strict=True)))
 
 
 def loaded_shell(

@@ -65,4 +65,4 @@ class Cantilever:
         """Half of the shear on each face, shared by the nodes as a uniform edge load."""
         strip = clamped_strip(request, L, B, Ply.isotropic(E, 0.0, H))
         tip = strip.grid.on_line(0, L)
-        return StaticModel.of(request, strip, tip_motion(strip, tip), forces=edge_forces(strip.grid, tip, P_MAX))
+        return StaticModel.of(request, strip, tip_motion(strip, tip), forces=edge_forces(strip, 0, L, P_MAX))

@@ -34,5 +34,5 @@ class SlitAnnulus:
         laminate, edges = Laminate.single(Ply.isotropic(E, 0.0, H)), ("free", "free", "free", "clamped")
         plate = patch(request, annulus(), (INNER, OUTER), (0, 2 * np.pi), laminate, edges)
         corners = {"w_A_mm": (plate.grid.node_at(INNER, 0.0), 1), "w_B_mm": (plate.grid.node_at(OUTER, 0.0), 1)}
-        forces = edge_forces(plate.grid, plate.grid.on_line(1, 0.0), P_MAX * (OUTER - INNER))
+        forces = edge_forces(plate, 1, 0.0, P_MAX * (OUTER - INNER))
         return StaticModel.of(request, plate, normal_at(plate, corners), forces=forces)

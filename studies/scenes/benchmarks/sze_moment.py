@@ -50,6 +50,6 @@ class RolledCantilever:
         """The couple about -e2 lifts the tip."""
         strip = clamped_strip(request, L, B, Ply.isotropic(E, 0.0, H))
         tip = strip.grid.on_line(0, L)
-        axes = np.tile([0.0, -1.0, 0.0], (len(tip), 1))
-        couples = Couples(tip, M_MAX * edge_shares(len(tip)), axes, H)
+        loaded, shares = edge_shares(strip, 0, L)
+        couples = Couples(loaded, M_MAX * shares, np.tile([0.0, -1.0, 0.0], (len(loaded), 1)), H)
         return StaticModel.of(request, strip, tip_motion(strip, tip), couples=couples)

@@ -7,14 +7,17 @@ tolerance, the test says by how much, and which independent value decides.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache, partial
 
 import numpy as np
 import pytest
 
 from contact.problem import Outcome
+from studies.refinement.trees import Family
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
+from studies.scenes.benchmarks.sze_annulus import P_MAX
 from studies.scenes.benchmarks.sze_moment import EI, M_MAX, H, L
 from studies.solving import Result, resolve, solve
 
@@ -244,3 +247,28 @@ def test_torus_carries_the_membrane_resultants() -> None:
     # the hoop force at the crown is where the wall bends: what is left there falls as (h/r)^(1/3), not with the mesh
     thick, thin = (torus_errors("128x1", h)["N_theta_crown_N_per_mm"] for h in ("1", "0.125"))
     assert thick / thin == pytest.approx(8 ** (1 / 3), rel=0.15)
+
+
+@pytest.mark.parametrize("lines", ["even", "edges"])
+@pytest.mark.parametrize("cut", [False, True])
+def test_an_edge_load_is_uniform_on_lines_of_any_spacing(lines: str, cut: bool) -> None:
+    """The side of the slit annulus, its elements of different size: resultant and moment about the axis."""
+    scene, request = resolve("sze-annulus", {"lines": lines}, "6x20")
+    if cut:
+        tree = Family.of(scene, request).tree
+        assert tree is not None
+        leaves = tree.refined(tree.leaves[:, 1] < 2).leaves
+        request = replace(request, leaves=tuple(map(tuple, leaves.tolist())))
+    shell = scene.build(request).shell
+    force, radii = (
+        shell.discretisation.map.placed(shell.forces)[:, 4:].sum(axis=1),
+        shell.discretisation.grid.nodes[:, 0],
+    )
+    inner, outer = shell.discretisation.grid.ends[0]
+    assert force.sum() == pytest.approx(P_MAX * (outer - inner))
+    assert force @ radii == pytest.approx(P_MAX * (outer**2 - inner**2) / 2)
+    if not cut:  # no node hangs: each carries what its hat function does
+        side = shell.discretisation.grid.on_line(1, 0.0)
+        fine = np.linspace(inner, outer, 20001)
+        hats = [np.trapezoid(np.interp(fine, radii[side], unit), fine) for unit in np.eye(len(side))]
+        np.testing.assert_allclose(force[side], P_MAX * np.array(hats), rtol=1e-6)
