@@ -6,6 +6,7 @@ A scene is one file in :mod:`studies.scenes` and one line in its catalogue. How 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -21,7 +22,7 @@ from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.load_stepping import follow
 from contact.continuation.pressed_curve import PressedCurve
 from contact.parameters import Parameter
-from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearise
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearise, Outcome
 from formulations.shell import ShellModel
 from studies.fields import write_fields
 from studies.request import Request, Value
@@ -184,7 +185,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class CurveStage(Stage):
+class CurveStage(Stage, ABC):
     """A path traced by arc length, through limit points, until its last target is first reached.
 
     summarise(points): headline values of the whole curve; ``observe`` sees every point of it.
@@ -193,9 +194,9 @@ class CurveStage(Stage):
     continuation: ArcLength
     summarise: Callable[[Sequence[ArcPoint]], dict[str, float]]
 
+    @abstractmethod
     def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
         """The curve from where the stage begins; its first point is that."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,8 +210,10 @@ class ArcStage(CurveStage):
     load: np.ndarray
 
     def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
-        """No contact: no algorithm."""
-        return self.continuation.trace(self.linearise, self.load, self.targets, tell)
+        """No contact: no algorithm. Who asks for the first limit point alone has what was asked for at it."""
+        found = self.continuation.trace(self.linearise, self.load, self.targets, tell)
+        asked = self.continuation.to_limit and found.outcome is Outcome.LIMIT_POINT
+        return replace(found, outcome=Outcome.CONVERGED) if asked else found
 
 
 @dataclass(frozen=True, eq=False)

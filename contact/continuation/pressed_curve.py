@@ -167,5 +167,7 @@ def _size(K: sparse.csc_matrix) -> float:
 
 def hasty(algorithm: ContactAlgorithm) -> ContactAlgorithm:
     """The algorithm that gives up early, as far as it can be told to."""
-    known = {each.name for each in fields(algorithm)} if is_dataclass(algorithm) else set[str]()
-    return replace(algorithm, **{name: most for name, most in FEW.items() if name in known})  # type: ignore[type-var]
+    if not is_dataclass(algorithm):
+        return algorithm
+    known = {each.name for each in fields(algorithm)}
+    return replace(algorithm, **{name: most for name, most in FEW.items() if name in known})

@@ -9,9 +9,9 @@ from typing import TypedDict, Unpack
 
 import numpy as np
 
-from contact.continuation.arc_length import ArcLength, Trace
+from contact.continuation.arc_length import ArcLength
 from contact.continuation.equilibrium_curve import ArcPoint
-from contact.problem import ContactProblem, ContactSolution, Linearise, Outcome, without_contact
+from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
 from formulations.loads.lines import edge_lengths
@@ -152,24 +152,6 @@ class StaticModel(ShellSceneModel):
 
 
 @dataclass(frozen=True, eq=False)
-class ToLimit(ArcLength):
-    """Arc length that is asked for the first limit point, and has converged when it has found it."""
-
-    to_limit: bool = True
-
-    def trace(
-        self,
-        linearise: Linearise,
-        load: np.ndarray,
-        targets: Sequence[float],
-        on_point: Callable[[float], None] = lambda t: None,
-    ) -> Trace:
-        """The curve up to the point after it."""
-        found = super().trace(linearise, load, targets, on_point)
-        return replace(found, outcome=Outcome.CONVERGED) if found.outcome is Outcome.LIMIT_POINT else found
-
-
-@dataclass(frozen=True, eq=False)
 class CurveModel(StaticModel):
     """The same under dead forces only, its curve traced through limit points until its last load fraction or UNTIL.
 
@@ -193,8 +175,10 @@ class CurveModel(StaticModel):
         first = request.number("arc_step") / request.steps
         solver, tolerance = request.choice("solver"), request.number("tolerance")
         static = StaticModel.of(request, discretisation, measure_at, **loads)
-        arc = ToLimit if request.settings.get("until") == "limit" else ArcLength
-        continuation = arc(first, solver=solver, tolerance=tolerance, ordered=static.shell.ordered)
+        to_limit = request.settings.get("until") == "limit"
+        continuation = ArcLength(
+            first, to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=static.shell.ordered
+        )
         return cls(**vars(static), continuation=continuation, rises=rises)
 
     def stages(self) -> Iterator[Stage]:
