@@ -256,12 +256,18 @@ class SceneModel(Protocol):
         """Write the fields of a state for ParaView and its like."""
 
 
-def nodal_pressure(solution: ContactSolution, nodes: np.ndarray, n: int) -> np.ndarray:
-    """Contact pressure (n,) of the candidates at their nodes; zero elsewhere, and before the first state with any."""
-    pressure = np.zeros(n)
-    if len(solution.pressure):
-        pressure[nodes] = solution.pressure
-    return pressure
+def candidates_at(nodes: np.ndarray, n: int) -> np.ndarray:
+    """(n,) the contact candidate that each of n nodes is, -1 for none.  nodes: of the candidates."""
+    candidate = np.full(n, -1)
+    candidate[nodes] = np.arange(len(nodes))
+    return candidate
+
+
+def nodal_pressure(solution: ContactSolution, candidate: np.ndarray) -> np.ndarray:
+    """Contact pressure at nodes that are these candidates (-1: none); zero before the first state with any."""
+    if not len(solution.pressure):
+        return np.zeros(len(candidate))
+    return np.append(solution.pressure, 0.0)[candidate]
 
 
 class ShellSceneModel:
@@ -281,8 +287,7 @@ class ShellSceneModel:
 
     def outer_pressure(self, solution: ContactSolution) -> np.ndarray:
         """Contact pressure (N,) at the grid's nodes; zero where nothing is touched, and before the first contact."""
-        own = self.candidate_of_node if len(solution.pressure) else np.full(self.shell.discretisation.grid.n_nodes, -1)
-        return self.shell.discretisation.grid.carried(np.append(solution.pressure, 0.0)[own])
+        return self.shell.discretisation.grid.carried(nodal_pressure(solution, self.candidate_of_node))
 
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """One layer of hexahedra between the two faces."""
@@ -322,6 +327,15 @@ class CompletingScene(Protocol):
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
         """Fill in what depends on other settings; raises UsageError on combinations that exclude each other."""
+
+
+@runtime_checkable
+class RefinedScene(Protocol):
+    """A scene that names the grid from which a refinement to an error sets out, where a quarter of its own is none."""
+
+    @property
+    def coarsest_mesh(self) -> tuple[int, int]:
+        """Elements along a1 and a2."""
 
 
 @runtime_checkable

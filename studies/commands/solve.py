@@ -15,7 +15,6 @@ from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.request import Request
 from studies.scene import Scene, UsageError
-from studies.scenes import SCENES
 from studies.solving import Result, solve
 from studies.store.atomic import write_by
 
@@ -42,13 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Solve, write and print a short table."""
     given = pairs(options.settings)
-    wanted, mesh = _wanted_error(options, given)
-    scene, request = complete(
-        options.scene,
-        given,
-        mesh,
-        **{name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")},
-    )
+    named = {name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")}
+    scene, request, wanted = _asked(options, given, **named)
     if options.out.exists() and not options.out.is_dir():
         raise UsageError(f"--out {options.out} is a file, not a directory")
     with _progress() as tell:
@@ -81,20 +75,16 @@ def _draw(out: Path) -> None:
         raise UsageError(str(error)) from None
 
 
-def _wanted_error(options: argparse.Namespace, given: dict[str, str]) -> tuple[float | None, str | None]:
-    """The error that is asked for, if any, and the mesh, then the coarsest one; raises UsageError for a wrong one."""
+def _asked(options: argparse.Namespace, given: dict[str, str], **named: object) -> tuple[Scene, Request, float | None]:
+    """The scene, the request, on the coarsest grid where an error is asked for, and that error."""
     if options.error is None:
         if options.of is not None:
             raise UsageError("--of names the quantity of --error: give both")
-        return None, options.mesh
-    from studies.error_control import coarsest_mesh, parse_error
+        return *complete(options.scene, given, options.mesh, **named), None
+    from studies.error_control import coarsest, parse_error
 
-    scene = SCENES.get(options.scene)
-    if scene is None:
-        return parse_error(options.error), options.mesh
-    if any(setting.key == "grading" for setting in scene.settings):
-        given.setdefault("grading", "uniform")
-    return parse_error(options.error), options.mesh or "{}x{}".format(*coarsest_mesh(scene))
+    wanted = parse_error(options.error)
+    return *coarsest(options.scene, given, options.mesh, **named), wanted
 
 
 def _solved(

@@ -11,7 +11,6 @@ import numpy as np
 
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import DEEPEST, Quadtree
-from formulations.geometry.surfaces import Surface
 from formulations.shell import ShellModel
 from studies.refinement.indicators import dorfler
 from studies.request import Request
@@ -28,15 +27,14 @@ PART = 1 / 16  # of the indicator of an element that its four parts have in all:
 class Family:
     """Grids of a request: its mesh, halved ``times``, or the leaves of a tree over it.
 
-    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half ask for.  surface, h: of the shell.
+    mirrored: leaves are kept symmetric under a1 -> -a1, as the seams of a half ask for.  shell: on the coarsest grid.
     """
 
     request: Request
     tree: Quadtree | None
     mirrored: bool = False
     times: int = 0
-    surface: Surface | None = None
-    h: float = 1.0
+    shell: ShellModel | None = None
 
     @classmethod
     def of(cls, scene: Scene, request: Request) -> Family:
@@ -47,7 +45,7 @@ class Family:
         grid = shell.discretisation.grid
         tree = tree_over(request, *grid.lines, periodic=grid.periodic)
         mirrored = bool(np.any(shell.discretisation.map.sign < 0)) and grid.lines[0][0] < 0
-        family = cls(request, tree, mirrored, 0, shell.discretisation.surface, shell.discretisation.laminate.thickness)
+        family = cls(request, tree, mirrored, shell=shell)
         finer = getattr(scene.build(family.everywhere().asked), "shell", None)
         taken = isinstance(finer, ShellModel) and len(finer.discretisation.grid.elements) > len(grid.elements)
         return family if taken else cls(request, None)
@@ -88,10 +86,11 @@ class Family:
 
     def _curved(self, tree: Quadtree) -> np.ndarray:
         """Elements (E,) too curved along a direction that is cut for a node to hang on them."""
-        assert self.surface is not None
+        assert self.shell is not None
+        surface, laminate = self.shell.discretisation.surface, self.shell.discretisation.laminate
         grid = tree.grid()
-        geometry = self.surface.geometry(*grid.centre.T)
-        bent = np.abs(geometry.k) * (2 * grid.half * geometry.A) ** 2 / self.h
+        geometry = surface.geometry(*grid.centre.T)
+        bent = np.abs(geometry.k) * (2 * grid.half * geometry.A) ** 2 / laminate.thickness
         return np.any((bent > FLAT) & np.array(tree.cut) & (np.sum(tree.cut) > 1), axis=1)
 
 

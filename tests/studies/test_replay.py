@@ -82,7 +82,8 @@ def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
     assert step.meta["outcome"] != "converged"
     assert step.gap.min() < 0
     found = resolve_step(tmp_path / "step.npz", "semismooth")
-    assert np.abs(found.solution.u).max() > 0.9 * (step.meta["parameter"] - step.meta["from"])  # as far as it is pressed
+    pressed = step.meta["parameter"] - step.meta["from"]
+    assert np.abs(found.solution.u).max() > 0.9 * pressed
 
 
 WRONG = {

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse.linalg import spsolve
 
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import Grid
@@ -88,6 +89,18 @@ def make_shell(
         fixed = np.zeros((grid.n_nodes, 6), bool)
     discretisation = Discretisation.build(surface, grid, laminate, fixed, hinged, interpolation=interpolation)
     return ShellModel(discretisation, MEASURES[measure], **model)
+
+
+def newton(model: ShellModel, u: np.ndarray, within: float = 1e-13) -> np.ndarray:
+    """Newton from u until the last correction is within rounding of u."""
+    memory = None
+    for _ in range(40):
+        lin = model.linearise(u, memory)
+        du = spsolve(lin.tangent, -lin.residual)
+        u, memory = u + du, lin.remember(du)
+        if np.max(np.abs(du)) <= within * np.max(np.abs(u)):
+            return u
+    raise AssertionError("Newton did not converge")
 
 
 def nodal_components(

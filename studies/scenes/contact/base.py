@@ -15,7 +15,7 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
-from studies.scene import Begun, Observation, ShellSceneModel, Stage
+from studies.scene import Begun, Observation, ShellSceneModel, Stage, candidates_at
 
 OUTER = 1  # the face that touches
 
@@ -97,6 +97,4 @@ class ContactModel(ShellSceneModel):
     @property
     def candidate_of_node(self) -> np.ndarray:
         """(N,) the contact candidate that each node of the grid is, -1 for none."""
-        candidate = np.full(self.shell.discretisation.grid.n_nodes, -1)
-        candidate[self.nodes] = np.arange(len(self.nodes))
-        return candidate
+        return candidates_at(self.nodes, self.shell.discretisation.grid.n_nodes)

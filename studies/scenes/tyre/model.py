@@ -13,7 +13,7 @@ from contact.problem import ContactProblem, ContactSolution
 from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import Begun, Observation, ShellSceneModel, Stage
+from studies.scene import Begun, Observation, ShellSceneModel, Stage, candidates_at
 from studies.scenes.statics import with_balances
 from studies.scenes.tyre.foundation import NORMAL, foundation
 from studies.scenes.tyre.parts import Part, base_of, column_of, locally_refined, part_of
@@ -83,9 +83,7 @@ class TyreModel(ShellSceneModel, PressedTyre):
     @property
     def candidate_of_node(self) -> np.ndarray:
         """(N,) the candidate that each node of the part is or mirrors, -1 for none."""
-        candidate = np.full(self.part.grid.n_nodes, -1)
-        candidate[self.nodes] = np.arange(len(self.nodes))
-        return candidate[self.part.merging()]
+        return candidates_at(self.nodes, self.part.grid.n_nodes)[self.part.merging()]
 
 
 def _candidates(shell: ShellModel, part: Part, area: str, *, coupled: bool) -> tuple[np.ndarray, Candidates]:

@@ -19,7 +19,7 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
 from studies.fields import write_solid_fields
 from studies.request import Request, Value
-from studies.scene import Reference, Setting, UsageError, nodal_pressure
+from studies.scene import Reference, Setting, UsageError, candidates_at, nodal_pressure
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre.foundation import foundation
 from studies.scenes.tyre.grid_lines import tyre_lines
@@ -106,7 +106,7 @@ class SolidTyreModel(PressedTyre):
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """The hexahedra of the part that is solved."""
         solid = self.body.discretisation
-        write_solid_fields(path, solid, state.u, nodal_pressure(state, self.nodes, len(solid.mesh.x)))
+        write_solid_fields(path, solid, state.u, nodal_pressure(state, candidates_at(self.nodes, len(solid.mesh.x))))
 
 
 def whole_wall(solid: SolidDiscretisation, nodes: np.ndarray, model: str) -> Wall:

@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
 from formulations.conditions.boundary import EDGES, Supports
@@ -18,7 +17,7 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from support.shells import make_shell, nodal_components
+from support.shells import make_shell, newton, nodal_components
 
 ROUNDING = 1e-12  # relative
 CLOSED = 1e-9  # relative error of a solution that the element can represent
@@ -35,15 +34,7 @@ def solved(shell: ShellModel, steps: int = 1) -> np.ndarray:
     """Newton from rest to rounding, in equal steps of the load."""
     u = np.zeros(shell.discretisation.n_free)
     for factor in np.arange(1, steps + 1) / steps:
-        step, memory = shell.scaled(factor), None
-        for _ in range(25):
-            lin = step.linearise(u, memory)
-            du = spsolve(lin.tangent, -lin.residual)
-            u, memory = u + du, lin.remember(du)
-            if np.max(np.abs(du)) <= 1e-13 * np.max(np.abs(u)):
-                break
-        else:
-            raise AssertionError("Newton did not converge")
+        u = newton(shell.scaled(factor), u)
     return u
 
 

@@ -14,7 +14,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy.sparse.linalg import spsolve
 
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
@@ -25,6 +24,7 @@ from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
+from support.shells import newton
 
 E, H = 1e6, 1e-3  # MPa, mm; nu = 0, the element is 1 mm long
 MOMENTS = np.array([-0.3, -0.2, -0.1, 0.1, 0.2, 0.3])  # M l/D
@@ -45,15 +45,7 @@ def turned(moment: float, phi0: float, interpolation: str, thickness_strain: str
     )
     u = np.zeros(shell.n_free)
     for part in (0.5, 1.0):
-        memory = None
-        for _ in range(40):
-            lin = model.scaled(part).linearise(u, memory)
-            du = spsolve(lin.tangent, -lin.residual)
-            u, memory = u + du, lin.remember(du)
-            if np.max(np.abs(du)) <= 1e-11 * np.max(np.abs(u)):
-                break
-        else:
-            raise AssertionError("Newton did not converge")
+        u = newton(model.scaled(part), u, within=1e-11)
     v = shell.expand(u)[end[0]]
     return math.atan2((v[3] - v[2]) / H, 1 + (v[5] - v[4]) / H)
 

@@ -12,11 +12,9 @@ from reports.result_figures import draw_result
 from studies.scene import UsageError
 from studies.solving import Result, resolve, solve
 
-COARSE = {"thickness_strain": "balanced"}
-
 
 def run(mesh: str, **settings: str) -> Result:
-    return solve(*resolve("tyre", {**COARSE, **settings}, mesh, model="half"))
+    return solve(*resolve("tyre", settings, mesh, model="half"))
 
 
 @pytest.mark.slow

@@ -127,12 +127,10 @@ def test_the_paper_tyre_goes_on_to_a_limit_point() -> None:
 @pytest.mark.parametrize("mesh", ["20x18", "28x26", "42x40"])
 def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str) -> None:
     """Under 60 times the cost of a step to 20 mm, with a state that the judge would pass, and the place of the mode."""
-    element = {"thickness_strain": "balanced"}
-    easy, lost = (run({"delta_mm": delta, **element}, mesh, model="half") for delta in ("20", "40"))
+    easy, lost = (run({"delta_mm": delta}, mesh, model="half") for delta in ("20", "40"))
     assert lost.outcome is Outcome.LIMIT_POINT
     for what in ("factorisations", "flops"):
         assert lost.counters[what] < 60 * easy.counters[what]
-    assert lost.timing["cpu"] < 60 * easy.timing["cpu"]
     limit = lost.quantities["press_limit_point"]
     assert f"limit point of the path at {limit:.7g}" in lost.reason
     assert "negative eigenvalues of the tangent" in lost.reason
@@ -143,7 +141,7 @@ def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str
     assert "a finer grid may turn back earlier" in lost.reason
     (mode,) = lost.tables["mode"]
     assert np.max(np.linalg.norm(mode[["x", "y", "z"]], axis=1)) == pytest.approx(1.0)
-    reached = run({"delta_mm": f"{limit - 0.05}", **element}, mesh, model="half", steps=8)
+    reached = run({"delta_mm": f"{limit - 0.05}"}, mesh, model="half", steps=8)
     assert reached.outcome.converged  # by plain steps of the travel
     force = reached.steps[-1]["force_N"]
     forces = lost.model.candidates.weights @ lost.last.pressure * lost.model.part.copies
