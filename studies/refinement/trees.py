@@ -20,7 +20,10 @@ from studies.scenes.element import tree_over
 SHARE = 0.5  # of the sum of all indicators, marked at a time
 GROWTH = 2.0  # of the number of elements from one tree to the next, at the least
 FLAT = 1.0  # k l^2/h of an element, above which no node may hang on it: the arc of its edge would still lock
-PART = 1 / 16  # of the indicator of an element that its four parts have in all: two orders of the size, on both sides
+PART = 1 / 4  # of the indicator of an element that its parts have in all: an order of the size, on both sides
+WORTH = (
+    0.8  # of error times elements of the grid cut everywhere, above which another one is not worth its hanging nodes
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,9 +70,15 @@ class Family:
         return replace(self, tree=self.tree.everywhere())
 
     def refined(self, eta: np.ndarray) -> Family:
-        """Elements cut by Dörfler's criterion for the indicators eta (E,), foreseen for the parts, up to GROWTH."""
+        """Elements cut by Dörfler's criterion for the indicators eta (E,), foreseen for the parts, up to GROWTH.
+
+        All of them, where the error that is foreseen for these elements is no smaller than it would be for as many of
+        grids that are cut everywhere.
+        """
         assert self.tree is not None
-        tree = self.tree
+        tree, everywhere = self.tree, self.everywhere()
+        assert everywhere.tree is not None
+        worth = WORTH * PART * eta.sum() * len(everywhere.tree.leaves)
         while len(tree.leaves) < GROWTH * len(self.tree.leaves):
             marked = dorfler(eta, SHARE) | self._curved(tree)
             if self.mirrored:
@@ -82,7 +91,7 @@ class Family:
             parts = np.bincount(parents)
             eta = (eta * np.where(parts > 1, PART / parts, 1.0))[parents]
             tree = finer
-        return replace(self, tree=tree)
+        return replace(self, tree=tree) if eta.sum() * len(tree.leaves) < worth else everywhere
 
     def _curved(self, tree: Quadtree) -> np.ndarray:
         """Elements (E,) too curved along a direction that is cut for a node to hang on them."""

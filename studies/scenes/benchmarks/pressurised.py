@@ -194,16 +194,32 @@ class PressurisedTorus:
         half = patch(request, torus(AXIS, TUBE), (0, np.pi), (0, np.deg2rad(10)), laminate, ALL_SYMMETRIC)
 
         def resultants(shell: ShellModel, u: np.ndarray) -> dict[str, float]:
-            faces = shell.resultants(u)[:, :4].reshape(n1, n2, 2, 2).mean(axis=1)  # (n1, direction, face)
-            return _at_three_points(faces.sum(axis=-1))
+            grid = shell.discretisation.grid
+            first = np.flatnonzero(np.isclose(grid.centre[:, 1], grid.half[:, 1]))  # one element across, all the way
+            along = first[np.argsort(grid.centre[first, 0])]
+            faces = shell.resultants(u)[along, :4].reshape(-1, 2, 2)  # (element, direction, face)
+            return _at_three_points(grid.centre[along, 0], faces.sum(axis=-1))
 
         pressure = Pressure(TORUS_PRESSURE, follower=True, area=request.choice("pressure_area"))
         return StaticModel.of(request, half, resultants, pressure=pressure)
 
 
-def _at_three_points(N: np.ndarray) -> dict[str, float]:
-    """Resultants (n1, 2) of equal elements, interpolated to the fourth order; even about both equators."""
-    half = len(N) // 2
-    around_crown = 9 * (N[half - 1] + N[half]) - N[half - 2] - N[half + 1]
-    outer, inner = (9 * N[0] - N[1]) / 8, (9 * N[-1] - N[-2]) / 8
-    return _named("outer", outer) | _named("crown", around_crown / 16) | _named("inner", inner)
+def _at_three_points(phi: np.ndarray, N: np.ndarray) -> dict[str, float]:
+    """Resultants (n, 2) at the centres phi of elements, interpolated to the fourth order; even about both equators."""
+    crown = int(np.searchsorted(phi, np.pi / 2))
+    around = slice(crown - 2, crown + 2)
+    return (
+        _named("outer", _even(phi[:2], N[:2]))
+        | _named("crown", _cubic(phi[around] - np.pi / 2) @ N[around])
+        | _named("inner", _even(np.pi - phi[:-3:-1], N[:-3:-1]))
+    )
+
+
+def _even(x: np.ndarray, N: np.ndarray) -> np.ndarray:
+    """At 0 from values N (2, ...) at the places x (2,): a + b x^2."""
+    return (x[1] ** 2 * N[0] - x[0] ** 2 * N[1]) / (x[1] ** 2 - x[0] ** 2)
+
+
+def _cubic(x: np.ndarray) -> np.ndarray:
+    """Weights (4,) at 0 of the values at four places x in the cubic through them (Lagrange)."""
+    return np.array([np.prod(np.delete(x, k) / (np.delete(x, k) - own)) for k, own in enumerate(x)])
