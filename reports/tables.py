@@ -9,6 +9,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -112,8 +113,11 @@ class Cell:
 
     def matches(self, wanted: Mapping[str, Any]) -> bool:
         """Has the resolved request all these values? A number matches a path of one value, "8x4" a mesh."""
-        known = {"group": self.group, **self.asked.get("settings", {}), **self.asked}
-        return all(_same(known.get(key), value) for key, value in wanted.items())
+        return all(_same(self._known.get(key), value) for key, value in wanted.items())
+
+    @cached_property
+    def _known(self) -> Mapping[str, Any]:
+        return {"group": self.group, **self.asked.get("settings", {}), **self.asked}
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import shutil
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -304,8 +305,15 @@ def write_cell(cell: Cell, directory: Path) -> Row:
 
 @pytest.fixture(scope="session")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A whole report campaign."""
+    """A whole report campaign, whose thousand files need not outlive the machine."""
     root = tmp_path_factory.mktemp("store")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda descriptor: None)
+        _fill(root)
+    return root
+
+
+def _fill(root: Path) -> None:
     rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"]())]
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
@@ -314,7 +322,6 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     told = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
     write_json(root / "campaigns" / "report.json", {**told, "cells": rows})
     analysed_again(root)
-    return root
 
 
 def without_svg(patch: pytest.MonkeyPatch) -> None:
