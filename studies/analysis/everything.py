@@ -12,6 +12,7 @@ from studies.analysis.answers import Answers
 from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
+from studies.analysis.comparisons.error_statements import TIMES, error_statements
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
@@ -35,6 +36,7 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "rigid_body_powers": ("small_motions", rigid_body_powers),
     "curved_beam_limits": ("curved_beam", curved_beam_limits),
     "epsilon_laws": ("epsilon", epsilon_laws),
+    "error_statements": ("error_coverage", error_statements),
     "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
 }
 
@@ -42,7 +44,7 @@ RULES = {  # thresholds that the pages state
     **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
     **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME, "within": WITHIN},
     **{"fitted_from": FITTED_FROM, "core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
-    **{"epsilon_soft": SOFT, "epsilon_level": LEVEL},
+    **{"epsilon_soft": SOFT, "epsilon_level": LEVEL, "expensive": TIMES},
 }
 
 

@@ -196,6 +196,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "shares": lambda: tuple(share_cells()),
     "agreement": lambda: (*agreement(), *ROBUSTNESS),
     "models": lambda: MODELS,
+    "statements": lambda: (),  # a table alone
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
@@ -211,3 +212,4 @@ TABLES_OF["report"] = (
     *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
     *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check"),
 )
+TABLES_OF["statements"] = ("error_coverage",)

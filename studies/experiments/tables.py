@@ -9,6 +9,7 @@ import pandas as pd
 
 from studies.door.plugins import modules
 from studies.experiments.epsilon import epsilon_study
+from studies.experiments.error_coverage import error_coverage
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
 from studies.experiments.invariance.symmetry import symmetry_table
 from studies.experiments.invariance.tyre_mirror import mirror_table
@@ -37,6 +38,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes_maps": axes_table,
     "extremes_check": check_table,
     "work_precision": work_precision_study,
+    "error_coverage": error_coverage,
 }
 
 

@@ -6,6 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
+from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
 from reports.formats import NOTHING, fixed, scientific, share
@@ -23,7 +24,9 @@ def cost_page(store: Store) -> Part:
     introduction = prose("""# What it costs
 
 Times are wall times of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
-    return joined(introduction, _models(store), _precision(store), _scaling(store), _peers(store))
+    return joined(
+        introduction, _models(store), _precision(store), statements_part(store), _scaling(store), _peers(store)
+    )
 
 
 def _models(store: Store) -> Part:
