@@ -19,6 +19,7 @@ from scipy import sparse
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem
+from contact.solvers.sparse import factorise
 from formulations.shell import Linearisation, ShellModel
 from studies.scene import ArcStage
 from studies.walk import Visited
@@ -48,8 +49,7 @@ def on_grid(visited: Visited, quantity: str, shell: ShellModel, nodes: np.ndarra
     at_nodes = np.zeros((4, shell.discretisation.grid.n_nodes))
     if visited.trace is not None and quantity.startswith("limit_"):
         assert isinstance(visited.stage, ArcStage)
-        point, mode = _limit_mode(visited.trace.points)
-        return OnGrid(shell, point.u, mode / float(visited.stage.load @ mode), at_nodes)
+        return OnGrid(shell, *_at_limit(visited.stage, visited.trace.points), at_nodes)
     problem, state = visited.problem, visited.point.solution
     z, pressure = dual(visited, quantity)
     if len(state.pressure):
@@ -105,10 +105,15 @@ def _with_gap(problem: ContactProblem, gap: np.ndarray) -> ContactProblem:
     return replace(problem, gap=lambda u: gap)
 
 
-def _limit_mode(points: Sequence[ArcPoint]) -> tuple[ArcPoint, np.ndarray]:
-    """The first limit point of a curve and the displacements along it there; raises KeyError when there is none."""
-    found = next((i for i, point in enumerate(points) if point.limit), None)
-    if found is None:
+def _at_limit(stage: ArcStage, points: Sequence[ArcPoint]) -> tuple[np.ndarray, np.ndarray]:
+    """u at the first limit point of a curve, and the dual displacements of its load factor: -m/(f . m) of its mode m.
+
+    The tangent there is all but singular: the displacements that it gives for the load f are the mode, by one step of
+    inverse iteration. Raises KeyError when there is no limit point.
+    """
+    point = next((point for point in points if point.limit), None)
+    if point is None:
         raise KeyError("the curve has no limit point")
-    after = points[min(found + 1, len(points) - 1)]
-    return points[found], after.u - points[found - 1].u
+    tangent = sparse.csc_matrix(stage.linearise(point.u, None).tangent)
+    mode = factorise(tangent, ordered=stage.continuation.ordered).solve(stage.load)
+    return point.u, -mode / float(stage.load @ mode)
