@@ -60,12 +60,6 @@ def test_a_wrong_error_is_refused(text: str) -> None:
         parse_error(text)
 
 
-@pytest.mark.parametrize("name", sorted(SCENES))
-def test_every_scene_has_a_coarsest_mesh_that_it_can_be_built_on(name: str) -> None:
-    built, request = coarsest(name, {})
-    assert built.build(request).n_unknowns > 0
-
-
 @pytest.mark.parametrize(
     ("scene", "settings", "quantity"),
     [
