@@ -46,8 +46,8 @@ TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load is cut 
 class Round:
     """A quantity on a grid and on the one with all elements cut, and their unknowns.
 
-    seconds: CPU time of the round; finer_seconds: of the finer grid alone.  rim: what the rim of a patch of contact
-    adds to the indicators.
+    seconds: CPU time of the round; finer_seconds, own_seconds: of the finer grid and of the other alone, which may be
+    that of the round before.  rim: what the rim of a patch of contact adds to the indicators.
     """
 
     value: float
@@ -57,6 +57,7 @@ class Round:
     seconds: float
     finer_seconds: float
     rim: float = 0.0
+    own_seconds: float = 0.0
 
     @property
     def limit(self) -> float:
@@ -164,7 +165,7 @@ def solve_to_error(
         value, finer_value = coarse.quantities[quantity], fine.quantities[quantity]
         following, rim = _next(family, finer, coarse, fine, quantity)
         seconds = time.process_time() - start, fine.timing["cpu"]
-        rounds.append(Round(value, finer_value, unknowns, most_unknowns, *seconds, rim))
+        rounds.append(Round(value, finer_value, unknowns, most_unknowns, *seconds, rim, coarse.timing["cpu"]))
         found = estimate(rounds)
         progress(f"{quantity} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
         _record(fine, quantity, rounds, found, error)
