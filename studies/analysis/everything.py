@@ -18,7 +18,7 @@ from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
 from studies.analysis.comparisons.solid_shell import solid_shell
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
-from studies.analysis.comparisons.tyre_models import SAME, WITHIN, grids_reaching, tyre_models
+from studies.analysis.comparisons.tyre_models import SAME, grids_reaching, tyre_models
 from studies.analysis.fronts import family_fronts, fronts
 from studies.analysis.held_out import held_out, summary
 from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
@@ -42,7 +42,7 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
 
 RULES = {  # thresholds that the pages state
     **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
-    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME, "within": WITHIN},
+    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME},
     **{"fitted_from": FITTED_FROM, "core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
     **{"epsilon_soft": SOFT, "epsilon_level": LEVEL, "expensive": TIMES},
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import pandas as pd
 from matplotlib.figure import Figure
 
@@ -9,11 +11,10 @@ from reports.chapter import Chapter
 from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
-from reports.formats import NOTHING, fixed, scientific, share
+from reports.formats import NOTHING, fixed, number, scientific, share
 from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose, table
 from reports.tables import Store
 
-WITHIN = 0.01
 LEAST = 1e-5  # below it an error is chance
 STEP = ("elements", "scatter", "factorisation", "solve", "contact", "total")
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
@@ -23,7 +24,7 @@ def cost_page(store: Store) -> Part:
     """The whole page."""
     introduction = prose("""# What it costs
 
-Times are wall times of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
+Times are of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
     return joined(
         introduction, _models(store), _precision(store), statements_part(store), _scaling(store), _peers(store)
     )
@@ -60,42 +61,75 @@ mirror is refused for angle plies.""")
 
 
 def _precision(store: Store) -> Part:
-    """Force against unknowns on uniform, hand-made and adapted grids."""
-    needed, delta = store.analysis("grids_reaching"), fixed(DELTA, 0)
-    within = share(store.rules()["within"], 0)
-    heads, line = "element | grid | first mesh | unknowns | force [N] | error", "`{element}` | `{family}` | "
-    line += "{mesh:said} | {unknowns:.0f} | {force_N:.1f} | {error:+.2%}"
-    spent = "element | grid | factorisation [s] | total with its estimate [s]"
-    times = "`{element}` | `{family}` | {factorisation_s:.2f} | {total_s:.2f}"
-    adapted = needed[(needed["family"] == "adapted") & needed["share"].notna()]
-    found = filled("element `{element}`: {share:.0%} of the unknowns of a uniform grid", adapted)
+    """Force against unknowns on tensor grids and on locally refined ones."""
+    needed, grids = store.analysis("grids_reaching"), store.table("work_precision")
+    against, errors = grids.iloc[0], list(dict.fromkeys(needed["within"]))
+    asked = " and ".join(map(bound, errors))
+    unsure = [bound(error) for error in errors if error < against["known"]]
+    doubt = f" Whether a grid reaches {' or '.join(unsure)}, which is less, is not decided." if unsure else ""
     text = prose(f"""## Put the elements where the force is decided
 
-Force of the paper's tyre at {delta} mm against the mean of two fine adapted grids. `patch` is the spacing of the paper,
-finer around the patch; `adapted` follows an estimate of the error of the force from two coarse solutions. A force goes
-up and down with the place of the rim of the patch between the lines, so that a single good grid may be chance: a grid
-*reaches* {within} when all finer ones of its family stay below. Adapted grids need,
-{"; ".join(found) or "as yet unknown"}. `footprint solve tyre --error 1%` goes on
-from a uniform grid and cuts single elements.""")
-    body = listing(f"Grids that reach {within}", needed.fillna({"mesh": ""}), heads, line, words=2)
-    known, title = needed[needed["unknowns"].notna()], f"Wall times of the grids that reach {within}"
-    timed = machine(listing(title, known, spent, times, words=2))
-    words, drawn = "Error of the force over the unknowns, by grid", precision(store.table("work_precision"))
-    return joined(text, body, timed, picture("cost-precision.svg", words, drawn))
+Force of the paper's tyre at {fixed(DELTA, 0)} mm over the unknowns, on families of grids: `uniform`; `patch`, the
+spacing of the paper, finer around the patch; `adapted`, lines that follow an estimate of the error of the force from
+two coarse solutions; `local`, single elements cut where the force is decided, as by `footprint solve tyre --error`;
+`extrapolated`, the limit that each round of `local` states from its grid and the one with all elements cut, over the
+unknowns of the latter. Errors are against the mean of the last such limits of both elements,
+{fixed(against["reference_N"], 1)} N: they are {share(against["apart"])} apart, and the mean is known to
+{share(against["known"])}, grey below that.{doubt} A force goes up and down with the place of the rim of the patch
+between the lines, so that a single good grid may be chance: a grid *reaches* an error when all finer ones of its family
+stay below it. What it takes:
+
+{_said(needed, "unknowns", "unknowns", 0)}""")
+    heads = "error | element | grid | first mesh | unknowns | of uniform | force [N] | off"
+    line = "{within:bound} | `{element}` | `{family}` | {mesh:said} | {unknowns:.0f} | {share:.0%} | {force_N:.1f} | "
+    line += "{error:+.2%}"
+    body = listing(f"Grids that reach {asked}", needed.fillna({"mesh": ""}), heads, line, words=3, bound=bound)
+    known, title = needed[needed["unknowns"].notna()], f"CPU seconds of the grids that reach {asked}"
+    spent, times = "error | element | grid | alone [s] | total [s]", "{within:bound} | `{element}` | `{family}` | "
+    times += "{own_s:.2f} | {total_s:.2f}"
+    own = prose("""*Total*: with all that is needed to get there, the estimate of an adapted grid or the rounds before a
+local one, their finer grids and indicators included. What it takes in all:""")
+    listed = listing(title, known, spent, times, words=3, bound=bound)
+    timed = machine(own, _said(needed, "total_s", "CPU seconds", 2), listed)
+    drawn = picture("cost-precision.svg", "Error of the force over the unknowns, by grid", precision(grids, errors))
+    return joined(text, body, timed, drawn)
+
+
+def bound(error: float) -> str:
+    """An error that is asked for."""
+    return f"{number(100 * error)} %"
+
+
+def _said(needed: pd.DataFrame, column: str, unit: str, decimals: int) -> str:
+    """For each error and element the families that reach it, from the cheapest, and those of which no grid does."""
+    items = []
+    for (_, element), own in needed.groupby(["within", "element"], sort=False):
+        there = own[column].notna()
+        reached = filled(f"`{{family}}` {{{column}:.{decimals}f}}", own[there].sort_values(column, kind="stable"))
+        never = filled("`{family}`", own[~there])
+        said = [f"{', '.join(reached)} {unit}"] * bool(reached) + [f"none of {', '.join(never)}"] * bool(never)
+        items.append(f"- {bound(own['within'].iloc[0])}, element `{element}`: {'; '.join(said)}")
+    return "\n".join(items)
 
 
 @svg
-def precision(data: pd.DataFrame) -> Figure:
-    """Error of the force over the unknowns, a panel an element, a colour a family of grids; the line is 1 %."""
+def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
+    """Error of the force over the unknowns, a panel an element, a colour a family of grids.
+
+    Lines at ``errors``; grey where the reference is not known.
+    """
     elements = data.groupby("element", sort=False)
-    figure, panels = canvas(len(elements), width=10.0, height=4.2)
+    figure, panels = canvas(len(elements), width=10.0, height=4.2, sharey=True)
     for axes, (element, own) in zip(panels, elements, strict=True):
         families = own.assign(error=own["error"].abs().clip(lower=LEAST)).groupby("family", sort=False)
         lines(axes, {family: (grids["unknowns"], grids["error"]) for family, grids in families})
-        axes.axhline(WITHIN, color=BLACK, linewidth=1, linestyle=":")
+        for error in errors:
+            axes.axhline(error, color=BLACK, linewidth=1, linestyle=":")
+        axes.axhspan(LEAST / 2, own["known"].iloc[0], color=BLACK, alpha=0.08, linewidth=0)
         axes.set(title=f"element {element}", xlabel="unknowns", ylabel="relative error of the force")
-        axes.set(xscale="log", yscale="log")
-    legend_above(figure, panels[0], columns=3)
+        axes.set(xscale="log", yscale="log", ylim=(LEAST / 2, None))
+        axes.tick_params(axis="x", which="minor", labelbottom=False)
+    legend_above(figure, panels[0], columns=5)
     return figure
 
 

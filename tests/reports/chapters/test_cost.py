@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+import pytest
 
 from reports.chapters.trade.cost import STEP, cost_page
 from reports.tables import load_store
@@ -46,13 +49,67 @@ def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
     assert row(text, "| isotropic | `mirror` | 10 ")[-1] == "inf"
 
 
-def test_grids_that_reach_one_per_cent(store: Path) -> None:
+def test_grids_that_reach_an_error(store: Path) -> None:
     text = cost_page(load_store(store)).text
-    assert row(text, "| `paper` | `uniform` |")[2:6] == ["4001x1", "4001", "2020.0", "+1.00 %"]
-    assert row(text, "| `paper` | `adapted` |")[2:4] == ["1001x1", "1001"]
-    assert row(text, "| `paper` | `patch` |")[2:] == ["–"] * 4
-    assert row(text, "| `paper` | `uniform` |")[6:] == ["`paper`", "`uniform`", "0.10", "0.20"]
-    assert "element `paper`: 25 % of the unknowns of a uniform grid; element `refined`: 25 %" in text
+    uniform = "| `paper` | `uniform` |"
+    assert row(text, f"| 1 % {uniform}")[3:8] == ["4001x1", "4001", "100 %", "2020.0", "+1.00 %"]
+    assert row(text, f"| 0.2 % {uniform}")[3:8] == ["–"] * 5
+    assert row(text, "| 1 % | `paper` | `adapted` |")[3:6] == ["1001x1", "1001", "25 %"]
+    assert row(text, "| 0.2 % | `paper` | `adapted` |")[3:8] == ["8001x1", "8001", "–", "2002.5", "+0.12 %"]
+    assert row(text, "| 0.2 % | `paper` | `adapted` |")[8:] == ["0.2 %", "`paper`", "`adapted`", "8.00", "10.00"]
+    assert row(text, "| 1 % | `paper` | `patch` |")[3:] == ["–"] * 5
+    ahead = "`extrapolated` 500, `local` 2001, `adapted` 8001 unknowns"  # the fewest first
+    assert f"- 0.2 %, element `paper`: {ahead}; none of `uniform`, `patch`\n" in text
+    assert "2000.0 N: they are 0.01 % apart, and the mean is known to 0.15 %, grey below that. A force" in text
+
+
+REACHED = r"^- (\S+) %, element `(\w+)`: (.*?) ?(unknowns|CPU seconds)?(?:(?:; )?none of (.*))?$"
+
+
+def stated(text: str, unit: str) -> dict[tuple[float, str, str], str]:
+    """What the page says of each error, element and family, as text; nothing for none."""
+    found = {}
+    for within, element, reached, of, never in re.findall(REACHED, text, re.MULTILINE):
+        if of in ("", unit):
+            amounts = dict(re.findall(r"`(\w+)` ([\d.]+)", reached))
+            names = dict.fromkeys(re.findall(r"`(\w+)`", never), "")
+            found |= {(float(within) / 100, element, family): amount for family, amount in (amounts | names).items()}
+    return found
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_sentences_say_what_the_grids_did(own_store: Path, seed: int) -> None:
+    """Errors at random around both bounds: every grid is looked at beside all that are finer."""
+    random = np.random.default_rng(seed)
+    path = own_store / "tables" / "work_precision.csv"
+    grids = pd.read_csv(path)
+    grids["error"] = 10 ** random.uniform(-4, -1.5, len(grids)) * random.choice([-1, 1], len(grids))
+    grids["total_s"] = random.uniform(0.1, 99.0, len(grids)).round(2)
+    write_table(path, grids.sample(frac=1.0, random_state=seed))
+    analysed_again(own_store)
+    unknowns, seconds = {}, {}
+    for within in (0.01, 0.002):
+        for of, own in grids.groupby(["element", "family"]):
+            good = [
+                grid
+                for grid in own.itertuples()
+                if all(abs(each.error) <= within for each in own.itertuples() if each.unknowns >= grid.unknowns)
+            ]
+            first = min(good, key=lambda grid: grid.unknowns, default=None)
+            unknowns[within, *of] = "" if first is None else f"{first.unknowns}"
+            seconds[within, *of] = "" if first is None else f"{first.total_s:.2f}"
+    assert {*unknowns.values()} > {""}
+    text = cost_page(load_store(own_store)).text
+    assert stated(text, "unknowns") == unknowns
+    assert stated(text, "CPU seconds") == seconds
+
+
+@pytest.mark.parametrize(("known", "said"), [(0.003, "reaches 0.2 %, which"), (0.02, "reaches 1 % or 0.2 %, which")])
+def test_what_the_reference_is_not_good_enough_for_is_said(own_store: Path, known: float, said: str) -> None:
+    path = own_store / "tables" / "work_precision.csv"
+    write_table(path, pd.read_csv(path).assign(known=known))
+    text = cost_page(load_store(own_store)).text
+    assert f"known to {100 * known:.2f} %, grey below that. Whether a grid {said} is less, is not decided." in text
 
 
 def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:

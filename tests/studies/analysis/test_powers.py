@@ -61,6 +61,15 @@ def test_one_good_grid_does_not_count() -> None:
     assert reaching(grids, 0.01)["unknowns"] == 4
     assert reaching(grids.iloc[:3], 0.01) is None
     table = pd.concat([grids.assign(family="uniform"), grids.assign(family="adapted", unknowns=[0.5, 1, 1.5, 2])])
-    found = grids_reaching(table.assign(element="paper")).set_index("family")
-    assert list(found["unknowns"]) == [4, 2]
-    assert found.loc["adapted", "share"] == 0.5
+    found = grids_reaching(table.assign(element="paper")).set_index(["within", "family"])
+    assert list(found.loc[0.01, "unknowns"]) == [4, 2]
+    assert found.loc[(0.01, "adapted"), "share"] == 0.5
+    assert found.loc[0.002, ["mesh", "unknowns", "error", "share"]].isna().all(axis=None)
+
+
+def test_each_error_has_its_own_grid() -> None:
+    grids = pd.DataFrame({"unknowns": [1, 2, 3, 4], "error": [0.1, -0.005, 0.001, 0.0], "element": "paper"})
+    found = grids_reaching(pd.concat([grids.assign(family="local"), grids.iloc[:2].assign(family="uniform")]))
+    assert found["within"].tolist() == [0.01, 0.01, 0.002, 0.002]
+    np.testing.assert_array_equal(found["unknowns"], [2, 2, 3, np.nan])
+    np.testing.assert_array_equal(found["share"], [1, 1, np.nan, np.nan])
