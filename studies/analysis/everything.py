@@ -12,7 +12,7 @@ from studies.analysis.answers import Answers
 from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
-from studies.analysis.comparisons.error_statements import TIMES, error_statements
+from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
@@ -37,6 +37,7 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "curved_beam_limits": ("curved_beam", curved_beam_limits),
     "epsilon_laws": ("epsilon", epsilon_laws),
     "error_statements": ("error_coverage", error_statements),
+    "stated_errors": ("error_coverage", statements),
     "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
 }
 

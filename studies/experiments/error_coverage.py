@@ -2,7 +2,7 @@
 
 The limit that counts for true is that of uniform grids, each with twice the elements of the one before both ways, far
 beyond where a statement ends: Richardson's for the order 2 of the finest two, uncertain by what it differs from that of
-the two before. A case whose true limit is not known to a third of what is stated decides nothing and is told apart.
+the two before. A case whose true limit is not known to a third of what is stated decides nothing and counts apart.
 """
 
 from __future__ import annotations
@@ -74,10 +74,11 @@ def error_coverage(
 ) -> pd.DataFrame:
     """One row a case, quantity and error: what is stated, what counts for true, and what both cost.
 
-    stated, uncertainty: the limit and its relative uncertainty; true, known: the other limit and its own; off: how far
-    they are apart.  inside: whether that is no more than is stated; decided: whether the true one is known well enough
-    to say so, or they are apart whatever it is.  value_error: of the value on the last grid, low and high what is
-    stated of it.  cost: CPU time over that of the last grid alone.
+    low, high: what is stated of the relative error of the value on the last grid; value_error: that error, against
+    the limit ``true`` of other grids, ``known`` to a part of it.  stated, uncertainty: the limit and what is stated of
+    it; off: how far the two limits are apart.  value_inside, inside: whether they are as stated; value_decided,
+    decided: whether the true limit is known well enough to say so, or they are not, whatever it is.  cost: CPU time
+    over that of the last grid alone.
     """
     rows: list[dict[str, object]] = []
     for case in cases:
@@ -143,12 +144,16 @@ def _against(rounds: Sequence[Round], truth: tuple[float, float] | None) -> dict
     if truth is None:
         return found
     true, known = truth
-    off, allowed = abs(stated.limit / true - 1), stated.uncertainty
+    off, error = abs(stated.limit / true - 1), abs(last.finer / true - 1)
+    inside = off <= stated.uncertainty + known
+    value_inside = stated.low - known <= error <= stated.high + known
     return found | {
         "true": true,
         "known": known,
-        "decided": known <= KNOWN * allowed or off > allowed + known,
-        "inside": off <= allowed + known,
+        "value_error": error,
+        "value_decided": known <= KNOWN * (stated.high - stated.low) or not value_inside,
+        "value_inside": value_inside,
         "off": off,
-        "value_error": abs(last.finer / true - 1),
+        "decided": known <= KNOWN * stated.uncertainty or not inside,
+        "inside": inside,
     }

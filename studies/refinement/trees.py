@@ -91,7 +91,8 @@ class Family:
             parts = np.bincount(parents)
             eta = (eta * np.where(parts > 1, PART / parts, 1.0))[parents]
             tree = finer
-        return replace(self, tree=tree) if eta.sum() * len(tree.leaves) < worth else everywhere
+        deepest = np.any(self.tree.leaves[:, 0] == DEEPEST - 1)  # all of them cannot be cut twice
+        return replace(self, tree=tree) if deepest or eta.sum() * len(tree.leaves) < worth else everywhere
 
     def _curved(self, tree: Quadtree) -> np.ndarray:
         """Elements (E,) too curved along a direction that is cut for a node to hang on them."""

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from reports.chapters.trade.statements import offsets, statements_part
+from reports.chapters.trade.statements import errors_stated, statements_part
 from reports.tables import load_store
 from studies.store.atomic import write_table
 from support.made_up import analysed_again
@@ -18,11 +18,14 @@ def coverage(wrong: bool) -> pd.DataFrame:
     for k, asked in enumerate((0.05, 0.01, 0.002)):
         row = {"scene": "cantilever", "settings": "", "quantity": "w", "asked": asked, "reached": True, "reason": ""}
         row |= {"stated": 1.0, "uncertainty": asked, "low": 0.0, "high": 3 * asked, "unknowns": 100 * k, "cost": 1.5}
-        row |= {"true": 1.0, "known": 1e-5, "decided": True, "inside": True, "off": asked / 2, "value_error": asked}
+        row |= {"true": 1.0, "known": 1e-5, "decided": True, "inside": True, "off": asked / 2}
+        row |= {"value_error": asked, "value_decided": True, "value_inside": True}
         rows.append(row)
     if wrong:
-        rows.append({**rows[0], "quantity": "N", "off": 0.06, "inside": False, "true": 1.06, "cost": 4.0})
-        rows.append({**rows[0], "quantity": "M", "reached": False, "reason": "no grid is enough", "decided": False})
+        rows.append({**rows[0], "quantity": "N", "value_error": 0.2, "value_inside": False, "cost": 4.0})
+        rows.append(
+            {**rows[0], "quantity": "M", "reached": False, "reason": "no grid is enough", "value_decided": False}
+        )
     return pd.DataFrame(rows)
 
 
@@ -40,23 +43,24 @@ def test_what_holds_is_counted(own_store: Path) -> None:
     text = page(own_store, coverage(wrong=False))
     assert "Of 3 different statements on 1 scenes" in text
     assert "3 contain it" in text
-    assert "is 2.0 times what the stated limit is off" in text
-    assert "3.0 times that error" in text
+    assert "3.0 times as wide as the error" in text
+    assert "in 3 of 3, which is 2.0 times what it is off" in text
     assert "more than 3 times in 0 of 3" in text
-    assert "do not contain" not in text
+    assert "do not hold" not in text
     assert "not reached" not in text
 
 
 def test_what_does_not_hold_is_listed(own_store: Path) -> None:
     text = page(own_store, coverage(wrong=True))
     assert "Of 4 different statements" in text
+    assert "3 contain it" in text
     assert "more than 3 times in 1 of 4" in text
-    outside, missed = text.split("do not contain")[1].split("not reached")
-    assert "| `cantilever` | – | `N` | 5.0 % | 1 | 5.00 % | 1.06 |" in outside
+    outside, missed = text.split("do not hold")[1].split("not reached")
+    assert "| `cantilever` | – | `N` | 5.0 % | 20.00 % | 0.00 % to 15.00 % | 2.50 % | 5.00 % |" in outside
     assert "no grid is enough" in missed
 
 
 def test_every_decided_limit_is_a_point() -> None:
-    (axes,) = offsets.__wrapped__(coverage(wrong=True)).axes
+    (axes,) = errors_stated.__wrapped__(coverage(wrong=True)).axes
     points = [line for line in axes.lines if line.get_linestyle() == "None"]
     assert sum(len(line.get_xdata()) for line in points) == 4
