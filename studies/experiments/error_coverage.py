@@ -18,7 +18,7 @@ from studies.error_control import FEWEST, Round, coarsest, estimate, solve_to_er
 from studies.solving import solve
 
 ERRORS = (0.05, 0.01, 0.002)
-FINEST = 30_000  # unknowns of the grids that count for true; a tenth of it where one element stands across
+FINEST = 40_000  # unknowns of the grids that count for true, and of a run; a tenth where one element stands across
 ROUND = [each.name for each in fields(Round)]
 KNOWN = 1 / 3  # of the stated uncertainty, to which the true limit must be known
 
@@ -84,7 +84,7 @@ def error_coverage(
     for case in cases:
         truths = uniform_limits(case, finest)
         for quantity in case.quantities:
-            rows.extend(_statements(case, quantity, errors, truths.get(quantity)))
+            rows.extend(_statements(case, quantity, errors, truths.get(quantity), finest))
     return pd.DataFrame(rows)
 
 
@@ -110,10 +110,10 @@ def uniform_limits(case: Case, finest: float = FINEST) -> dict[str, tuple[float,
 
 
 def _statements(
-    case: Case, quantity: str, errors: Sequence[float], truth: tuple[float, float] | None
+    case: Case, quantity: str, errors: Sequence[float], truth: tuple[float, float] | None, most: float
 ) -> Iterator[dict[str, object]]:
     """One run to the least error: a larger one is stated where its rounds reach it."""
-    result, _ = solve_to_error(*coarsest(case.scene, case.settings), min(errors), quantity)
+    result, _ = solve_to_error(*coarsest(case.scene, case.settings), min(errors), quantity, most=int(most))
     tables = result.tables.get("refinement", [])
     rounds = [Round(*row) for row in tables[0][ROUND].itertuples(index=False)] if tables else []
     for error in errors:

@@ -13,9 +13,9 @@ from studies.analysis.comparisons.error_statements import error_statements
 def row(asked: float, **values: object) -> dict[str, object]:
     usual = {"scene": "flat", "settings": "", "quantity": "w", "asked": asked, "reached": True, "reason": ""}
     usual |= {"stated": 1.0, "uncertainty": 0.01, "low": 0.0, "high": 0.02, "unknowns": 100, "cost": 2.0}
-    return (
-        usual | {"true": 1.0, "known": 1e-4, "decided": True, "inside": True, "off": 5e-3, "value_error": 0.01} | values
-    )
+    usual |= {"true": 1.0, "known": 1e-4, "decided": True, "inside": True, "off": 5e-3}
+    usual |= {"value_error": 0.01, "value_decided": True, "value_inside": True}
+    return usual | values
 
 
 def test_statements_are_counted_by_error_and_once_where_they_are_the_same() -> None:
