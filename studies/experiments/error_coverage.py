@@ -2,7 +2,8 @@
 
 The limit that counts for true is that of uniform grids, each with twice the elements of the one before both ways, far
 beyond where a statement ends: Richardson's for the order 2 of the finest two, uncertain by what it differs from that of
-the two before. A case whose true limit is not known to a third of what is stated decides nothing and counts apart.
+the two before. A case whose true limit is not known to a third of what is stated, or comes from no finer grid, decides nothing and
+counts apart.
 """
 
 from __future__ import annotations
@@ -69,6 +70,15 @@ CASES = (
 )
 
 
+@dataclass(frozen=True)
+class Truth:
+    """The limit of uniform grids, what it is known to a part of, and the unknowns of the finest of them."""
+
+    limit: float
+    known: float
+    unknowns: int
+
+
 def error_coverage(
     cases: Iterable[Case] = CASES, errors: Sequence[float] = ERRORS, finest: float = FINEST
 ) -> pd.DataFrame:
@@ -88,8 +98,8 @@ def error_coverage(
     return pd.DataFrame(rows)
 
 
-def uniform_limits(case: Case, finest: float = FINEST) -> dict[str, tuple[float, float]]:
-    """Limit and relative uncertainty of each quantity on uniform grids."""
+def uniform_limits(case: Case, finest: float = FINEST) -> dict[str, Truth]:
+    """What uniform grids say of each quantity."""
     scene, request = coarsest(case.scene, case.settings)
     most = finest if min(request.mesh) > 1 else finest / 10
     values: dict[str, list[float]] = {quantity: [] for quantity in case.quantities}
@@ -105,12 +115,12 @@ def uniform_limits(case: Case, finest: float = FINEST) -> dict[str, tuple[float,
     for quantity, seen in values.items():
         if len(seen) > 2:
             before, limit = (pair[1] + correction((2.0, 1.0), pair) for pair in pairwise(seen[-3:]))
-            found[quantity] = limit, abs(limit - before) / abs(limit)
+            found[quantity] = Truth(limit, abs(limit - before) / abs(limit), int(result.counters["dofs"]))
     return found
 
 
 def _statements(
-    case: Case, quantity: str, errors: Sequence[float], truth: tuple[float, float] | None, most: float
+    case: Case, quantity: str, errors: Sequence[float], truth: Truth | None, most: float
 ) -> Iterator[dict[str, object]]:
     """One run to the least error: a larger one is stated where its rounds reach it."""
     result, _ = solve_to_error(*coarsest(case.scene, case.settings), min(errors), quantity, most=int(most))
@@ -130,7 +140,7 @@ def _statements(
         yield row | _against(rounds[:n], truth) if rounds else row
 
 
-def _against(rounds: Sequence[Round], truth: tuple[float, float] | None) -> dict[str, object]:
+def _against(rounds: Sequence[Round], truth: Truth | None) -> dict[str, object]:
     """What rounds state, beside the truth where there is one."""
     last, stated = rounds[-1], estimate(rounds)
     found: dict[str, object] = {
@@ -143,17 +153,17 @@ def _against(rounds: Sequence[Round], truth: tuple[float, float] | None) -> dict
     }
     if truth is None:
         return found
-    true, known = truth
-    off, error = abs(stated.limit / true - 1), abs(last.finer / true - 1)
+    known, coarser = truth.known, last.finer_unknowns < truth.unknowns
+    off, error = abs(stated.limit / truth.limit - 1), abs(last.finer / truth.limit - 1)
     inside = off <= stated.uncertainty + known
     value_inside = stated.low - known <= error <= stated.high + known
     return found | {
-        "true": true,
+        "true": truth.limit,
         "known": known,
         "value_error": error,
-        "value_decided": known <= KNOWN * (stated.high - stated.low) or not value_inside,
+        "value_decided": coarser and (known <= KNOWN * (stated.high - stated.low) or not value_inside),
         "value_inside": value_inside,
         "off": off,
-        "decided": known <= KNOWN * stated.uncertainty or not inside,
+        "decided": coarser and (known <= KNOWN * stated.uncertainty or not inside),
         "inside": inside,
     }
