@@ -2,8 +2,8 @@
 
 The limit that counts for true is that of uniform grids, each with twice the elements of the one before both ways, far
 beyond where a statement ends: Richardson's for the order 2 of the finest two, uncertain by what it differs from that of
-the two before. A case whose true limit is not known to a third of what is stated, or comes from no finer grid, decides nothing and
-counts apart.
+the two before. A case whose true limit is not known to a third of what is stated, or comes from no finer grid, decides
+nothing and counts apart.
 """
 
 from __future__ import annotations
