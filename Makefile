@@ -11,6 +11,8 @@ ENGINE ?= local:$(JOBS)
 # one BLAS thread per process: the matrices are small, and JOBS processes share the cores
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
+# what is compiled is kept: to rewrite the assertions of all tests anew takes each worker six seconds
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: report standard test slow lint check bench clean
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections import defaultdict
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -109,11 +110,24 @@ class Cell:
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the cell (contact, profile or history); raises StoreError when it is missing or damaged."""
-        return read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
+        if name not in self._tables:
+            self._tables[name] = read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
+        return self._tables[name].copy()
+
+    @cached_property
+    def _tables(self) -> dict[str, pd.DataFrame]:
+        """Those that were read: the reference of a comparison is asked for by each that is compared with it."""
+        return {}
 
     def matches(self, wanted: Mapping[str, Any]) -> bool:
         """Has the resolved request all these values? A number matches a path of one value, "8x4" a mesh."""
-        return all(_same(self._known.get(key), value) for key, value in wanted.items())
+        known = self._known
+        return all(_same(known.get(key), value) for key, value in wanted.items())
+
+    @cached_property
+    def request(self) -> str:
+        """What was asked, the same for cells that ask for the same."""
+        return json.dumps(self.asked, sort_keys=True)
 
     @cached_property
     def _known(self) -> Mapping[str, Any]:
@@ -146,14 +160,21 @@ class Store:
         first one; none that was refused before it was solved. Raises StoreError for another cell without a record.
         """
         unique: dict[str, Cell] = {}
-        for each in self.planned:
+        for each in self._by_scene[wanted["scene"]] if "scene" in wanted else self.planned:
             if each.shown and (each.result or each.ended != "unsupported") and each.matches(wanted):
-                unique.setdefault(json.dumps(each.asked, sort_keys=True), each)
+                unique.setdefault(each.request, each)
         for each in unique.values():
             if not each.result:
                 lacks = f"no record of cell {each.label!r} ({each.ended}: {each.reason})"
                 raise StoreError(f"{self.path}: campaign {self.campaign!r} has {lacks}, which the pages need")
         return list(unique.values())
+
+    @cached_property
+    def _by_scene(self) -> Mapping[str, list[Cell]]:
+        found: dict[str, list[Cell]] = defaultdict(list)
+        for each in self.planned:
+            found[each.scene].append(each)
+        return found
 
     def find(self, **wanted: Any) -> Cell:
         """The one cell of ``select``; raises StoreError when there is none, or more than one."""

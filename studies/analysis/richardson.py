@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
@@ -45,7 +46,7 @@ class MeshSequence:
     sizes: tuple[float, ...]
     values: tuple[float, ...]
 
-    @property
+    @cached_property
     def orders(self) -> tuple[float, ...]:
         """The order of each three successive meshes."""
         windows = range(len(self.values) - 2)
@@ -53,7 +54,7 @@ class MeshSequence:
             return (math.nan,) * len(windows)
         return tuple(order_of(self.sizes[i : i + 3], self.values[i : i + 3]) for i in windows)
 
-    @property
+    @cached_property
     def verdict(self) -> str:
         """Whether the last meshes are in the asymptotic range, and if not, why."""
         if any(map(math.isnan, self.values)):
@@ -72,19 +73,19 @@ class MeshSequence:
             return "not asymptotic: no order before the last"
         return ASYMPTOTIC if abs(last - before) <= SAME_ORDER else "not asymptotic: the orders differ"
 
-    @property
+    @cached_property
     def asymptotic(self) -> bool:
         """Is the extrapolated value to be trusted?"""
         return self.verdict in (ASYMPTOTIC, SAME, SAME_LAST)
 
-    @property
+    @cached_property
     def limit(self) -> float:
         """Richardson's limit of the last three meshes; the value itself where all are the same."""
         if self.verdict in (SAME, SAME_LAST):
             return self.values[-1]
         return self.values[-1] + correction(self.sizes, self.values, self.orders[-1])
 
-    @property
+    @cached_property
     def uncertainty(self) -> float:
         """How far off the limit may be."""
         if self.verdict in (SAME, SAME_LAST):

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 from typing import Any
 
@@ -52,21 +53,18 @@ def rotation(axis: np.ndarray, angle: float) -> np.ndarray:
     return np.asarray(np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K)
 
 
-def residual_strains(
-    measure: StrainMeasure,
-    surface: Surface,
-    point: tuple[float, float],
-    R: np.ndarray,
-    c: np.ndarray,
-    faces: tuple[float, float] = FACES,
-) -> np.ndarray:
-    """The 11 strains that the motion x -> R x + c leaves at a point."""
+@lru_cache(maxsize=64)
+def displacements(surface: str, motion: str, theta: float, slide: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """v (1, 6) of both faces of a sample, dv/da1 and dv/da2 at its point: the same for every measure."""
+    shape, point, _ = SAMPLES[surface]
+    moved = motions(surface, theta, slide)[motion]
+    R, c = moved.rotation, moved.translation
     a1, a2 = (np.array([value]) for value in point)
 
     def components(b1: np.ndarray, b2: np.ndarray) -> np.ndarray:
-        x, frame = surface.position(b1, b2), surface.frame(b1, b2)
+        x, frame = shape.position(b1, b2), shape.frame(b1, b2)
         v = np.empty((1, 6))
-        for face, d in enumerate(faces):
+        for face, d in enumerate(FACES):
             u = (x + d * frame[:, 2]) @ (R - np.eye(3)).T + c
             v[:, face::2] = np.einsum("...ij,...j->...i", frame, u)
         return v
@@ -76,10 +74,19 @@ def residual_strains(
         central_difference(lambda t: components(a1 + t, a2)),
         central_difference(lambda t: components(a1, a2 + t)),
     )
-    geometry = surface.geometry(a1, a2)
-    coefficients = gradient_coefficients(geometry, *faces, measure.kinematics)
+    for value in values:
+        value.setflags(write=False)
+    return values
+
+
+def residual_strains(measure: StrainMeasure, surface: str, motion: str, theta: float, slide: float) -> np.ndarray:
+    """The 11 strains that a motion leaves at the sample point of a surface."""
+    shape, point, _ = SAMPLES[surface]
+    values = displacements(surface, motion, theta, slide)
+    geometry = shape.geometry(*(np.array([value]) for value in point))
+    coefficients = gradient_coefficients(geometry, *FACES, measure.kinematics)
     q = np.sum([np.einsum("...qv,...v->...q", C, v) for C, v in zip(coefficients, values, strict=True)], axis=0)
-    return np.asarray((measure.strain(q) * shear_row_factors(geometry, *faces, measure.kinematics))[0])
+    return np.asarray((measure.strain(q) * shear_row_factors(geometry, *FACES, measure.kinematics))[0])
 
 
 def central_difference(f: Callable[[float], np.ndarray | float], step: float = STEP) -> np.ndarray:
@@ -152,9 +159,8 @@ def rotation_sweep(points: int = 73) -> pd.DataFrame:
 
 def left_by(measure: StrainMeasure, surface: str, motion: str, theta: float, slide: float) -> dict[str, Any]:
     """What a motion leaves at the sample point of a surface: a row of the tables."""
-    shape, point, _ = SAMPLES[surface]
     m = motions(surface, theta, slide)[motion]
-    E = residual_strains(measure, shape, point, m.rotation, m.translation)
+    E = residual_strains(measure, surface, motion, theta, slide)
     return {
         "measure": measure.name,
         "surface": surface,

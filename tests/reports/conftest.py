@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import os
 import shutil
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +28,8 @@ from studies.experiments.extremes import maps as extremes
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solving import resolve
-from studies.store.atomic import SCHEMA, plain, write_json, write_table
-from support.made_up import analysed_again
+from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
+from support.made_up import analysed_again, linked
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
@@ -38,6 +38,21 @@ CUT_EVENT = "the residual is no longer finite or has grown without bound: step c
 LOCKING = 1e-4  # of the made-up hyperboloid: U/U_h - 1 = l^2/5 + LOCKING (l^3/h)^2
 PAIRED = ("exact", "donnell"), ("semismooth", "lcp")
 SWEEP = {0.0: 0.0, 30.0: 0.02, 52.0: 0.03, 61.8: 0.05, 75.0: 0.04, 85.0: 0.09, 90.0: 0.0}
+
+
+@cache
+def contact_text(*deltas: float) -> str:
+    return pd.concat([contact_table(delta) for delta in deltas]).to_csv(index=False)
+
+
+@cache
+def profile_text(*deltas: float) -> str:
+    return profile_table(deltas).to_csv(index=False)
+
+
+@cache
+def history_text(cut: bool) -> str:
+    return history_table(cut).to_csv(index=False)
 
 
 def contact_table(delta: float) -> pd.DataFrame:
@@ -49,7 +64,7 @@ def contact_table(delta: float) -> pd.DataFrame:
     return pd.DataFrame(nodes | {"gap_mm": np.where(active, 0.0, 1.0), "active": active.astype(int)})
 
 
-def profile_table(deltas: list[float]) -> pd.DataFrame:
+def profile_table(deltas: Sequence[float]) -> pd.DataFrame:
     psi = np.linspace(-120.0, 120.0, 25)
     states = [("unloaded", 0.0, 0.0), ("inflated", 0.0, 1.0), *(("pressed", delta, 1.0) for delta in deltas)]
     parts = []
@@ -288,12 +303,12 @@ def write_cell(cell: Cell, directory: Path) -> Row:
     elif cell.scene.startswith("tyre"):
         deltas = [float(delta) for delta in settings["delta_mm"]]
         steps = [tyre_step(delta, request.measure) for delta in deltas]
-        write_table(directory / "contact.csv", pd.concat([contact_table(delta) for delta in deltas]))
-        write_table(directory / "profile.csv", profile_table(deltas))
+        write_text(directory / "contact.csv", contact_text(*deltas))
+        write_text(directory / "profile.csv", profile_text(*deltas))
     else:
         steps = [static_step(cell.scene, request.mesh[0], f) for f in settings["load_fraction"]]
     if cell.artefacts:
-        write_table(directory / "history.csv", history_table(cut=bool(cell.expected)))
+        write_text(directory / "history.csv", history_text(bool(cell.expected)))
     result = {
         **{name: getattr(request, name) for name in ("scene", "measure", "contact", "newton", "model")},
         "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
@@ -360,9 +375,10 @@ def unasked(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def own_store(store: Path, tmp_path: Path) -> Path:
-    """A copy that a test may damage."""
-    return Path(shutil.copytree(store, tmp_path / "store"))
+def own_store(store: Path, tmp_path: Path) -> Iterator[Path]:
+    """A copy that a test may damage: by replacing files, not by writing to them."""
+    with linked(store, tmp_path / "store") as own:
+        yield own
 
 
 @pytest.fixture

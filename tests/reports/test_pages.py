@@ -21,7 +21,7 @@ from reports.result_figures import draw_result
 from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.tables import StoreError, load_store
 from studies.campaigns.report_cells import LISTS
-from studies.store.atomic import write_json
+from studies.store.atomic import write_json, write_text
 
 PAGES = ["index.md", *(each.file for each in CHAPTERS if each.always)]
 
@@ -35,7 +35,7 @@ def edit_json(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
 def replace_in(path: Path, old: str, new: str) -> None:
     text = path.read_text(encoding="utf-8")
     assert old in text
-    path.write_text(text.replace(old, new, 1), encoding="utf-8")
+    write_text(path, text.replace(old, new, 1))
 
 
 def as_solved(directory: Path) -> Path:
@@ -52,16 +52,16 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
         lambda root: (root / "cells/3.json").unlink(),
         "no record of cell 'exact semismooth mixed epsilon' (missing: not solved yet), which",
     ),
-    "cell corrupt": (lambda root: (root / "cells/3.json").write_text("{"), "3.json: cannot be read"),
-    "not a record": (lambda root: (root / "cells/3.json").write_text("[]"), "expected a record"),
+    "cell corrupt": (lambda root: write_text(root / "cells/3.json", "{"), "3.json: cannot be read"),
+    "not a record": (lambda root: write_text(root / "cells/3.json", "[]"), "expected a record"),
     "key": (lambda root: edit_json(root / "cells/3.json", lambda d: d.pop("steps")), "3.json: lacks steps"),
     "step": (
         lambda root: edit_json(root / "cells/3.json", lambda d: d["steps"][0].pop("force_N")),
         "3.json: lacks force_N",
     ),
     "table missing": (lambda root: (root / "cells/0/contact.csv").unlink(), "contact.csv: missing"),
-    "table empty": (lambda root: (root / "cells/0/contact.csv").write_text(""), "contact.csv: cannot be read"),
-    "column": (lambda root: (root / "cells/0/contact.csv").write_text("a,b\n1,2\n"), "lacks the columns delta_mm"),
+    "table empty": (lambda root: write_text(root / "cells/0/contact.csv", ""), "contact.csv: cannot be read"),
+    "column": (lambda root: write_text(root / "cells/0/contact.csv", "a,b\n1,2\n"), "lacks the columns delta_mm"),
     "reference": (lambda root: (root / "references" / SOLID).unlink(), f"{SOLID}: missing"),
     "no orders": (lambda root: (root / "tables/convergence.csv").unlink(), "convergence.csv: missing"),
     "of another campaign": (
@@ -70,7 +70,7 @@ DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     ),
     "no locking": (lambda root: (root / "tables/membrane_locking.csv").unlink(), "membrane_locking.csv: missing"),
     "column of a table": (
-        lambda root: (root / "tables/small_motions.csv").write_text("measure\nexact\n"),
+        lambda root: write_text(root / "tables/small_motions.csv", "measure\nexact\n"),
         "rigid-body.md lacks 'surface', of rigid_body, small_motions",
     ),
     "request": (

@@ -20,7 +20,7 @@ from reports.tables import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
 from studies.campaigns.report_cells import agreement, enforcements
-from studies.store.atomic import write_json, write_table
+from studies.store.atomic import write_json, write_table, write_text
 
 CASE = "trial-and-error follower nonsymmetric exact"
 
@@ -97,7 +97,7 @@ def refuse(root: Path) -> None:
     change(root, CASE, outcome="unsupported", reason="trial-and-error does not apply: not symmetric", **empty)
     place = directory(root, CASE)
     columns = pd.read_csv(place / "history.csv").columns
-    (place / "history.csv").write_text(",".join(columns) + "\n")
+    write_text(place / "history.csv", ",".join(columns) + "\n")
     (place / "contact.csv").unlink()
     (place / "profile.csv").unlink()
 
