@@ -29,6 +29,11 @@ OURS = {*ALLOWED, "tests"}
 FILES = sorted(str(path.relative_to(ROOT)) for package in ALLOWED for path in (ROOT / package).rglob("*.py"))
 
 
+def called(function: ast.expr) -> str:
+    """The name of what is called, the last one of a.b.c."""
+    return str(getattr(function, "attr", getattr(function, "id", "")))
+
+
 def imported(source: str) -> Iterator[str]:
     """Top-level names of all imports, wherever in the file; '.' stands for a relative import."""
     for node in ast.walk(ast.parse(source)):
@@ -36,7 +41,7 @@ def imported(source: str) -> Iterator[str]:
             yield from (alias.name.split(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             yield "." if node.level else str(node.module).split(".")[0]
-        elif isinstance(node, ast.Call) and ast.unparse(node.func).split(".")[-1] in ("import_module", "__import__"):
+        elif isinstance(node, ast.Call) and called(node.func) in ("import_module", "__import__"):
             name = node.args[0] if node.args else None
             yield name.value.split(".")[0] if isinstance(name, ast.Constant) else "?"
 

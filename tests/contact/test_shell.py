@@ -106,6 +106,11 @@ def test_signorini_patch_pressed_by_a_stamp(name, section, measure) -> None:
     np.testing.assert_allclose(problem.nodal_forces(solution.pressure), p * np.outer(*WIDTHS).ravel(), rtol=ROUNDING)
 
 
+MANY_STEPS = ("trial-and-error", "augmented-lagrangian")
+every_algorithm = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name in MANY_STEPS)) for name in EXACT]
+)
+
 TENSION, GAP = 1.0, 0.01  # N/mm, mm: so shallow that stretching adds 1e-7 to the tension
 SOFT = Laminate.single(Ply.isotropic(10.0, 0.0, 0.05))  # bends and is squeezed over less than 0.05 mm
 
@@ -126,7 +131,7 @@ def membrane(surface, grid: Grid, supports: Supports, load: float) -> ShellModel
     )
 
 
-@pytest.mark.parametrize("name", EXACT)
+@every_algorithm
 def test_string_of_shell_elements_over_an_obstacle(name) -> None:
     """Free length l = sqrt(2 T g/q) of a string; the reaction is what the string does not carry to its end."""
     L, free = 100.0, 38.0
@@ -147,7 +152,7 @@ def test_string_of_shell_elements_over_an_obstacle(name) -> None:
         np.testing.assert_allclose(solution.pressure[inside], q, rtol=INSIDE)
 
 
-@pytest.mark.parametrize("name", EXACT)
+@every_algorithm
 def test_circular_membrane_over_an_obstacle(name) -> None:
     """Disc of radius a: q a^2/(T g) = 4/(1 - x^2 - 2 x^2 ln(1/x)), x = c/a; no line force, F = q pi c^2."""
     a, hole, x = 100.0, 1.0, 0.3

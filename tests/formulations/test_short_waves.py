@@ -76,7 +76,9 @@ def patch_of_torus(measure: str, n: int, size: float) -> ShellModel:
 
 
 @pytest.mark.parametrize("measure", ["exact", "von-karman"])
-@pytest.mark.parametrize("angle", [0.0, 0.6, 2.0])
+@pytest.mark.parametrize(
+    "angle", [pytest.param(0.0, marks=pytest.mark.slow), 0.6, pytest.param(2.0, marks=pytest.mark.slow)]
+)
 def test_the_tensor_by_second_differences_of_the_energy(measure: str, angle: float) -> None:
     """Waves of any amplitude on a small strained patch: their energy per area is k^2/4 a.A a in the mean.
 

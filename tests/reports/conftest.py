@@ -325,6 +325,12 @@ def write_cell(cell: Cell, directory: Path) -> Row:
     return Row(cell, directory.name, plain(request.data))
 
 
+@pytest.fixture(autouse=True)
+def not_synced(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The files of a test need not outlive the machine."""
+    monkeypatch.setattr(os, "fsync", lambda descriptor: None)
+
+
 @pytest.fixture(scope="session")
 def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A whole report campaign, whose thousand files need not outlive the machine."""

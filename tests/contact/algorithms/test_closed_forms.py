@@ -78,7 +78,7 @@ def test_string_over_an_obstacle(name, epsilon) -> None:
         assert abs(h * solution.pressure.sum() - q * (L - 2 * free_length)) <= RIM * q * h
 
 
-@pytest.mark.parametrize(("n", "fewest"), [(384, 41), (768, 82)])
+@pytest.mark.parametrize(("n", "fewest"), [(384, 41), pytest.param(768, 82, marks=pytest.mark.slow)])
 def test_iterations_that_only_release_do_not_count(n, fewest) -> None:
     """The first step closes every node, the others open one on either side: more of them than Newton has iterations.
 

@@ -41,9 +41,13 @@ WAYS = {
 }
 
 
+SLOW = ("qp, osqp defaults",)  # as qp, but that more is left to what follows the backend
+
+
 def where_installed(name: str, backend: str):
     reason = missing(backend)
-    return pytest.param(name, marks=pytest.mark.skipif(reason is not None, reason=str(reason)))
+    marks = [pytest.mark.skipif(reason is not None, reason=str(reason)), *[pytest.mark.slow] * (name in SLOW)]
+    return pytest.param(name, marks=marks)
 
 
 each_backend = pytest.mark.parametrize("backend", [where_installed(name, name) for name in BACKENDS])

@@ -67,7 +67,7 @@ def test_scaling(coupled) -> None:
     np.testing.assert_allclose(2 * half, none + full, rtol=0, atol=10 * ROUNDING * size)
 
 
-@pytest.mark.parametrize("turn", [math.pi / 2, 1.5 * math.pi])
+@pytest.mark.parametrize("turn", [pytest.param(math.pi / 2, marks=pytest.mark.slow), 1.5 * math.pi])
 def test_strip_bent_to_an_arc(turn) -> None:
     """M = D turn/L at the end gives a circle of radius L/turn: its tip is at R sin(turn), -R (1 - cos(turn)).
 

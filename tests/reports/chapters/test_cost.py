@@ -77,7 +77,7 @@ def stated(text: str, unit: str) -> dict[tuple[float, str, str], str]:
     return found
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_sentences_say_what_the_grids_did(own_store: Path, seed: int) -> None:
     """Errors at random around both bounds: every grid is looked at beside all that are finer."""
     random = np.random.default_rng(seed)

@@ -42,9 +42,21 @@ def footprint(*words: object, path: Path | None = None) -> tuple[int, str, str]:
 
 
 @pytest.fixture
-def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Iterator[Callable[..., str]]:
-    """The one line of ``footprint list``, run in this process; catalogues and modules are put back afterwards."""
+def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What is run in this process leaves catalogues and modules as they were."""
     known, modules = {group: dict(parts) for group, parts in plugins.GROUPS.items()}, set(sys.modules)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    yield
+    for group, parts in plugins.GROUPS.items():
+        parts.clear()
+        parts.update(known[group])
+    for name in {"stranger", "broken", "half"} & sys.modules.keys() - modules:
+        del sys.modules[name]
+
+
+@pytest.fixture
+def refused(put_back: None, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Callable[..., str]:
+    """The one line of ``footprint list``."""
 
     def line(*words: object, path: Path | None = None) -> str:
         if path is not None:
@@ -54,13 +66,7 @@ def refused(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str])
         assert said.count("\n") == 1
         return said.removeprefix("footprint: plug-in ").rstrip()
 
-    monkeypatch.setattr(sys, "path", [*sys.path])
-    yield line
-    for group, parts in plugins.GROUPS.items():
-        parts.clear()
-        parts.update(known[group])
-    for name in {"stranger", "broken", "half"} & sys.modules.keys() - modules:
-        del sys.modules[name]
+    return line
 
 
 def installed(folder: Path, source: str, entries: dict[str, dict[str, str]]) -> Path:
@@ -123,16 +129,18 @@ def test_a_file_solves_with_parameters_of_its_own(tmp_path: Path) -> None:
     assert errors == "footprint: rounds = '9' must be a whole number in [1, 6]\n"
 
 
-def test_list_and_show_take_it_in() -> None:
-    _, said, _ = footprint("list", *USE)
+@pytest.mark.usefixtures("put_back")
+def test_list_and_show_take_it_in(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["list", *USE]) == 0
+    said = capsys.readouterr().out
     for line in (
         "no-drilling           Green-Lagrange strain; neglects the squares of w",
         "stiffening            Springs of growing stiffness",
         "pressed-arch          Clamped arch pressed by a plane",
     ):
         assert " ".join(line.split()) in " ".join(said.split())
-    _, said, _ = footprint("show", "stiffening", *USE)
-    assert "times that it grows tenfold" in said
+    assert main(["show", "stiffening", *USE]) == 0
+    assert "times that it grows tenfold" in capsys.readouterr().out
 
 
 @pytest.mark.slow

@@ -51,8 +51,8 @@ def assert_same(part: Result, full: Result) -> None:
     "settings",
     [
         {},
-        {"element": "paper", "coupling": "consistent"},
         {"load": "follower", "section": "nonsymmetric", "pressure_area": "face"},
+        pytest.param({"element": "paper", "coupling": "consistent"}, marks=pytest.mark.slow),
         pytest.param({"gamma_deg": "30", "epsilon": "1e4", "interpolation": "isoparametric"}, marks=pytest.mark.slow),
         *(pytest.param({"foundation": f}, marks=pytest.mark.slow) for f in PARAMETERS if f != "plane"),
     ],
