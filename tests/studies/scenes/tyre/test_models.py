@@ -77,7 +77,7 @@ def test_every_kind_of_measure_has_the_symmetry(measure: str) -> None:
     assert_same(run("half", given, measure=measure), run("full", given, measure=measure))
 
 
-@pytest.mark.parametrize("contact", ["trial-and-error", "lcp"])
+@pytest.mark.parametrize("contact", ["lcp", pytest.param("trial-and-error", marks=pytest.mark.slow)])
 def test_other_algorithms_solve_parts_alike(contact: str) -> None:
     given = {"delta_mm": "10", "epsilon": "inf"}
     assert_same(run("half", given, contact=contact), run("full", given))
