@@ -21,9 +21,7 @@ SHARE = 0.5  # of the sum of all indicators, marked at a time
 GROWTH = 2.0  # of the number of elements from one tree to the next, at the least
 FLAT = 1.0  # k l^2/h of an element, above which no node may hang on it: the arc of its edge would still lock
 PART = 1 / 4  # of the indicator of an element that its parts have in all: an order of the size, on both sides
-WORTH = (
-    0.8  # of error times elements of the grid cut everywhere, above which another one is not worth its hanging nodes
-)
+WORTH = 0.8  # of error times elements of the grid cut everywhere, above which hanging nodes are not worth their price
 
 
 @dataclass(frozen=True, eq=False)
