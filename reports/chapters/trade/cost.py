@@ -73,9 +73,10 @@ Force of the paper's tyre at {fixed(DELTA, 0)} mm over the unknowns, on families
 spacing of the paper, finer around the patch; `adapted`, lines that follow an estimate of the error of the force from
 two coarse solutions; `local`, single elements cut where the force is decided, as by `footprint solve tyre --error`;
 `extrapolated`, the limit that each round of `local` states from its grid and the one with all elements cut, over the
-unknowns of the latter; the last one is half of what the elements are apart off by definition. Errors are against the mean of the last such limits of both elements,
-{fixed(against["reference_N"], 1)} N: they are {share(against["apart"])} apart, and the mean is known to
-{share(against["known"])}, grey below that.{doubt} A force goes up and down with the place of the rim of the patch
+unknowns of the latter; the last one is half of what the elements are apart off by definition. Errors are against the
+mean of the last such limits of both elements, {fixed(against["reference_N"], 1)} N: they are
+{share(against["apart"])} apart, and the mean is known to {share(against["known"])}, grey below that.{doubt} A force
+goes up and down with the place of the rim of the patch
 between the lines, so that a single good grid may be chance: a grid *reaches* an error when all finer ones of its family
 stay below it. What it takes:
 
