@@ -41,6 +41,9 @@ EPSILON = Parameter(
 )
 TOLERANCE = Parameter("tolerance", "residual of Newton's iteration over the forces in balance", low=1e-14, high=1e-1)
 SOLVER = Parameter(
-    "solver", "sparse direct solver; pardiso needs the extra mkl", kind="choice", choices=("splu", "pardiso")
+    "solver",
+    "sparse direct solver; multifrontal needs an order of elimination, pardiso the extra mkl",
+    kind="choice",
+    choices=("splu", "multifrontal", "pardiso"),
 )
 SHARED = (EPSILON, TOLERANCE, SOLVER)  # what every algorithm here has

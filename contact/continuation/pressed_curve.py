@@ -110,12 +110,13 @@ class PressedCurve:
         A, b = problem.stiffness(run.linearise(x, None), x, point.pressure), np.zeros_like(x)
         b[-1] = _size(A)
         nodes, pivots, pressing = np.flatnonzero(point.active), None, np.zeros_like(point.pressure)
+        load = b
         if len(nodes):
             pivots = Pivots.choose(problem, x, nodes, A, run.epsilon).homogeneous()
-            A, b = pivots.substitute(A, b)
-        found = run.solution(run.factorise(A), A, b)
+            A, load = pivots.substitute(A, b)
+        found = run.solution(run.factorise(A), A, load)
         if pivots is not None:
-            found, pressing[nodes] = pivots.resolve(found)
+            found, pressing[nodes] = pivots.resolve(found, b)
         found[:-1] *= self.m
         size = float(np.linalg.norm(found))
         return found / size, pressing / size

@@ -22,7 +22,7 @@ from contact.problem import (
     excused,
     rounding_floor,
 )
-from contact.solvers.sparse import Factor, checked_solve, factorise
+from contact.solvers.sparse import Factor, checked_solve, factorise, instead
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
@@ -121,12 +121,13 @@ class NewtonRun:
         with self.tally.timed("contact_s"):
             A, b = self.problem.stiffness(lin, u, pressure), -lin.residual
             if len(nodes):
-                pivots = Pivots.choose(self.problem, u, nodes, A, self.epsilon)
+                fronts = self.solver == "multifrontal"
+                pivots = Pivots.choose(self.problem, u, nodes, A, self.epsilon, reactions=fronts)
                 A, b = pivots.substitute(A, b)
         du = self.solution(self.factorise(A), A, b)
         if pivots is not None:
             with self.tally.timed("contact_s"):
-                du, found[nodes] = pivots.resolve(du)
+                du, found[nodes] = pivots.resolve(du, -lin.residual)
         return du, found
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
@@ -134,6 +135,8 @@ class NewtonRun:
         with self.tally.timed("factorisation_s"):
             factor = factorise(A, self.solver, ordered=self.problem.ordered)
         self.tally.count(factor)
+        if instead(factor, self.solver):
+            self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
         return factor
 
     def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:

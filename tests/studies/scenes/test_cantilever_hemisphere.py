@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.problem import Outcome
 from studies.scenes import SCENES
@@ -114,3 +115,27 @@ def test_plain_newton_says_how_it_was_cut_and_reaches_the_same_state() -> None:
     assert events(plain.history, EventKind.STEP_GROWN)
     assert plain.counters["newton_iterations"] > 5 * mixed.counters["newton_iterations"]
     assert plain.quantities == pytest.approx(mixed.quantities, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("scene", "mesh", "contact", "settings"),
+    [
+        ("hemisphere", "8x8", "semismooth", {"load_fraction": "0.1"}),
+        ("cantilever", "16x1", "semismooth", {"load_fraction": "1"}),
+        *(("tyre", "12x12", contact, {"delta_mm": "5"}) for contact in ALGORITHMS),
+        ("tyre", "12x12", "semismooth", {"delta_mm": "5", "epsilon": "1e4"}),
+        ("tyre", "12x12", "semismooth", {"delta_mm": "5", "section": "nonsymmetric"}),
+        ("tyre", "12x12", "semismooth", {"delta_mm": "5", "coupling": "consistent"}),
+    ],
+)
+def test_fronts_give_the_answers_of_superlu(scene: str, mesh: str, contact: str, settings: dict[str, str]) -> None:
+    """Symmetric tangents and others, and those that a contact set is put into: SuperLU never has to step in."""
+    by_fronts, by_columns = (
+        solve(*resolve(scene, {**settings, "solver": solver}, mesh, contact=contact))
+        for solver in ("multifrontal", "splu")
+    )
+    assert by_fronts.outcome.converged
+    assert by_fronts.quantities == pytest.approx(by_columns.quantities, rel=1e-7, abs=1e-9)
+    assert by_fronts.counters["newton_iterations"] == by_columns.counters["newton_iterations"]
+    assert "superlu_instead" not in by_fronts.counters
+    assert by_fronts.counters["flops"] > 0

@@ -1,0 +1,163 @@
+"""The multifrontal factorisation against dense algebra: random patterns in any order, and tangents of shells."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+
+from contact.solvers.multifrontal import tree
+from contact.solvers.multifrontal.analysis import PIECES, Analysis
+from contact.solvers.multifrontal.factor import Multifrontal, PivotError
+from contact.solvers.sparse import checked_solve, factor_flops, factorise, instead, negative_pivots
+from formulations.discretisation import Discretisation
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import MEASURES
+from support.shells import PATCHES, SKEW_LAMINATE
+
+ROUNDING = 1e-12
+
+
+def pattern(n: int, density: float, unknowns: int, seed: int) -> sparse.csc_matrix:
+    """Symmetric with a whole diagonal: n nodes of some unknowns each, entries of any sign."""
+    rng = np.random.default_rng(seed)
+    touching = np.triu(rng.random((n, n)) < density, 1)
+    touching = np.kron(touching + touching.T + np.eye(n), np.ones((unknowns, unknowns))) > 0
+    return sparse.csc_matrix(np.where(touching, rng.uniform(-1.0, 1.0, touching.shape), 0.0))
+
+
+def symmetric(A: sparse.csc_matrix, shift: float) -> sparse.csc_matrix:
+    found = sparse.csc_matrix(A + A.T + shift * sparse.eye_array(A.shape[0]))
+    found.sort_indices()
+    return found
+
+
+def factored(A: sparse.csc_matrix) -> Multifrontal:
+    analysis = Analysis.of(A.indptr, A.indices)
+    assert analysis is not None
+    return Multifrontal.of_matrix(A, analysis)
+
+
+SPARSE = {"n": st.integers(1, 60), "density": st.floats(0.0, 0.3), "unknowns": st.integers(1, 4)}
+
+
+@settings(max_examples=60, deadline=None)
+@given(**SPARSE, seed=st.integers(0, 2**32 - 1), whole=st.sampled_from([0, 8, 40]))
+def test_any_symmetric_pattern_is_solved(n, density, unknowns, seed, whole) -> None:
+    """Definite and indefinite, its inertia that of the eigenvalues; one right-hand side and several."""
+    A, keep = pattern(n, density, unknowns, seed), tree.WHOLE
+    b = np.random.default_rng(seed).random((A.shape[0], 3))
+    try:
+        tree.WHOLE = whole  # small patterns have many fronts, too
+        for shift in (100.0, 0.3):
+            K = symmetric(A, shift)
+            eigenvalues = np.linalg.eigvalsh(K.toarray())
+            if np.min(np.abs(eigenvalues)) < 1e-6:
+                continue
+            found = factored(K)
+            for rhs in (b, b[:, 0]):
+                x = found.solve(rhs)
+                assert x.shape == rhs.shape
+                exact = np.linalg.solve(K.toarray(), rhs)
+                assert np.max(np.abs(x - exact)) <= 1e-6 * np.max(np.abs(exact))
+            assert found.negative == np.sum(eigenvalues < 0)
+    finally:
+        tree.WHOLE = keep
+
+
+@settings(max_examples=40, deadline=None)
+@given(**SPARSE, seed=st.integers(0, 2**32 - 1))
+def test_values_need_not_be_symmetric(n, density, unknowns, seed) -> None:
+    A = sparse.csc_matrix(pattern(n, density, unknowns, seed) + 30 * sparse.eye_array(n * unknowns))
+    A.sort_indices()
+    b = np.random.default_rng(seed).random(A.shape[0])
+    x = factored(A).solve(b)
+    assert np.max(np.abs(A @ x - b)) <= ROUNDING * np.max(np.abs(A)) * np.max(np.abs(x))
+
+
+def tangent(n1: int, n2: int) -> sparse.csc_matrix:
+    """Of a shell clamped at one end, numbered for elimination."""
+    grid = PATCHES["torus"].grid(n1, n2)
+    fixed = np.zeros((grid.n_nodes, 6), bool)
+    fixed[grid.on_line(0, float(grid.nodes[:, 0].min()))] = True
+    shell = Discretisation.build(PATCHES["torus"].surface, grid, SKEW_LAMINATE, fixed, ordered=True)
+    K = sparse.csc_matrix(ShellModel(shell, MEASURES["exact"]).linearise(np.zeros(shell.n_free), None).tangent)
+    K.sort_indices()
+    return K
+
+
+@pytest.mark.parametrize("shape", [(3, 3), (9, 2), (12, 11)])
+def test_tangents_of_shells_and_their_inertia(shape) -> None:
+    """Shifted through the spectrum: 50 tangents, all but the first indefinite."""
+    K = tangent(*shape)
+    eigenvalues = np.linalg.eigvalsh(K.toarray())
+    b = np.ones(K.shape[0])
+    for share in np.linspace(0.0, 0.9, 17):
+        at = int(share * (len(eigenvalues) - 1))
+        shift = 0.0 if share == 0 else float(np.mean(eigenvalues[at : at + 2]))
+        A = K.copy()
+        A.setdiag(K.diagonal() - shift)
+        found = factored(A)
+        assert found.negative == np.sum(eigenvalues < shift)
+        x = found.solve(b)
+        assert np.max(np.abs(A @ x - b)) <= 1e-9 * abs(A).sum(axis=0).max() * np.max(np.abs(x))
+
+
+def test_fronts_cover_every_unknown_once_and_children_come_first() -> None:
+    K = tangent(20, 20)
+    found = Analysis.of(K.indptr, K.indices)
+    assert found is not None
+    assert np.array_equal(np.sort(found.order), np.arange(K.shape[0]))
+    assert [front.start for front in found.fronts[1:]] == [front.stop for front in found.fronts[:-1]]
+    children = [child for front in found.fronts for child, _ in front.children]
+    assert len(children) == len(set(children)) == len(found.fronts) - 1
+    assert all(child < k for k, front in enumerate(found.fronts) for child, _ in front.children)
+    assert len(found.fronts) > 10
+
+
+def test_a_boundary_in_many_pieces_goes_to_its_parent_at_once() -> None:
+    """An arrow of leaves, each with every second unknown of a dense end: more pieces than PIECES."""
+    n, leaf = 4 * PIECES, 3
+    K = np.eye(n + 2 * leaf) * 50
+    K[2 * leaf :, 2 * leaf :] += 1
+    for k in range(2):
+        own, end = slice(k * leaf, (k + 1) * leaf), np.arange(2 * leaf + k, n + 2 * leaf, 2)
+        K[own, own] += 1
+        K[np.ix_(range(own.start, own.stop), end)] = 0.5
+        K[np.ix_(end, range(own.start, own.stop))] = 0.5
+    A = sparse.csc_matrix(K)
+    x = factored(A).solve(np.ones(len(K)))
+    np.testing.assert_allclose(K @ x, 1.0, atol=ROUNDING)
+
+
+def test_a_pattern_that_is_not_symmetric_is_filled_with_zeros() -> None:
+    A = sparse.csc_matrix(np.array([[2.0, 1.0, 0.0], [0.0, 2.0, 1.0], [0.0, 0.0, 2.0]]))
+    assert Analysis.of(A.indptr, A.indices) is None
+    factor = factorise(A, "multifrontal", ordered=True)
+    assert isinstance(factor, Multifrontal)
+    np.testing.assert_allclose(A @ factor.solve(np.ones(3)), 1.0)
+
+
+def test_what_it_cannot_do_superlu_does_instead_and_it_is_said() -> None:
+    """Where there is no order, and where a front is singular that has the pivots of the next."""
+    A = sparse.csc_matrix(np.eye(2))
+    assert instead(factorise(A, "multifrontal", ordered=False), "multifrontal")
+    assert not instead(factorise(A, "splu"), "splu")
+    n = 2 * tree.WHOLE
+    saddle = sparse.csc_matrix(np.block([[np.zeros((n, n)), np.eye(n)], [np.eye(n), np.zeros((n, n))]]))
+    with pytest.raises(PivotError):
+        factored(sparse.csc_matrix((np.array([0.0, 1.0]), np.array([0, 1]), np.array([0, 1, 2])), shape=(2, 2)))
+    factor = factorise(saddle, "multifrontal", ordered=True)
+    np.testing.assert_allclose(saddle @ factor.solve(np.ones(2 * n)), 1.0)
+
+
+def test_it_is_a_solver_by_its_name() -> None:
+    K = tangent(8, 8)
+    factor, other = (factorise(K, name, ordered=True) for name in ("multifrontal", "splu"))
+    assert isinstance(factor, Multifrontal)
+    b = np.ones(K.shape[0])
+    np.testing.assert_allclose(checked_solve(factor, K, b), checked_solve(other, K, b), rtol=1e-8)
+    assert 0.2 < factor_flops(factor) / factor_flops(other) < 2.0
+    assert factor.negative == negative_pivots(K) == 0
