@@ -121,8 +121,7 @@ class Cell:
 
     def matches(self, wanted: Mapping[str, Any]) -> bool:
         """Has the resolved request all these values? A number matches a path of one value, "8x4" a mesh."""
-        known = self._known
-        return all(_same(known.get(key), value) for key, value in wanted.items())
+        return all(_same(self._known.get(key), value) for key, value in wanted.items())
 
     @cached_property
     def request(self) -> str:

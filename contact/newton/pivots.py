@@ -49,7 +49,7 @@ class Pivots:
     ) -> Pivots:
         """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown.
 
-        reactions: where they will do.
+        reactions: to be used where K is symmetric and all gaps are closed by forces of their own.
         """
         rows, acting = problem.gap_jacobian(u)[nodes], problem.push(u)
         holding = acting[nodes]
@@ -107,15 +107,10 @@ class Pivots:
 
     def resolve(self, x: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du and the pressures of the set from the solution of the system substituted for b."""
-        if self.reactions:
-            du = x.copy()
-            du[self.pivot] = 0.0
-            du[self.pivot] = -(self.gap + self.rows @ du) / self.slope
-            return du, (self.held.T @ du - b[self.pivot]) / self.pushing
         pressure, du = self.scale * x[self.pivot], x.copy()
         du[self.pivot] = 0.0
         du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope
-        return du, pressure
+        return du, (self.held.T @ du - b[self.pivot]) / self.pushing if self.reactions else pressure
 
 
 def firmest(rows: sparse.csr_matrix) -> tuple[np.ndarray, np.ndarray]:

@@ -12,23 +12,20 @@ switched off: left on, it can return a residual of 1e37 in silence.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import lru_cache
 from typing import Literal, Protocol
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
-from contact.solvers.multifrontal.analysis import Analysis
 from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError
+from contact.solvers.multifrontal.patterns import analysed
 
 BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
 REFUSED = 1e-8
 LOST = 0.1  # of the load: a residual above this leaves not one digit of it; thin shells do come down to two
 LARGE_FILL = 2e7
 UNLIKE = 2.6  # sum c^2 over (sum c)^2/n; measured: 1.6, 2.1, 2.6 at 10, 40 and 100 thousand unknowns
-ANALYSES = 8  # of patterns that are kept
 
 
 class SingularMatrixError(ArithmeticError):
@@ -74,50 +71,10 @@ def _multifrontal(A: sparse.csc_matrix, ordered: bool) -> Factor:
     """By fronts; by SuperLU where there is no order of elimination, or a front is singular."""
     if not ordered:
         return _superlu(A, ordered)
-    A.sort_indices()
-    analysis = _analysis(_Pattern(A.indptr, A.indices))
-    if analysis is None:
-        whole = _with_zeros(A)
-        analysis = _analysis(_Pattern(whole.indptr, whole.indices))
-    else:
-        whole = A
     try:
-        return Multifrontal.of_matrix(whole, analysis) if analysis else _superlu(A, ordered)
+        return Multifrontal.of_matrix(*analysed(A))
     except PivotError:
         return _superlu(A, ordered)
-
-
-def _with_zeros(A: sparse.csc_matrix) -> sparse.csc_matrix:
-    """A with zeros across the diagonal from its entries and on it, where it has none: a symmetric pattern."""
-    n, columns = A.shape[0], np.repeat(np.arange(A.shape[0]), np.diff(A.indptr))
-    rows, every = np.concatenate([A.indices, columns, np.arange(n)]), np.zeros(2 * A.nnz + n)
-    every[: A.nnz] = A.data
-    found = sparse.coo_matrix(
-        (every, (rows, np.concatenate([columns, A.indices, np.arange(n)]))), shape=A.shape
-    ).tocsc()
-    found.sum_duplicates()
-    return found
-
-
-@dataclass(frozen=True, eq=False)
-class _Pattern:
-    """Where the entries of a matrix are, by value."""
-
-    indptr: np.ndarray
-    indices: np.ndarray
-
-    def __hash__(self) -> int:
-        return hash(self.indices.tobytes())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Pattern) and all(
-            np.array_equal(mine, its) for mine, its in ((self.indptr, other.indptr), (self.indices, other.indices))
-        )
-
-
-@lru_cache(maxsize=ANALYSES)
-def _analysis(pattern: _Pattern) -> Analysis | None:
-    return Analysis.of(pattern.indptr, pattern.indices)
 
 
 SOLVERS: dict[str, Callable[[sparse.csc_matrix, bool], Factor]] = {
