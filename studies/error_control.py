@@ -23,7 +23,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from studies.analysis.richardson import correction
 from studies.complete import complete
@@ -34,6 +33,7 @@ from studies.request import Request
 from studies.scene import RefinedScene, Scene, ShellSceneModel, UsageError
 from studies.scenes import SCENES
 from studies.solving import Result, solve
+from studies.store.tables import Table
 
 SAFETY = 1.5
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
@@ -209,7 +209,7 @@ def _on_grid(result: Result, quantity: str) -> OnGrid:
 def _record(result: Result, quantity: str, rounds: Sequence[Round], found: Estimate, error: float) -> None:
     """The estimate as quantities, and the rounds as a table."""
     rows = [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds]
-    result.tables["refinement"] = [pd.DataFrame(rows)]
+    result.tables["refinement"] = [Table.of_rows(rows)]
     if isinstance(result.model, ShellSceneModel):
         result.tables["grid"] = [_elements(result.model, result.request)]
     result.quantities |= {
@@ -222,10 +222,10 @@ def _record(result: Result, quantity: str, rounds: Sequence[Round], found: Estim
     }
 
 
-def _elements(model: ShellSceneModel, request: Request) -> pd.DataFrame:
+def _elements(model: ShellSceneModel, request: Request) -> Table:
     """The elements of the last grid: their ends along a1 and a2, and how often they were cut."""
     grid = model.shell.discretisation.grid
     low, high = grid.centre - grid.half, grid.centre + grid.half
     levels = [level for level, _, _ in request.leaves] or np.zeros(len(low), int)
     ends = {f"a{axis + 1}_{name}": each[:, axis] for axis in (0, 1) for name, each in (("low", low), ("high", high))}
-    return pd.DataFrame({**ends, "level": levels})
+    return Table.of({**ends, "level": levels})

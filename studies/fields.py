@@ -9,6 +9,7 @@ import numpy as np
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
+from studies.store.vtu import write_vtu
 
 # a triquadratic hexahedron in VTK's order (vtkTriQuadraticHexahedron): corners, edges, faces, centre; 0, 1, 2 along
 # each axis
@@ -39,19 +40,17 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
     corners = np.where(left_handed[:, None], corners[:, ::-1], corners)  # a hexahedron of positive volume
     resultants = shell.resultants(u)[:, : len(STRAINS)]
     names = ["H_" + strain.lstrip("2").replace("E", "") for strain in STRAINS]
-    import meshio  # slow to load: only where something is written
-
-    mesh = meshio.Mesh(
-        points=np.concatenate([inner, outer]),
-        cells=[("hexahedron", np.hstack([corners, corners + n]))],
+    write_vtu(
+        path,
+        np.concatenate([inner, outer]),
+        np.hstack([corners, corners + n]),
         point_data={
             "displacement": np.concatenate(discretisation.cartesian(u)),
             "pressure": np.concatenate([np.zeros(n), pressure]),
             "face": np.repeat([0.0, 1.0], n),
         },
-        cell_data={name: [resultants[:, i].copy()] for i, name in enumerate(names)},
+        cell_data=dict(zip(names, resultants.T, strict=True)),
     )
-    meshio.write(path, mesh, file_format="vtu")
 
 
 def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pressure: np.ndarray) -> None:
@@ -61,12 +60,5 @@ def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pr
     """
     mesh = solid.mesh
     order = _VTK_27 if mesh.orientation > 0 else _VTK_27[:, [1, 0, 2]]  # a hexahedron of positive volume
-    import meshio
-
-    fields = meshio.Mesh(
-        points=mesh.x,
-        cells=[("hexahedron27", mesh.elements[:, order @ (9, 3, 1)])],
-        point_data={"displacement": solid.expand(u), "pressure": pressure},
-        cell_data={"ply": [mesh.ply.astype(float)]},
-    )
-    meshio.write(path, fields, file_format="vtu")
+    data = {"displacement": solid.expand(u), "pressure": pressure}
+    write_vtu(path, mesh.x, mesh.elements[:, order @ (9, 3, 1)], data, {"ply": mesh.ply.astype(float)})

@@ -15,6 +15,10 @@ Value = float | int | str | tuple[float, ...]
 Leaves = tuple[tuple[int, int, int], ...]
 
 
+class UsageError(ValueError):
+    """A wrong request; its message is the one line the user reads."""
+
+
 class Settings(Mapping[str, Value]):
     """Values by key: frozen, hashable, and typed where they are read; raises TypeError for a value of another type."""
 

@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-import pandas as pd
 
 from contact import parameters
 from contact.continuation.arc_length import ArcLength, Trace
@@ -26,11 +25,8 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, L
 from formulations.shell import ShellModel
 from studies.fields import write_fields
 from studies.request import Request, Value
-
-
-class UsageError(ValueError):
-    """A wrong request; its message is the one line the user reads."""
-
+from studies.request import UsageError as UsageError  # scenes are what raises it
+from studies.store.tables import Table
 
 UNITS = ("mm", "MPa", "deg", "N")  # a key ends in its unit; all others count
 
@@ -156,7 +152,7 @@ class Observation:
 
     step: dict[str, Any] | None
     quantities: dict[str, float] = field(default_factory=dict)
-    tables: Callable[[], dict[str, pd.DataFrame]] = dict
+    tables: Callable[[], dict[str, Table]] = dict
     said: str = ""
 
 

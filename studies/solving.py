@@ -13,8 +13,6 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import pandas as pd
-
 from contact.continuation.arc_length import Trace
 from contact.diagnosis import diagnose
 from contact.events import EventKind, events
@@ -27,8 +25,9 @@ from studies.complete import complete
 from studies.request import Request
 from studies.scene import CurveStage, Observation, Scene, SceneModel, UsageError
 from studies.step import Step
-from studies.store.atomic import plain, write_by, write_json, write_table
+from studies.store.atomic import plain, write_by, write_json
 from studies.store.provenance import provenance
+from studies.store.tables import Table
 from studies.walk import Visited, walk
 
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
@@ -58,7 +57,7 @@ class Result:
     counters: dict[str, float] = field(default_factory=dict)
     timing: dict[str, float] = field(default_factory=dict)
     history: list[dict[str, Any]] = field(default_factory=list)
-    tables: dict[str, list[pd.DataFrame]] = field(default_factory=dict)
+    tables: dict[str, list[Table]] = field(default_factory=dict)
     last: ContactSolution | None = None
     frozen: Callable[[], FrozenStep] | None = None
     end: Visited | None = None
@@ -96,6 +95,10 @@ class Result:
             return WRONG if any(step.certificate["failures"] for step in self.loads) else CONVERGED
         return CAP_HIT if Outcome.ITERATION_LIMIT in (self.outcome, self.cause) else NOT_CONVERGED
 
+    def table(self, name: str) -> Table:
+        """One of the tables, its parts from all loads below one another."""
+        return Table.stacked(self.tables[name])
+
     def write(self, directory: Path) -> None:
         """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
         self.write_artefacts(directory)
@@ -103,10 +106,9 @@ class Result:
 
     def write_artefacts(self, directory: Path) -> list[str]:
         """fields.vtu and the tables, each whole or not at all; returns their names."""
-        tables = {name: pd.concat(parts, ignore_index=True) for name, parts in self.tables.items()}
-        history = pd.DataFrame(self.history) if self.history else pd.DataFrame(columns=list(HISTORY))
-        for name, table in {**tables, "history": history}.items():
-            write_table(directory / f"{name}.csv", table)
+        tables = {name: self.table(name) for name in self.tables}
+        for name, table in {**tables, "history": Table.of_rows(self.history, HISTORY)}.items():
+            table.write(directory / f"{name}.csv")
         assert self.model is not None  # what was refused has no artefacts
         state, write_fields = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0), self.model.write_fields
         write_by(directory / "fields.vtu", lambda path: write_fields(path, state))
@@ -205,7 +207,7 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
         _record(result, seen, certificate(problem, state, epsilon, tolerance), spent)
     result.quantities |= stage.summarise(trace.points)
     rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
-    result.tables["curve"] = [pd.DataFrame(rows)]
+    result.tables["curve"] = [Table.of_rows(rows)]
 
 
 def certificate(

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.scene import UsageError
+from studies.request import UsageError
 
 STORE = Path(".footprint/store")
 

@@ -8,16 +8,17 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-import pandas as pd
-
+from studies.columns import columns
 from studies.commands import NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
 from studies.complete import complete
-from studies.request import Request
-from studies.scene import Scene, UsageError
+from studies.request import Request, UsageError
+from studies.scene import Scene
 from studies.solving import Result, solve
 from studies.store.atomic import write_by
+from studies.store.tables import Table
 
+SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
@@ -104,10 +105,10 @@ def _progress() -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda text: None
         return
-    from rich.console import Console
-
-    with Console(stderr=True).status("building") as status:
-        yield lambda text: status.update(f"reached {text}")
+    try:
+        yield lambda text: print(f"{SAME_LINE}reached {text}", end="", file=sys.stderr, flush=True)
+    finally:
+        print(SAME_LINE, end="", file=sys.stderr, flush=True)
 
 
 def _print_table(result: Result) -> None:
@@ -116,7 +117,7 @@ def _print_table(result: Result) -> None:
         rows = [
             step.seen | {key: step.counters[key] for key in COUNTED if key in step.counters} for step in result.loads
         ]
-        print(pd.DataFrame(rows).to_string(index=False, float_format=lambda x: f"{x:.6g}"))
+        _print_columns(Table.of_rows(rows))
     if result.request.model_reason:
         print(f"model {result.request.model}: {result.request.model_reason}")
     counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
@@ -125,11 +126,18 @@ def _print_table(result: Result) -> None:
 
 def _print_rounds(result: Result) -> None:
     """The rounds of refinement, the limit, and what the value on the last grid is off."""
-    seen, rounds = result.quantities, result.tables["refinement"][0]
-    print(rounds.to_string(index=False, float_format=lambda x: f"{x:.6g}"))
-    name = str(rounds["quantity"].iloc[0])
+    seen, rounds = result.quantities, result.table("refinement")
+    _print_columns(rounds)
+    name = str(rounds.columns["quantity"][0])
     print(f"{name} = {seen[f'extrapolated_{name}']:.6g} +- {100 * seen['uncertainty']:.2g} %")
     low, high = (100 * seen[key] for key in ("error_low", "error_high"))
     print(f"on the last grid {seen[name]:.6g}, off by {low:.2g} to {high:.2g} %")
     if result.reason:
         print(result.reason)
+
+
+def _print_columns(table: Table) -> None:
+    """Numbers to six digits, flush right."""
+    names = list(table.columns)
+    shown = ([f"{each:.6g}" if isinstance(each, float) else str(each) for each in row.values()] for row in table.rows())
+    print("\n".join(columns([names, *shown], right=range(len(names)))))

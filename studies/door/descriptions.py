@@ -9,8 +9,7 @@ import inspect
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
@@ -21,6 +20,9 @@ from studies.columns import columns
 from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 COLUMNS = ("name", "meaning", "unit", "range", "default")
 
 
@@ -29,14 +31,21 @@ class Description:
     """A part of the catalogues.
 
     kind: "scene", "measure" or "algorithm".  meaning: one line.  text: what ``footprint show`` prints.
-    settings: name, meaning, unit, range and default, a row a setting.
+    rows: name, meaning, unit, range and default of each setting.
     """
 
     name: str
     kind: str
     meaning: str
     text: str
-    settings: pd.DataFrame
+    rows: tuple[tuple[str, ...], ...]
+
+    @property
+    def settings(self) -> pd.DataFrame:
+        """Name, meaning, unit, range and default, a row a setting."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows, columns=list(COLUMNS))
 
 
 def describe(name: str) -> Description:
@@ -62,7 +71,7 @@ def meaning_of(name: str) -> str:
 
 def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Setting]) -> Description:
     meaning = meaning_of(name)
-    rows = [(s.key, s.help, s.unit, s.range_text, s.default_text) for s in settings]
+    rows = tuple((s.key, s.help, s.unit, s.range_text, s.default_text) for s in settings)
     lines = [f"{name} ({kind}): {meaning}", *body]
     if rows:
         shown = [(key, default, unit, allowed, text) for key, text, unit, allowed, default in rows]
@@ -70,7 +79,7 @@ def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Set
         lines += columns([("key", "default", "unit", "range", "meaning"), *shown], "  ")
     if kind == "scene":
         lines += _references(SCENES[name].references)
-    return Description(name, kind, meaning, "\n".join(lines), pd.DataFrame(rows, columns=list(COLUMNS)))
+    return Description(name, kind, meaning, "\n".join(lines), rows)
 
 
 def _of_scene(scene: Scene) -> Iterator[str]:

@@ -124,8 +124,8 @@ def _statements(
 ) -> Iterator[dict[str, object]]:
     """One run to the least error: a larger one is stated where its rounds reach it."""
     result, _ = solve_to_error(*coarsest(case.scene, case.settings), min(errors), quantity, most=int(most))
-    tables = result.tables.get("refinement", [])
-    rounds = [Round(*row) for row in tables[0][ROUND].itertuples(index=False)] if tables else []
+    rows = result.table("refinement").rows() if "refinement" in result.tables else ()
+    rounds = [Round(*(row[name] for name in ROUND)) for row in rows]
     for error in errors:
         ends = (n for n in range(FEWEST, len(rounds) + 1) if estimate(rounds[:n]).uncertainty <= error)
         n = next(ends, None)

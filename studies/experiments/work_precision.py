@@ -102,7 +102,7 @@ def local_grids(settings: Mapping[str, str], least: float, root: tuple[int, int]
     result, _ = solve_to_error(*coarsest("tyre", settings, root), least, "force_N")
     if not result.outcome.converged:
         raise RuntimeError(f"local refinement: {result.reason}")
-    rounds = result.tables["refinement"][0]
+    rounds = result.table("refinement").frame()
     before = time.process_time() - start - rounds["seconds"].sum()
     found = result.quantities
     return LocalGrids(found["extrapolated_force_N"], found["uncertainty"], rows_of_rounds(rounds, before))

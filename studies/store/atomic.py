@@ -8,9 +8,10 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
+if TYPE_CHECKING:
+    import pandas as pd
 
 SCHEMA = 2
 PART = ".part-"  # how a file begins that is being written
@@ -39,7 +40,7 @@ def as_text(data: Mapping[str, Any]) -> str:
 
 
 def write_table(path: Path, table: pd.DataFrame) -> None:
-    """Write a table as CSV with the shortest digits that read back to the same numbers."""
+    """Write a data frame as CSV with the shortest digits that read back to the same numbers."""
     write_by(path, lambda temporary: table.to_csv(temporary, index=False))
 
 

@@ -16,7 +16,7 @@ from formulations.shell import ShellModel
 from studies.request import Request
 from studies.scene import Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
-from studies.scenes.data import Row, read_reference, references
+from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import patch
 from studies.scenes.statics import StaticModel, loaded_shell
 
@@ -32,8 +32,8 @@ COLUMNS = {"wbar": "w_bar", "sigma_x": "sigma_x_bar", "tau_xz": "tau_xz_bar", "t
 def _references() -> tuple[Reference, ...]:
     source = "Pagano, J. Compos. Mater. 4 (1970) 20, table 2, in the helper notebook of the package panels"
     rows: list[Row] = [
-        ({"S": float(row["S"])}, {quantity: row[column] for column, quantity in COLUMNS.items()})
-        for _, row in read_reference("pagano1970_sandwich_and_crossply.csv").iterrows()
+        ({"S": row["S"]}, {quantity: row[column] for column, quantity in COLUMNS.items()})
+        for row in reference_rows("pagano1970_sandwich_and_crossply.csv")
     ]
     return references("read", source, 5e-3, rows)
 

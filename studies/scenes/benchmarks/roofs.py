@@ -14,7 +14,7 @@ from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
-from studies.scenes.data import read_reference, references
+from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT, LINES, patch
 from studies.scenes.statics import (
     ARC_STEP,
@@ -74,7 +74,7 @@ class Roof:
     @cached_property
     def references(self) -> tuple[Reference, ...]:
         """The first limit point, of the published curve and of a solid."""
-        published = published_limit(read_reference(self.data).to_numpy())
+        published = published_limit(np.array([tuple(row.values()) for row in reference_rows(self.data)]))
         return _limit("read", SZE, self.uncertainty, published) + _limit("computed", SOLID, 3e-3, self.solid)
 
     def laminate(self) -> Laminate:

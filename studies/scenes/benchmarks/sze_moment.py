@@ -9,7 +9,7 @@ from formulations.section.laminate import Ply
 from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.cantilever import clamped_strip, tip_motion, tip_row
-from studies.scenes.data import read_reference, references
+from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares
 
@@ -28,7 +28,7 @@ def circular_arc(fraction: float) -> tuple[float, float]:
 
 
 def _references() -> tuple[Reference, ...]:
-    table = read_reference("sze2004_3.2_cantilever_end_moment.csv").to_numpy()[1:]
+    table = [tuple(row.values()) for row in reference_rows("sze2004_3.2_cantilever_end_moment.csv")[1:]]
     sze = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.2 (S4R, 16x1)"
     # a strip of Green-Lagrange strain and finite thickness shortens by the order of (h kappa)^2
     arcs = [tip_row(row[0], *circular_arc(row[0])) for row in table]

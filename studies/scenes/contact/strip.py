@@ -19,7 +19,7 @@ from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import strip_contact
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
-from studies.scenes.data import read_reference, references
+from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.statics import loaded_shell
 
@@ -70,8 +70,8 @@ def middle_line(touch: Touch, unit: float) -> tuple[np.ndarray, np.ndarray]:
 def _references() -> tuple[Reference, ...]:
     """Every row of the table with a contact zone; of lam = 0 the force, for lam/a = 0.001, which differs by 1e-5."""
     found: tuple[Reference, ...] = ()
-    for lam, q, length, _, edge, force in read_reference(FILE).itertuples(index=False):
-        at = {"lam_over_a": lam or NO_SHEAR, "load_fraction": q, "measure": "linear"}
+    for lam, q, length, _, edge, force in (tuple(row.values()) for row in reference_rows(FILE)):
+        at: At = {"lam_over_a": lam or NO_SHEAR, "load_fraction": q, "measure": "linear"}
         if lam > 0:
             values = {"half_force": force, "free_length": length, "edge_pressure": edge}
             found += references("exact", SOURCE, 1e-6, [(at, values)])

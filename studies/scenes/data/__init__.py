@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-
-import pandas as pd
+from typing import TYPE_CHECKING
 
 from studies.scene import Reference
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 DATA = Path(__file__).parent
 At = Mapping[str, float | str]  # where a value holds
@@ -16,7 +19,16 @@ Row = tuple[At, Mapping[str, float]]  # and the values there by quantity
 
 def read_reference(name: str) -> pd.DataFrame:
     """A reference table, its # lines skipped."""
+    import pandas as pd  # slow to load: for who compares with the whole table
+
     return pd.read_csv(DATA / name, comment="#")
+
+
+def reference_rows(name: str) -> list[dict[str, float]]:
+    """The rows of a reference table of numbers, by the names of its columns; NaN where one is blank."""
+    with (DATA / name).open(encoding="utf-8") as file:
+        lines = csv.DictReader(line for line in file if not line.startswith("#"))
+        return [{column: float(value or "nan") for column, value in line.items()} for line in lines]
 
 
 def references(
@@ -39,7 +51,7 @@ def tabulated(
 ) -> tuple[Reference, ...]:
     """The rows of a table after the unloaded one, the load fraction first; columns: quantity -> column and its sign."""
     found: list[Row] = []
-    for row in read_reference(name).to_numpy()[1:]:
+    for row in [tuple(named.values()) for named in reference_rows(name)[1:]]:
         values = {quantity: sign * row[column] for quantity, (column, sign) in columns.items()}
-        found.append(({"load_fraction": float(row[0])}, values))
+        found.append(({"load_fraction": row[0]}, values))
     return references("read", source, uncertainty, found)

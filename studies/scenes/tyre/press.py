@@ -11,7 +11,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.continuation.arc_length import ArcLength
@@ -24,6 +23,7 @@ from studies.scene import Begun, Observation, PressedStage, Stage, UsageError
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.parts import Part
+from studies.store.tables import Table
 
 OVERLAP = 1e-6  # mm
 BY_TRAVEL = 0.25  # of the travel asked for: up to there the arc length has nothing to find
@@ -162,9 +162,9 @@ class PressedTyre:
         inner_0, outer_0 = (x[self.wall.crown, 0] for x in self.wall.faces(rest))
         growth = {"inflated_equator_inner_mm": inner - inner_0, "inflated_equator_outer_mm": outer - outer_0}
 
-        def tables() -> dict[str, pd.DataFrame]:
+        def tables() -> dict[str, Table]:
             states = (("unloaded", rest), ("inflated", state.u))
-            return {"profile": pd.concat([self._profile(name, 0.0, u) for name, u in states])}
+            return {"profile": Table.stacked([self._profile(name, 0.0, u) for name, u in states])}
 
         return Observation(None, {k: float(v) for k, v in growth.items()}, tables)
 
@@ -188,7 +188,7 @@ class PressedTyre:
         }
         step = {"delta_mm": delta, **headline, **asymmetries(pressure)}
 
-        def tables() -> dict[str, pd.DataFrame]:
+        def tables() -> dict[str, Table]:
             seen = wall.covered
             a1, a2 = np.rad2deg(wall.part.angles[seen]).T
             nodes = {"delta_mm": delta, "psi_deg": a1, "phi_deg": a2}
@@ -196,7 +196,7 @@ class PressedTyre:
             nodes |= {name: wall.spread(values)[seen] for name, values in at_candidates.items()}
             nodes["active"] = nodes["active"].astype(int)
             nodes |= {f"{axis}_mm": x[seen, i] for i, axis in enumerate("xyz")}
-            return {"contact": pd.DataFrame(nodes), "profile": self._profile("pressed", delta, state.u)}
+            return {"contact": Table.of(nodes), "profile": self._profile("pressed", delta, state.u)}
 
         return Observation(step, {k: float(v) for k, v in headline.items()}, tables)
 
@@ -212,16 +212,16 @@ class PressedTyre:
         nodes = {"psi_deg": angles[:, 0], "phi_deg": angles[:, 1]}
         nodes |= {f"{axis}": motion[:, i] / size[largest] for i, axis in enumerate("xyz")}
         said = "its mode is largest at psi = {mode_psi_deg:.4g}, phi = {mode_phi_deg:.4g} deg".format(**place)
-        return Observation(None, place, lambda: {"mode": pd.DataFrame(nodes)}, said)
+        return Observation(None, place, lambda: {"mode": Table.of(nodes)}, said)
 
-    def _profile(self, state: str, delta: float, u: np.ndarray) -> pd.DataFrame:
+    def _profile(self, state: str, delta: float, u: np.ndarray) -> Table:
         """Both faces of the meridian phi = 0."""
         part = self.wall.part
         line = np.arange(self.wall.crown % part.shape[1], len(part.angles), part.shape[1])
         columns = {"state": state, "delta_mm": delta, "psi_deg": np.rad2deg(part.angles[line, 0])}
         for face, x in zip(("inner", "outer"), self.wall.faces(u), strict=True):
             columns |= {f"{face}_radial_mm": x[line, 0], f"{face}_axial_mm": x[line, 2]}
-        return pd.DataFrame(columns)
+        return Table.of(columns)
 
 
 def begin_inflation(body: Body, previous: ContactSolution | None) -> Begun:

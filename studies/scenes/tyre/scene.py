@@ -15,7 +15,7 @@ from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
 from studies.request import Request, Value
 from studies.scene import EPSILON, SOLVER, Reference, Setting, UsageError
-from studies.scenes.data import At, Row, read_reference, references
+from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre import foundation as tyre_foundation
 from studies.scenes.tyre import press_path
@@ -79,11 +79,11 @@ SETTINGS = (
 def _references() -> tuple[Reference, ...]:
     paper: At = {"delta_mm": 20.0, "E_L_MPa": 510.45, "gamma_deg": 52.0, "load": "dead", "pressure_area": "mid"}
     isotropic: At = {"E_MPa": 20.0, "nu": 0.45, "load": "follower", "pressure_area": "face"}
-    solid = read_reference("isotropic_tyre_3d_solid.csv").rename(columns={"force_N_ngsolve": "force_N"})
     errors = {"force_N": 0.003, "half_length_mm": 0.03, "half_width_mm": 0.03}
+    column_of = dict(zip(errors, ("force_N_ngsolve", "half_length_mm", "half_width_mm"), strict=True))
     pressed: list[Row] = [
-        ({"delta_mm": float(row["delta_mm"]), **isotropic}, {name: row[name] for name in errors})
-        for _, row in solid.iterrows()
+        ({"delta_mm": row["delta_mm"], **isotropic}, {name: row[column] for name, column in column_of.items()})
+        for row in reference_rows("isotropic_tyre_3d_solid.csv")
     ]
     equator = {"inflated_equator_inner_mm": 4.6256, "inflated_equator_outer_mm": 4.3463}
     return (

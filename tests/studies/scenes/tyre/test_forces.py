@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import pandas as pd
 import pytest
 
 from contact.problem import Outcome
@@ -147,7 +146,7 @@ def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str
     assert "its mode is largest at psi = {mode_psi_deg:.4g}".format(**lost.quantities) in lost.reason
     assert lost.quantities["short_wave_N_mm"] < 0
     assert "a finer grid may turn back earlier" in lost.reason
-    (mode,) = lost.tables["mode"]
+    mode = lost.table("mode").frame()
     assert np.max(np.linalg.norm(mode[["x", "y", "z"]], axis=1)) == pytest.approx(1.0)
     reached = run({"delta_mm": f"{limit - 0.05}"}, mesh, model="half", steps=8)
     assert reached.outcome.converged  # by plain steps of the travel
@@ -269,7 +268,7 @@ def test_isotropic_inflated_profile_against_3d_solids(isotropic: Result) -> None
     three_percent = 0.03
     assert isotropic.quantities["inflated_equator_inner_mm"] == pytest.approx(4.6256, rel=three_percent)
     assert isotropic.quantities["inflated_equator_outer_mm"] == pytest.approx(4.3463, rel=three_percent)
-    profile = pd.concat(isotropic.tables["profile"])
+    profile = isotropic.table("profile").frame()
     middle = 0.5 * (
         profile[["inner_radial_mm", "inner_axial_mm"]].to_numpy()
         + profile[["outer_radial_mm", "outer_axial_mm"]].to_numpy()

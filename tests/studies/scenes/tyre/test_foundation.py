@@ -60,7 +60,7 @@ def test_a_low_cleat_lets_the_plane_carry() -> None:
     found = pressed("cleat", "24x32", cleat_height_mm="2", cleat_top_mm="6", cleat_rounding_mm="1", delta_mm="2,8")
     first, last = found.steps
     assert 0 < first["contact_nodes"] < last["contact_nodes"]
-    rows = found.tables["contact"][-1]
+    rows = found.table("contact").frame()
     line = rows[(rows["psi_deg"].abs() < 1e-9) & (rows["delta_mm"] == 8)].sort_values("phi_deg")
     on = line.loc[line["active"] == 1, "x_mm"]
     assert np.ptp(on) == pytest.approx(2.0, abs=1e-6)  # nodes on the top and nodes on the base

@@ -26,7 +26,7 @@ def test_the_arc_leads_to_the_states_of_the_travel() -> None:
         assert reached[step["delta_mm"]] == pytest.approx(step["force_N"], rel=1e-6)
     assert by_arc.quantities["limit_points"] == 0
     assert not any(step["failures"] for step in by_arc.steps)
-    assert len(by_arc.tables["curve"][0]) == len(by_arc.steps) > 3
+    assert len(by_arc.table("curve")) == len(by_arc.steps) > 3
 
 
 @pytest.mark.slow

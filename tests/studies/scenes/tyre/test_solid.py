@@ -98,7 +98,7 @@ def test_a_quarter_is_the_whole_tyre(small: Result) -> None:
         assert a[quantity] == pytest.approx(b[quantity], rel=1e-8), quantity
     assert b["mirror_asymmetry"] <= 1e-9
     for name in ("contact", "profile"):
-        tables = [pd.concat(found.tables[name], ignore_index=True) for found in (small, whole)]
+        tables = [found.table(name).frame() for found in (small, whole)]
         pd.testing.assert_frame_equal(*tables, rtol=1e-7, atol=1e-7)
     assert small.quantities == pytest.approx(whole.quantities, rel=1e-8)
 
@@ -109,7 +109,7 @@ def test_every_step_passes_the_judge_and_touching_nodes_lie_in_the_plane(isotrop
         assert step["kkt"]["equilibrium"] <= 1e-8
         assert step["kkt"]["penetration"] <= 1e-9
         assert step["kkt"]["tension"] == 0.0
-    pressed = pd.concat(isotropic.tables["contact"])
+    pressed = isotropic.table("contact").frame()
     last = pressed[pressed["delta_mm"] == 20.0]
     assert last["active"].sum() == isotropic.steps[-1]["contact_nodes"]
     plane = last.loc[last["active"] == 1, "x_mm"]
@@ -176,7 +176,7 @@ def test_isotropic_inflation_is_that_of_another_program(isotropic: Result) -> No
     half_percent = 0.005
     for face, growth in GROWTH.items():
         assert isotropic.quantities[f"inflated_equator_{face}_mm"] == pytest.approx(growth, rel=half_percent)
-    profile = pd.concat(isotropic.tables["profile"])
+    profile = isotropic.table("profile").frame()
     reference = read_reference("isotropic_tyre_3d_inflation.csv")
     for axis in ("radial", "axial"):
         middle = 0.5 * (profile[f"inner_{axis}_mm"] + profile[f"outer_{axis}_mm"])
