@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
+from studies.request import UsageError
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 
@@ -57,11 +58,10 @@ class _Version(argparse.Action):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
-    # before numpy is loaded: threads of small matrices only wait for one another, 5 times as long on a busy machine
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # before numpy is loaded: threads of small matrices only wait for one another, 5 times as long on a busy machine;
+    # OpenBLAS and MKL heed this one where nothing is said to them by their own names
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
     words = sys.argv[1:] if arguments is None else arguments
-    from studies.scene import UsageError
-
     try:
         _load_plugins(words)
         options = _parser(words).parse_args(words)

@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 import ast
+import json
+import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
+from typing import Any
 
 import pytest
+
+from studies.cli import main
 
 ROOT = Path(__file__).parents[1]
 ALLOWED = {
@@ -130,11 +136,74 @@ def test_a_circle_is_seen_even_a_lazy_one() -> None:
     TopologicalSorter(graph_of(typed)).prepare()
 
 
-HEAVY = ("clarabel", "cvxpy", "matplotlib", "meshio", "osqp", "rich", "scipy.interpolate", "scipy.optimize", "skfem")
+HEAVY = (
+    *("clarabel", "cvxpy", "distributed", "matplotlib", "meshio", "osqp", "pandas", "rich", "skfem"),
+    *("scipy.interpolate", "scipy.ndimage", "scipy.optimize", "scipy.spatial", "scipy.special", "scipy.stats"),
+)
+STARTED = {"_thread.start_new_thread", "os.fork", "os.posix_spawn", "os.system", "subprocess.Popen"}
+COMMAND = f"""
+import json, os, sys
+from studies.cli import main
+started, renamed = [], []
+def hear(event, told):
+    if event in {STARTED}:
+        started.append([event, os.path.basename(str(told[0]))])
+    elif event == "os.rename":
+        renamed.append(os.path.basename(told[1]))
+def loaded(names):
+    return [name for name in names if name in sys.modules]
+for words in ["--help"], ["--version"], ["slove"], []:
+    try:
+        main(words)
+    except SystemExit:
+        pass
+light = loaded(["numpy", "scipy", "pandas"])
+sys.addaudithook(hear)
+code = main(["solve", "cantilever", "--mesh", "2x1", "--set", "load_fraction=0.1", "--out", sys.argv[1]])
+threads = len(os.listdir("/proc/self/task")) if sys.platform == "linux" else 1
+found = dict(light=light, code=code, heavy=loaded({HEAVY}), started=started, renamed=renamed, threads=threads)
+open(sys.argv[1] + "/found", "w").write(json.dumps(found))
+"""
 
 
-def test_a_solve_does_not_wait_for_what_it_may_never_need() -> None:
+@pytest.fixture(scope="module")
+def found(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What a process without settings of threads has loaded, started and written after help, and after a solve."""
+    out = tmp_path_factory.mktemp("solved")
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    words = [sys.executable, "-c", COMMAND, str(out)]
+    subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, check=True)
+    return {**json.loads((out / "found").read_text()), "files": {path.name for path in out.iterdir()} - {"found"}}
+
+
+def test_help_loads_nothing_that_computes(found: dict[str, Any]) -> None:
+    assert found["light"] == []
+
+
+def test_a_solve_does_not_wait_for_what_it_may_never_need(found: dict[str, Any]) -> None:
     """Each of these takes as long to load as a small solve takes."""
-    told = f"import sys, studies.cli, studies.commands.solve; print([m for m in {HEAVY} if m in sys.modules])"
-    found = subprocess.run([sys.executable, "-c", told], cwd=ROOT, capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "[]"
+    assert found["code"] == 0
+    assert found["heavy"] == []
+
+
+def test_a_solve_starts_nothing_but_git_once_and_only_in_a_work_tree(found: dict[str, Any]) -> None:
+    in_work_tree = (ROOT / ".git").exists() and shutil.which("git") is not None
+    assert found["started"] == [["subprocess.Popen", "git"]] * in_work_tree
+    assert found["threads"] == 1  # those of both OpenBLAS, too
+
+
+def test_a_solve_writes_each_file_once(found: dict[str, Any]) -> None:
+    assert found["files"] == {"result.json", "fields.vtu", "history.csv"}
+    assert sorted(found["renamed"]) == sorted(found["files"])
+
+
+@pytest.mark.parametrize("name", ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"])
+def test_threads_that_the_user_has_asked_for_are_left_alone(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    for each in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+        monkeypatch.setenv(each, "before")  # so that it is put back
+        monkeypatch.delenv(each)
+    monkeypatch.setenv(name, "3")
+    with pytest.raises(SystemExit):
+        main(["--version"])
+    assert os.environ[name] == "3"
+    assert os.environ.get("OPENBLAS_NUM_THREADS", "3") == "3"  # its own name counts more than that of OpenMP

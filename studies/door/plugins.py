@@ -44,8 +44,9 @@ def load(files: Iterable[str | Path] = ()) -> None:
 
 def load_entry_points() -> None:
     """Put the parts of all entry points into the catalogues, each once; raises UsageError."""
+    known = entry_points()  # of all groups: each question reads the names of everything that is installed
     for group, catalogue in GROUPS.items():
-        for entry in entry_points(group=group):
+        for entry in known.select(group=group):
             if entry not in _entered:
                 _enter(entry, group, catalogue)
                 _entered.add(entry)
