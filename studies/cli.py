@@ -62,9 +62,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # OpenBLAS and MKL heed this one where nothing is said to them by their own names
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     words = sys.argv[1:] if arguments is None else arguments
+    if arguments is None:  # the process is this command's: what it loads now stays, and is not searched for garbage
+        gc.disable()
     try:
         _load_plugins(words)
         options = _parser(words).parse_args(words)
+        if arguments is None:
+            gc.freeze()
+            gc.enable()
         return int(options.run(options))
     except (UsageError, OSError) as error:
         print(f"footprint: {error}", file=sys.stderr)
