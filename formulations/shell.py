@@ -15,7 +15,8 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
-from formulations.element.mixed import MixedElement
+from formulations.element.mixed import N_M, MixedElement
+from formulations.element.strain_operator import N_DOF
 from formulations.loads.pressure import Couples, Pressure
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
@@ -103,9 +104,11 @@ class ShellModel:
 
         ``memory`` is what ``remember`` of the last step returned, or None. Only the mixed Newton uses it.
         """
-        force, external, tangent = self.element_contributions(u, memory)
         v = self.displacements(u)
         shell = self.discretisation.at(v)
+        force, tangent = shell.scratch
+        B = None if self.newton == "plain" else np.empty((len(force), N_M, N_DOF))  # remembered, so not in the scratch
+        H, external = self._integrate(v.ravel()[shell.dofs], memory, force, tangent, B)
         internal, outside = shell.gather(force), self._outside(shell, external)
         inside = internal if self.prescribed is None else shell.nodal(force)
         if shell.hangers is not None:
@@ -114,7 +117,7 @@ class ShellModel:
             residual=internal - outside,
             tangent=shell.assemble(tangent),
             scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
-            remember=lambda du: self._predict(u, du),
+            remember=lambda du: None if B is None else H + self._element.resultants(_along(B, shell, du)),
         )
 
     def residual(self, u: np.ndarray) -> np.ndarray:
@@ -200,27 +203,36 @@ class ShellModel:
     def element_contributions(self, u: np.ndarray, memory: object) -> tuple[np.ndarray, np.ndarray | None, np.ndarray]:
         """Element forces (E, 24), external ones that follow (or None), tangents (E, 24, 24), until the next call."""
         force, tangent = self.discretisation.scratch
-        predicted = memory if isinstance(memory, np.ndarray) else None
-        return *self._integrate(self._element_vectors(u), predicted, force, tangent), tangent
+        _, external = self._integrate(self._element_vectors(u), memory, force, tangent)
+        return force, external, tangent
 
     def element_forces(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
         """The forces of :meth:`element_contributions` alone, for half its cost."""
-        return self._integrate(self._element_vectors(u), None, self.discretisation.scratch[0])
+        force, _ = self.discretisation.scratch
+        _, external = self._integrate(self._element_vectors(u), None, force)
+        return force, external
 
     def _integrate(
-        self, v: np.ndarray, predicted: np.ndarray | None, force: np.ndarray, tangent: np.ndarray | None = None
+        self,
+        v: np.ndarray,
+        memory: object,
+        force: np.ndarray,
+        tangent: np.ndarray | None = None,
+        mode_gradient: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray | None]:
+        """Resultants (E, 22), external forces that follow (or None); the rest is written, see MixedElement."""
         geometry = self.discretisation.geometry
-        self._element.integrate(geometry, v, predicted, force, tangent)
+        predicted = memory if isinstance(memory, np.ndarray) else None
+        resultants = self._element.integrate(geometry, v, predicted, force, tangent, mode_gradient)
         pressure = self.pressure if self.pressure is not None and self.pressure.follower else None
         if pressure is None and self.couples is None:
-            return force, None
+            return resultants, None
         external = np.zeros_like(force)
         if pressure is not None:
             pressure.follower_force(geometry, v, external, tangent)
         if self.couples is not None:
             self.couples.follower_force(self.discretisation.grid, v, external, tangent)
-        return force, external
+        return resultants, external
 
     def _loads(self, external: np.ndarray | None) -> np.ndarray:
         return self._dead if external is None else self._dead + external
@@ -233,18 +245,15 @@ class ShellModel:
             constant = constant + self.pressure.dead_force(geometry)
         return constant
 
-    def _predict(self, u: np.ndarray, du: np.ndarray) -> np.ndarray | None:
-        """H* = D (E(u) + B(u) du), (E, 22), for the mixed Newton."""
-        return None if self.newton == "plain" else self._element.resultants(self._predicted_strains(u, du))
-
     def strain_change(self, u: np.ndarray, du: np.ndarray) -> np.ndarray:
         """B(u) du (E, 22): the change of the mode strains along the free displacements du, to first order."""
-        return self._predicted_strains(u, du) - self.mode_strains(u)
-
-    def _predicted_strains(self, u: np.ndarray, du: np.ndarray) -> np.ndarray:
-        shell = self._at(u)
-        v, dv = self._element_vectors(u), shell.map.expand(du).ravel()[shell.dofs]
-        return self._element.mode_strains(shell.geometry, v, dv)
+        B = self._element.mode_gradient(self.discretisation.geometry, self._element_vectors(u))
+        return _along(B, self._at(u), du)
 
     def _element_vectors(self, u: np.ndarray) -> np.ndarray:
         return self.displacements(u).ravel()[self.discretisation.dofs]
+
+
+def _along(B: np.ndarray, shell: Discretisation, du: np.ndarray) -> np.ndarray:
+    """B dv (E, 22) of the displacements that the free ones du bring."""
+    return np.matmul(B, shell.map.expand(du).ravel()[shell.dofs][..., None])[..., 0]

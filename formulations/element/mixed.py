@@ -22,8 +22,8 @@ from scipy.linalg import block_diag
 
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
-from formulations.strains.measure import StrainMeasure, strain_change
-from formulations.strains.quantities import N_E, N_Q
+from formulations.strains.measure import StrainFunction, StrainMeasure, strain_and_gradient, through_thickness
+from formulations.strains.quantities import E33, N_BETA, N_E, N_Q, N_V
 
 # Strain rows carried by each mode (r1, r2); the order of the modes is the order of the 22 mode strains.
 MODES = {
@@ -35,7 +35,7 @@ MODES = {
 MODE_ROWS = [(mode, row) for mode, rows in MODES.items() for row in rows]
 MODE_WEIGHTS = np.array([3.0 ** -(r1 + r2) for (r1, r2), _ in MODE_ROWS])
 N_M = len(MODE_WEIGHTS)
-E33 = 10
+E33_MODES = [m for m, (_, row) in enumerate(MODE_ROWS) if row == E33]
 N_SAMPLES = N_GAUSS * N_E
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
 THICKNESS_STRAINS = {"projected": 0.0, "balanced": 0.5, "nodal": 1.0}  # share of E33 that is sampled at the nodes
@@ -43,24 +43,25 @@ MEMBRANES = ("compatible", "relaxed")
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
 
 
-def _projection(nodal: float) -> np.ndarray:
-    """Mode strains (22,) = samples (48,) @ projection (48, 22): the 11 strains at 4 Gauss points, E33 at 4 nodes.
+def _projections(share: float) -> tuple[np.ndarray, np.ndarray | None]:
+    """Mode strains = samples (44,) @ projection (44, 22) + E33 at the nodes (4,) @ nodal (4, 22).
 
-    Samples at the Gauss points give the L2 projection on xi1^r1 xi2^r2; those at the nodes are interpolated bilinearly
-    and projected, which is exact. ``nodal``: their share of E33; where it is 0, their rows are left out.
+    Samples of the 11 strains at the 4 Gauss points give the L2 projection on xi1^r1 xi2^r2; those at the nodes are
+    interpolated bilinearly and projected, which is exact. ``share`` of E33 at the nodes; where it is 0, nodal is None.
     """
-    projection = np.zeros((N_SAMPLES + N_GAUSS, N_M))
-    at_gauss = projection[:N_SAMPLES].reshape(N_GAUSS, N_E, N_M)
+    projection, nodal = np.zeros((N_GAUSS, N_E, N_M)), np.zeros((4, N_M))
     for m, ((r1, r2), row) in enumerate(MODE_ROWS):
-        share = nodal if row == E33 else 0.0
-        at_gauss[:, row, m] = (1 - share) * 3.0 ** (r1 + r2) * GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 / N_GAUSS
-        projection[N_SAMPLES:, m] = share * CORNERS[:, 0] ** r1 * CORNERS[:, 1] ** r2 / N_GAUSS
-    return projection if nodal else projection[:N_SAMPLES]
+        at_nodes = share if row == E33 else 0.0
+        projection[:, row, m] = (1 - at_nodes) * 3.0 ** (r1 + r2) * GAUSS[:, 0] ** r1 * GAUSS[:, 1] ** r2 / N_GAUSS
+        nodal[:, m] = at_nodes * CORNERS[:, 0] ** r1 * CORNERS[:, 1] ** r2 / N_GAUSS
+    return projection.reshape(N_SAMPLES, N_M), nodal if share else None
 
 
 @dataclass(frozen=True, eq=False)
 class MixedElement:
     """Measure and section on the modes; ``initial`` are the resultants H0 of the reference state on the modes.
+
+    ``through``: the measure of E33 alone at the nodes, see :func:`formulations.strains.measure.through_thickness`.
 
     thickness_strain: the share s of E33 that is sampled at the nodes and not at the Gauss points, none ("projected",
     the paper), half ("balanced") or all ("nodal"). An interpolated director is shorter than its nodal values, and a
@@ -78,10 +79,11 @@ class MixedElement:
     """
 
     measure: StrainMeasure
+    through: StrainFunction
     mode_stiffness: np.ndarray
     initial: np.ndarray
     projection: np.ndarray
-    nodal: bool
+    nodal: np.ndarray | None
     relaxed: bool
 
     @classmethod
@@ -104,24 +106,24 @@ class MixedElement:
         blocks = block_diag(*(D[np.ix_(rows, rows)] for rows in MODES.values()))
         on_modes = np.zeros(N_M)
         on_modes[:N_E] = initial  # uniform over the element: only the mode 00
-        nodal = THICKNESS_STRAINS[thickness_strain]
-        return cls(measure, blocks, on_modes, _projection(nodal), nodal > 0, membrane == "relaxed")
+        projections = _projections(THICKNESS_STRAINS[thickness_strain])
+        return cls(measure, through_thickness(measure), blocks, on_modes, *projections, membrane == "relaxed")
 
-    def mode_strains(self, geometry: ElementGeometry, v: np.ndarray, dv: np.ndarray | None = None) -> np.ndarray:
-        """Mode strains E (E, 22) of nodal displacements v (E, 24); with ``dv`` their linear prediction E + B dv."""
+    def mode_strains(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
+        """Mode strains E (E, 22) of nodal displacements v (E, 24)."""
         strains = np.empty((len(v), N_M))
         for part in geometry.chunks():
-            q, at_nodes = self._gradients(geometry, part, v)
-            samples = self._samples(geometry, part, q, at_nodes)
-            if dv is not None:
-                dq, change = self._gradients(geometry, part, dv)
-                along = np.matmul(self.measure.gradient(_placed(geometry, part, q)), dq[..., None])[..., 0]
-                at_gauss = along * geometry.rows[part]
-                samples[:, :N_SAMPLES] += at_gauss.reshape(-1, N_SAMPLES)
-                if self.nodal:
-                    samples[:, N_SAMPLES:] += np.sum(self.measure.gradient(at_nodes)[..., E33, :] * change, axis=-1)
-            strains[part] = self._onto_modes(samples, geometry, part)
+            strains[part], _ = self._strains(geometry, part, *self._gradients(geometry, part, v))
         return strains
+
+    def mode_gradient(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
+        """B = dE/dv (E, 22, 24) at nodal displacements v (E, 24)."""
+        B = np.empty((len(v), N_M, N_DOF))
+        for part in geometry.chunks():
+            q, beta = self._gradients(geometry, part, v)
+            _, gradient = self._strains(geometry, part, q, beta)
+            self._mode_gradient(geometry, part, gradient, beta, out=B[part])
+        return B
 
     def resultants(self, strains: np.ndarray) -> np.ndarray:
         """H = D E on the modes, (E, 22)."""
@@ -135,13 +137,10 @@ class MixedElement:
 
     def linear_initial_force(self, geometry: ElementGeometry) -> np.ndarray:
         """The work of H0 on the linear strains, (E, 24): balanced in the reference state, so it is taken off."""
-        force = np.zeros((len(geometry.Q), N_DOF))
-        if np.any(self.initial):
-            for part in geometry.chunks():
-                q, at_nodes = self._gradients(geometry, part, force)  # of the reference state
-                B = self._mode_gradient(geometry, part, q, at_nodes)
-                force[part] = geometry.weight[part, None] * ((MODE_WEIGHTS * self.initial) @ B)
-        return force
+        at_rest = np.zeros((len(geometry.Q), N_DOF))
+        if not np.any(self.initial):
+            return at_rest
+        return geometry.weight[:, None] * ((MODE_WEIGHTS * self.initial) @ self.mode_gradient(geometry, at_rest))
 
     def integrate(
         self,
@@ -150,86 +149,88 @@ class MixedElement:
         predicted: np.ndarray | None,
         force: np.ndarray,
         tangent: np.ndarray | None = None,
-    ) -> None:
-        """Internal force (E, 24) and tangent (E, 24, 24), unless that is None, at v (E, 24), written into the arrays.
+        mode_gradient: np.ndarray | None = None,
+    ) -> np.ndarray:
+        """Resultants D E (E, 22) at v (E, 24); force, tangent and B = dE/dv are written into the arrays.
 
-        ``predicted`` (E, 22): the resultants that build the geometric stiffness; None takes D E(v).
+        ``predicted`` (E, 22): the resultants that build the geometric stiffness; None takes D E(v).  force (E, 24);
+        tangent (E, 24, 24), mode_gradient (E, 22, 24): not wanted where None.
         """
         stiffness = MODE_WEIGHTS[:, None] * self.mode_stiffness
+        resultants = np.empty((len(v), N_M))
         for part in geometry.chunks():
-            rows, weight = geometry.rows[part], geometry.weight[part, None]
-            q, at_nodes = self._gradients(geometry, part, v)
-            H = self.resultants(self._onto_modes(self._samples(geometry, part, q, at_nodes), geometry, part))
-            B = self._mode_gradient(geometry, part, q, at_nodes)
-            force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None, :], B)[:, 0]
+            weight = geometry.weight[part, None]
+            q, beta = self._gradients(geometry, part, v)
+            strains, gradient = self._strains(geometry, part, q, beta)
+            H = resultants[part] = self.resultants(strains)
+            B = np.empty((len(H), N_M, N_DOF)) if mode_gradient is None else mode_gradient[part]
+            self._mode_gradient(geometry, part, gradient, beta, out=B)
+            force[part] = np.matmul((MODE_WEIGHTS * (H + self.initial) * weight)[:, None], B)[:, 0]
             if tangent is None:
                 continue
-            np.matmul(B.transpose(0, 2, 1), np.matmul(stiffness, B) * weight[..., None], out=tangent[part])
-            H_geometric = H if predicted is None else predicted[part]
-            work = MODE_WEIGHTS * (H_geometric + self.initial) * weight
-            self._relax(work, geometry, part)
-            at_samples = work @ self.projection.T
-            at_gauss = at_samples[:, :N_SAMPLES].reshape(-1, N_GAUSS, N_E) * rows
-            if self.nodal:
-                through = np.zeros_like(at_gauss)
-                through[..., E33] = at_samples[:, N_SAMPLES:]
-                tangent[part] += _quadratic_form(self.measure.contract(at_nodes, through), geometry.node_beta)
-            Q = geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF)
-            tangent[part] += _quadratic_form(self.measure.contract(_placed(geometry, part, q), at_gauss), Q)
+            DB = np.matmul(stiffness, B)
+            DB *= weight[..., None]
+            np.matmul(B.swapaxes(1, 2), DB, out=tangent[part])
+            if predicted is not None:
+                H = predicted[part]
+            self._stiffen(tangent[part], MODE_WEIGHTS * (H + self.initial) * weight, geometry, part, q, beta)
+        return resultants
 
     def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The q of v at the Gauss points and, for a nodal E33, at the nodes (beta only): (e, 4, 15) each."""
+        """The q of v at the Gauss points, (e, 4, 15), and its beta at the nodes, (e, 4, 3)."""
         q = np.matmul(geometry.Q[part], v[part, :, None]).reshape(-1, N_GAUSS, N_Q)
-        if not self.nodal:
-            return q, q
-        return q, (v[part] @ geometry.node_beta.reshape(-1, N_DOF).T).reshape(-1, 4, N_Q)
+        return q, v[part].reshape(-1, 4, N_V) @ geometry.director.T
 
-    def _samples(self, geometry: ElementGeometry, part: slice, q: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
-        """Strains at the Gauss points times the geometric row factors, then E33 at the nodes: (e, 44 or 48)."""
-        if geometry.offset is None:
-            strain = self.measure.strain(q)
-        else:
-            strain = strain_change(self.measure, geometry.offset[part], q)
-        at_gauss = (strain * geometry.rows[part]).reshape(-1, N_SAMPLES)
-        if not self.nodal:
-            return at_gauss
-        through = self.measure.strain(at_nodes)[..., E33]  # a node's director is the true one: no offset
-        return np.concatenate([at_gauss, through], axis=1)
-
-    def _mode_gradient(self, geometry: ElementGeometry, part: slice, q: np.ndarray, at_nodes: np.ndarray) -> np.ndarray:
-        """B (e, 22, 24): derivative of the mode strains by the nodal displacements."""
-        gradient = self.measure.gradient(_placed(geometry, part, q))
-        gradient[..., SHEAR_ROWS, :] *= geometry.rows[part][..., SHEAR_ROWS, None]
-        sampled = np.matmul(gradient, geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(-1, N_SAMPLES, N_DOF)
-        B = np.matmul(self.projection[:N_SAMPLES].T, sampled)
-        if self.nodal:
-            along = self.measure.gradient(at_nodes)[..., E33, None, :]
-            B += np.matmul(self.projection[N_SAMPLES:].T, np.matmul(along, geometry.node_beta)[..., 0, :])
-        self._relax(B, geometry, part)
-        return B
-
-    def _onto_modes(self, samples: np.ndarray, geometry: ElementGeometry, part: slice) -> np.ndarray:
-        """Mode strains (e, 22) of the samples."""
-        on_modes = samples @ self.projection
+    def _strains(
+        self, geometry: ElementGeometry, part: slice, q: np.ndarray, beta: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Mode strains (e, 22), and dE/dq at the Gauss points (e, 4, 11, 15); a node's director is the true one."""
+        offset = None if geometry.offset is None else geometry.offset[part]
+        strain, gradient = strain_and_gradient(self.measure, q, offset)
+        on_modes = (strain * geometry.rows[part]).reshape(-1, N_SAMPLES) @ self.projection
+        if self.nodal is not None:
+            on_modes += self.through.strain(beta)[..., 0] @ self.nodal
         self._relax(on_modes, geometry, part)
-        return on_modes
+        return on_modes, gradient
+
+    def _mode_gradient(
+        self, geometry: ElementGeometry, part: slice, gradient: np.ndarray, beta: np.ndarray, out: np.ndarray
+    ) -> None:
+        """B (e, 22, 24): derivative of the mode strains by the nodal displacements; takes up the gradient dE/dq."""
+        gradient[..., SHEAR_ROWS, :] *= geometry.rows[part][..., SHEAR_ROWS, None]
+        sampled = np.matmul(gradient, geometry.Q[part].reshape(-1, N_GAUSS, N_Q, N_DOF))
+        np.matmul(self.projection.T, sampled.reshape(-1, N_SAMPLES, N_DOF), out=out)
+        if self.nodal is not None:
+            along = self.through.gradient(beta)[..., 0, :] @ geometry.director
+            out.reshape(-1, N_M, 4, N_V)[:, E33_MODES] += self.nodal.T[E33_MODES, :, None] * along[:, None]
+        self._relax(out, geometry, part)
+
+    def _stiffen(
+        self,
+        tangent: np.ndarray,
+        work: np.ndarray,
+        geometry: ElementGeometry,
+        part: slice,
+        q: np.ndarray,
+        beta: np.ndarray,
+    ) -> None:
+        """Add the geometric stiffness of the weighted resultants ``work`` (e, 22) to the tangent (e, 24, 24)."""
+        self._relax(work, geometry, part)
+        Q = geometry.Q[part]
+        at_gauss = (work @ self.projection.T).reshape(-1, N_GAUSS, N_E) * geometry.rows[part]
+        M = self.measure.contract(q if geometry.offset is None else geometry.offset[part] + q, at_gauss)
+        MQ = np.matmul(M, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(Q.shape)
+        tangent += np.matmul(Q.swapaxes(1, 2), MQ)
+        if self.nodal is not None:
+            M = self.through.contract(beta, (work @ self.nodal.T)[..., None])
+            own = M.reshape(-1, 4, N_BETA**2) @ np.kron(geometry.director, geometry.director)
+            np.einsum("erirj->erij", tangent.reshape(-1, 4, N_V, 4, N_V))[...] += own.reshape(-1, 4, N_V, N_V)
 
     def _relax(self, on_modes: np.ndarray, geometry: ElementGeometry, part: slice) -> None:
         """Shrink the face mean of E11 on the mode 01 and of E22 on the mode 10, in place; a symmetric operator."""
         if not self.relaxed:
             return
         for a, first in enumerate(MEMBRANE_PAIRS):
-            shrink = 1.0 - np.sqrt(geometry.relaxation[part, a])
+            shrink = 0.5 - 0.5 * np.sqrt(geometry.relaxation[part, a])
             pair = on_modes[:, first : first + 2]
-            pair -= shrink.reshape(-1, *[1] * (pair.ndim - 1)) * pair.mean(axis=1, keepdims=True)
-
-
-def _placed(geometry: ElementGeometry, part: slice, q: np.ndarray) -> np.ndarray:
-    """The gradients q counted from the true geometry: the offset of an interpolated one added."""
-    return q if geometry.offset is None else geometry.offset[part] + q
-
-
-def _quadratic_form(M: np.ndarray, Q: np.ndarray) -> np.ndarray:
-    """Sum over the four points of Q^T M Q, (e, 24, 24), for M (e, 4, 15, 15) and Q (..., 4, 15, 24)."""
-    MQ = np.matmul(M, Q).reshape(len(M), -1, N_DOF)
-    return np.matmul(Q.reshape(*Q.shape[:-3], -1, N_DOF).swapaxes(-1, -2), MQ)
+            pair -= shrink.reshape(-1, *[1] * (pair.ndim - 1)) * (pair[:, :1] + pair[:, 1:])

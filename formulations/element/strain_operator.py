@@ -15,6 +15,7 @@ from formulations.geometry.grid import CORNERS, Grid
 from formulations.geometry.surfaces import Geometry, Surface
 from formulations.section.laminate import Laminate
 from formulations.strains.quantities import (
+    BETA,
     FULL,
     N_Q,
     N_V,
@@ -27,7 +28,6 @@ from formulations.strains.quantities import (
 N_GAUSS, N_DOF = 4, 4 * N_V
 GAUSS = CORNERS / np.sqrt(3.0)
 CHUNK = 128  # elements per pass: large enough to hide the calls, small enough for the cache
-BETA = slice(12, 15)  # rows of beta1, beta2, beta3 in q
 INTERPOLATIONS = ("curvilinear", "isoparametric")
 _LINE_MASS = np.array([[2, 1], [1, 2]]) / 6
 CORNER_MASS = np.kron(_LINE_MASS, _LINE_MASS)[np.ix_((0, 1, 3, 2), (0, 1, 3, 2))]  # int N_r N_s over the area, (4, 4)
@@ -47,10 +47,10 @@ class ElementGeometry:
 
     Q (E, 60, 24): q at the four Gauss points from the nodal displacements.  rows (E, 4, 11): shear row factors.
     weight (E,): parameter area times mubar at the centre (the paper's area).  face_weight (E, 2): the same with the
-    true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  node_beta (4, 15, 24): q at the
-    four nodes, its beta only.  relaxation (E, 2): share of the parasitic membrane energy that a "relaxed" element
-    keeps.  value (1 or E, 4, 4, 3, 3): components of a face's displacement at Gauss point g, in the frame there, from
-    those of node r: u_i(g) = value[g, r, i, j] v_j^r.  kinematics: what the gradients leave out.
+    true areas of the inner and the outer face, zeta1 zeta2 in place of zbar1 zbar2.  director (3, 6): beta of a node
+    from its displacements.  relaxation (E, 2): share of the parasitic membrane energy that a "relaxed" element keeps.
+    value (1 or E, 4, 4, 3, 3): components of a face's displacement at Gauss point g, in the frame there, from those of
+    node r: u_i(g) = value[g, r, i, j] v_j^r.  kinematics: what the gradients leave out.
 
     interpolation "curvilinear" (the paper): displacement components in the turning local frame are bilinear, A, k, B
     are exact; a rigid motion of a curved element is met to O(l^2).  "isoparametric": Cartesian displacements and
@@ -62,7 +62,7 @@ class ElementGeometry:
     rows: np.ndarray
     weight: np.ndarray
     face_weight: np.ndarray
-    node_beta: np.ndarray
+    director: np.ndarray
     relaxation: np.ndarray
     value: np.ndarray
     kinematics: Kinematics
@@ -101,7 +101,7 @@ class ElementGeometry:
             rows=shear_row_factors(geometry, d_minus, d_plus, kinematics),
             weight=parameter_area * area_factor(at_centre, 0.5 * (d_minus + d_plus)),
             face_weight=parameter_area[:, None] * face,
-            node_beta=_node_beta(d_plus - d_minus),
+            director=np.kron(np.eye(3), [-1.0, 1.0]) / (d_plus - d_minus),
             relaxation=_relaxation(at_centre, grid, d_plus - d_minus),
             value=shape_functions(GAUSS)[0][:, :, None, None] * turn,
             kinematics=kinematics,
@@ -179,15 +179,6 @@ def _on_arcs(corners: np.ndarray, grid: Grid, h: float) -> np.ndarray:
     bow = Arcs.between(ends.reshape(-1, 12), h, np.broadcast_to(np.eye(12), (len(ends), 12, 12))).bow
     at_nodes[grid.hanging.nodes] = ends.mean(axis=1) + bow
     return np.where(np.isin(grid.elements, grid.hanging.nodes)[..., None, None], at_nodes[grid.elements], corners)
-
-
-def _node_beta(h: float) -> np.ndarray:
-    """beta_i = (v_i+ - v_i-)/h of each node, in the rows of q (4, 15, 24)."""
-    beta = np.zeros((4, N_Q, 4, N_V))
-    for i in range(3):
-        beta[range(4), BETA.start + i, range(4), 2 * i] = -1.0 / h
-        beta[range(4), BETA.start + i, range(4), 2 * i + 1] = 1.0 / h
-    return beta.reshape(4, N_Q, N_DOF)
 
 
 def area_factor(geometry: Geometry, d: float) -> np.ndarray:

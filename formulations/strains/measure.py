@@ -6,14 +6,14 @@ No particular measure may enter here; they live in :mod:`formulations.strains.ca
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 
-from formulations.strains.quantities import FACES, FULL, N_E, N_Q, QUANTITIES, STRAINS, Kinematics
+from formulations.strains.quantities import BETA, E33, FACES, FULL, N_E, N_Q, QUANTITIES, STRAINS, Kinematics
 
 Terms = Mapping[str, Mapping[str, float]]
 
@@ -40,8 +40,24 @@ class RigidBodyLaw:
     axis: Callable[[float, float], float] = _none
 
 
-class StrainMeasure(Protocol):
-    """Everything the element needs of a measure; q is (..., 15), strains are (..., 11)."""
+class StrainFunction(Protocol):
+    """Strains E (..., n) of quantities q (..., m), and what their work needs of them."""
+
+    def strain(self, q: np.ndarray) -> np.ndarray:
+        """E(q), (..., n), before the shear row factors of the geometry."""
+        ...
+
+    def gradient(self, q: np.ndarray) -> np.ndarray:
+        """dE/dq, (..., n, m)."""
+        ...
+
+    def contract(self, q: np.ndarray, resultants: np.ndarray) -> np.ndarray:
+        """Sum over n of H_n d2E_n/dq2, (..., m, m), for resultants H (..., n)."""
+        ...
+
+
+class StrainMeasure(StrainFunction, Protocol):
+    """Everything the element needs of a measure: the 11 strains of the 15 quantities, and what is known of them."""
 
     @property
     def name(self) -> str:
@@ -61,18 +77,6 @@ class StrainMeasure(Protocol):
     @property
     def kinematics(self) -> Kinematics:
         """What the gradients q leave out for this measure."""
-        ...
-
-    def strain(self, q: np.ndarray) -> np.ndarray:
-        """E(q), (..., 11), before the shear row factors of the geometry."""
-        ...
-
-    def gradient(self, q: np.ndarray) -> np.ndarray:
-        """dE/dq, (..., 11, 15)."""
-        ...
-
-    def contract(self, q: np.ndarray, resultants: np.ndarray) -> np.ndarray:
-        """Sum over n of H_n d2E_n/dq2, (..., 15, 15), for resultants H (..., 11)."""
         ...
 
 
@@ -106,30 +110,24 @@ class QuadraticMeasure:
         }
 
     def strain(self, q: np.ndarray) -> np.ndarray:
-        """E = L q + 1/2 q Q q, (..., 11)."""
-        return np.matmul(self._slope(q, self._half_table), q[..., None])[..., 0]
+        """E = L q + 1/2 q Q q = (L + dE/dq) q/2, (..., 11)."""
+        return 0.5 * np.matmul(self.linear + self.gradient(q), q[..., None])[..., 0]
 
     def gradient(self, q: np.ndarray) -> np.ndarray:
         """dE/dq = L + Q q, (..., 11, 15)."""
-        return self._slope(q, self._table)
+        slope = q.reshape(-1, len(self._table)) @ self._table
+        slope += self.linear.ravel()
+        return slope.reshape(*q.shape[:-1], *self.linear.shape)
 
     def contract(self, q: np.ndarray, resultants: np.ndarray) -> np.ndarray:
         """H_n Q_n, (..., 15, 15); constant in q, which only says the batch here."""
-        flat = resultants.reshape(-1, N_E) @ self.quadratic.reshape(N_E, N_Q * N_Q)
-        return flat.reshape(*q.shape[:-1], N_Q, N_Q)
-
-    def _slope(self, q: np.ndarray, table: np.ndarray) -> np.ndarray:
-        slope = q.reshape(-1, N_Q) @ table
-        slope += self.linear.ravel()
-        return slope.reshape(*q.shape[:-1], N_E, N_Q)
+        n_e, n_q = self.linear.shape
+        flat = resultants.reshape(-1, n_e) @ self.quadratic.reshape(n_e, n_q * n_q)
+        return flat.reshape(*q.shape[:-1], n_q, n_q)
 
     @cached_property
     def _table(self) -> np.ndarray:
-        return np.ascontiguousarray(self.quadratic.reshape(N_E * N_Q, N_Q).T)
-
-    @cached_property
-    def _half_table(self) -> np.ndarray:
-        return 0.5 * self._table
+        return np.ascontiguousarray(self.quadratic.reshape(self.linear.size, -1).T)
 
 
 def _polynomial(names: list[str], linear: np.ndarray, quadratic: np.ndarray) -> str:
@@ -148,15 +146,55 @@ def _factor(coefficient: float) -> str:
     return "" if coefficient == 1 else f"{fraction} " if float(fraction) == coefficient else f"{coefficient:.6g} "
 
 
-def strain_change(measure: StrainMeasure, start: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """E(start + q) - E(start), (..., 11).
+def strain_and_gradient(
+    measure: StrainMeasure, q: np.ndarray, start: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """E(start + q) - E(start), (..., 11), and dE/dq at start + q, (..., 11, 15); start 0 unless given.
 
-    Of a quadratic measure dE/dq half-way times q, which is the same but loses no digits where q is far smaller than
-    ``start``; of any other measure the difference.
+    Of a quadratic measure the mean of dE/dq at both ends times q, which costs next to nothing beside dE/dq and loses no
+    digits where q is far smaller than ``start``; of any other measure the difference.
     """
+    at = q if start is None else start + q
+    gradient = measure.gradient(at)
     if isinstance(measure, QuadraticMeasure):
-        return np.matmul(measure.gradient(start + 0.5 * q), q[..., None])[..., 0]
-    return measure.strain(start + q) - measure.strain(start)
+        before = measure.linear if start is None else measure.gradient(start)
+        return 0.5 * (_times(before, q) + _times(gradient, q)), gradient
+    return measure.strain(at) - (0.0 if start is None else measure.strain(start)), gradient
+
+
+def _times(gradient: np.ndarray, q: np.ndarray) -> np.ndarray:
+    return q @ gradient.T if gradient.ndim == 2 else np.matmul(gradient, q[..., None])[..., 0]
+
+
+def through_thickness(measure: StrainMeasure) -> StrainFunction:
+    """E33 (..., 1) of beta (..., 3) at a node, where the measure knows of no other quantity."""
+    if isinstance(measure, QuadraticMeasure):
+        return replace(measure, linear=measure.linear[E33:, BETA], quadratic=measure.quadratic[E33:, BETA, BETA])
+    return _ThroughThickness(measure)
+
+
+@dataclass(frozen=True, eq=False)
+class _ThroughThickness:
+    """The same by any measure, which works out all strains for it."""
+
+    measure: StrainMeasure
+
+    def strain(self, beta: np.ndarray) -> np.ndarray:
+        return self.measure.strain(_alone(beta, BETA, N_Q))[..., E33:]
+
+    def gradient(self, beta: np.ndarray) -> np.ndarray:
+        return self.measure.gradient(_alone(beta, BETA, N_Q))[..., E33:, BETA]
+
+    def contract(self, beta: np.ndarray, resultants: np.ndarray) -> np.ndarray:
+        H = _alone(resultants, slice(E33, N_E), N_E)
+        return self.measure.contract(_alone(beta, BETA, N_Q), H)[..., BETA, BETA]
+
+
+def _alone(values: np.ndarray, place: slice, n: int) -> np.ndarray:
+    """(..., n) with the values in their place and zeros elsewhere."""
+    among = np.zeros((*values.shape[:-1], n))
+    among[..., place] = values
+    return among
 
 
 def quadratic_measure(

@@ -32,6 +32,9 @@ STRAINS = ("E11-", "E11+", "E22-", "E22+", "2E12-", "2E12+", "2E13-", "2E13+", "
 DISPLACEMENTS = ("v1-", "v1+", "v2-", "v2+", "v3-", "v3+")
 
 N_Q, N_E, N_V = len(QUANTITIES), len(STRAINS), len(DISPLACEMENTS)
+N_BETA = 3
+BETA = slice(N_Q - N_BETA, N_Q)  # beta1, beta2, beta3 in q
+E33 = STRAINS.index("E33")
 
 
 @dataclass(frozen=True)

@@ -59,9 +59,9 @@ def director_scaled(discretisation: Discretisation) -> Discretisation:
     director beta keep them apart (Gee, Ramm, Wall, CMAME 194 (2005) 2513, scaled director; recalled). Supports must
     hold both faces of a component or none. Forces go along: on m their sum, on beta h/2 times their difference.
     """
-    turn = np.kron(np.eye(12), _director_turn(discretisation.laminate.thickness))
+    turn = np.kron(np.eye(3), _director_turn(discretisation.laminate.thickness))
     geometry = discretisation.geometry
-    scaled = replace(geometry, Q=geometry.Q @ turn, node_beta=geometry.node_beta @ turn)
+    scaled = replace(geometry, Q=geometry.Q @ np.kron(np.eye(4), turn), director=geometry.director @ turn)
     return replace(discretisation, geometry=scaled)
 
 

@@ -230,6 +230,16 @@ def test_mixed_newton_remembers_the_linear_prediction_of_the_resultants(curved_p
     assert abs(fitted_order(LARGE_STEPS, misses) - 2) <= SLOPE
 
 
+def test_what_is_remembered_outlives_the_scratch(curved_patch, rng) -> None:
+    """The same grid under another load is linearised elsewhere between a linearisation and its step."""
+    shell = make_shell(curved_patch.surface, curved_patch.grid(2, 3), **LOADS["all"])
+    u, du, elsewhere = 0.1 * rng.normal(size=(3, shell.discretisation.n_free))
+    expected = shell.linearise(u).remember(du)
+    lin = shell.linearise(u)
+    shell.scaled(2.0).linearise(elsewhere)
+    np.testing.assert_array_equal(lin.remember(du), expected)
+
+
 def test_unknown_newton_is_refused_with_the_choices() -> None:
     with pytest.raises(ValueError, match="'quasi' is not one of " + ", ".join(NEWTONS)):
         make_shell(Plate(), PATCHES["plate"].grid(1, 1), newton="quasi")

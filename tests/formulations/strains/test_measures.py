@@ -8,17 +8,25 @@ together against F alone.
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 from formulations.geometry.surfaces import Plate, cylinder, sphere, torus
 from formulations.strains.catalogue import MEASURES
-from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
+from formulations.strains.measure import (
+    EXACT_LAW,
+    QuadraticMeasure,
+    quadratic_measure,
+    strain_and_gradient,
+    through_thickness,
+)
 from formulations.strains.quantities import (
     FULL,
     N_E,
     N_Q,
+    QUANTITIES,
     STRAINS,
     Kinematics,
     gradient_coefficients,
@@ -232,6 +240,32 @@ def test_batches_equal_single_points(measure, rng) -> None:
     ):
         for i, j in np.ndindex(2, 3):
             np.testing.assert_allclose(batched[i, j], single(i, j), rtol=0, atol=ROUNDING)
+
+
+@each_measure
+def test_thickness_strain_of_a_node_is_that_of_a_gradient_that_is_beta_alone(measure, rng) -> None:
+    beta, H = 0.1 * rng.normal(size=(3, 4, 3)), rng.normal(size=(3, 4, 1))
+    q, resultants = np.zeros((3, 4, N_Q)), np.zeros((3, 4, N_E))
+    q[..., [QUANTITIES.index(f"beta{i}") for i in (1, 2, 3)]] = beta
+    resultants[..., STRAINS.index("E33")] = H[..., 0]
+    through = through_thickness(measure)
+    for own, whole in (
+        (through.strain(beta), measure.strain(q)[..., -1:]),
+        (through.gradient(beta), measure.gradient(q)[..., -1:, -3:]),
+        (through.contract(beta, H), measure.contract(q, resultants)[..., -3:, -3:]),
+    ):
+        np.testing.assert_allclose(own, whole, rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-9])
+def test_change_of_strain_from_a_start_loses_no_digits(size, rng) -> None:
+    """Against L q + start Q q + 1/2 q Q q in exact fractions: an offset of size 1, and a q that may be far smaller."""
+    exact, start, q = MEASURES["exact"], rng.normal(size=N_Q), size * rng.normal(size=N_Q)
+    change, gradient = strain_and_gradient(exact, q, start)
+    np.testing.assert_array_equal(gradient, exact.gradient(start + q))
+    L, Q, at, dq = (np.vectorize(Fraction, otypes=[object])(x) for x in (exact.linear, exact.quadratic, start, q))
+    expected = L @ dq + Q @ dq @ at + Q @ dq @ dq / 2
+    np.testing.assert_allclose(change, expected.astype(float), rtol=0, atol=ROUNDING * size)
 
 
 @each_measure
