@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     scaling.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     scaling.set_defaults(bench=_scaling)
 
-    overhead = tables.add_parser("overhead", help="what starting a command, running and reading cells cost beside solving")
+    overhead = tables.add_parser("overhead", help="what starting, running and reading cost beside solving")
     overhead.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
     overhead.set_defaults(bench=_overhead)
 
