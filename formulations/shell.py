@@ -179,12 +179,7 @@ class ShellModel:
 
         In equilibrium with a foundation, its force + this = :meth:`spurious_force`.
         """
-        force, external = self.element_forces(u)
-        loads, shell = self._loads(external), self._at(u)
-        nodal = shell.nodal(loads) + self._reactions(shell, force - loads)
-        if self.forces is not None:
-            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.map.placed(self.forces))
-        return self._resultant(nodal)
+        return self._outside_and_spurious(u)[0]
 
     def spurious_force(self, u: np.ndarray) -> np.ndarray:
         """What the internal forces of all elements add up to (3,) [N], Cartesian.
@@ -192,8 +187,19 @@ class ShellModel:
         Nothing where the interpolation can translate the shell without strain: "isoparametric", or on a plate. Where
         components along a curved surface are interpolated it can not, and the sum falls with the square of the mesh.
         """
-        force, _ = self.element_forces(u)
-        return self._resultant(self._at(u).nodal(force))
+        return self._outside_and_spurious(u)[1]
+
+    def left_to_foundation(self, u: np.ndarray) -> np.ndarray:
+        """:meth:`outside_force` - :meth:`spurious_force`, (3,) [N]: what a foundation balances."""
+        return np.subtract(*self._outside_and_spurious(u))
+
+    def _outside_and_spurious(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        force, external = self.element_forces(u)
+        loads, shell = self._loads(external), self._at(u)
+        nodal = shell.nodal(loads) + self._reactions(shell, force - loads)
+        if self.forces is not None:
+            nodal += np.where(self.discretisation.map.hinged, 0.0, self.discretisation.map.placed(self.forces))
+        return self._resultant(nodal), self._resultant(shell.nodal(force))
 
     def _resultant(self, nodal: np.ndarray) -> np.ndarray:
         """Cartesian sum (3,) of forces (N, 6) in the local frames."""

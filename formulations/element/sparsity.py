@@ -37,7 +37,8 @@ class Pattern:
         plain = number.copy()
         plain[elements] = -1
         keys = np.concatenate([_keys(each, n) for each in (plain, theirs)])
-        unique, slots = np.unique(keys, return_inverse=True)
+        # the index is not wanted, but sorted for it stably: half the time, because keys come in runs
+        unique, _, slots = np.unique(keys, return_index=True, return_inverse=True)
         entries = unique[unique < n * n]
         indptr = np.searchsorted(entries, np.arange(n + 1, dtype=np.int64) * n)
         slots = slots.ravel().astype(np.intp)

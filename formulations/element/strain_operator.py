@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -106,6 +107,11 @@ class ElementGeometry:
             value=shape_functions(GAUSS)[0][:, :, None, None] * turn,
             kinematics=kinematics,
         )
+
+    @cached_property
+    def director_pairs(self) -> np.ndarray:
+        """(9, 36): beta_i beta_j of a node from the products of its displacements."""
+        return np.kron(self.director, self.director)
 
     def chunks(self) -> Iterator[slice]:
         """Slices over the elements, one pass each."""

@@ -109,7 +109,7 @@ def with_balances(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
     return replace(
         problem,
         energy=shell.energy if shell.conservative else None,
-        others=lambda u: shell.outside_force(u) - shell.spurious_force(u),
+        others=shell.left_to_foundation,
         residual=shell.residual,
     )
 
