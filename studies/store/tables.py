@@ -39,8 +39,10 @@ class Table:
 
     @classmethod
     def stacked(cls, tables: Sequence[Table]) -> Table:
-        """The rows of all, in order."""
-        return cls.of_rows([row for table in tables for row in table.rows()])
+        """The rows of all, in order; a column that some of them lack is blank there."""
+        parts = [(len(table), table.columns) for table in tables]
+        names = dict.fromkeys(name for _, columns in parts for name in columns)
+        return cls({name: [v for n, columns in parts for v in columns.get(name, [None] * n)] for name in names})
 
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), ()))

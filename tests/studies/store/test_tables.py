@@ -40,7 +40,7 @@ def test_without_rows_the_named_columns_are_there(tmp_path: Path) -> None:
 
 
 def test_stacked_and_framed_as_pandas_does() -> None:
-    parts = [{"state": "a", "x": np.array([1.0, 2.0])}, {"state": "b", "x": np.array([3.0])}]
+    parts = [{"state": "a", "x": np.array([1.0, 2.0])}, {"state": "b", "x": np.array([3.0]), "y": np.array([4.0])}]
     ours = Table.stacked([Table.of(part) for part in parts])
     theirs = pd.concat([pd.DataFrame(part) for part in parts], ignore_index=True)
     pd.testing.assert_frame_equal(ours.frame(), theirs)
