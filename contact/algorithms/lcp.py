@@ -12,7 +12,7 @@ from scipy import sparse
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.newton.loop import Step, StepError, iterate
-from contact.newton.pivots import firmest
+from contact.newton.pivots import holding
 from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
@@ -97,7 +97,7 @@ def _closed(
     if len(nodes) == 0:
         return du
     rows = G[nodes]
-    (pivot, slope), du = firmest(rows), du.copy()
+    (pivot, slope), du = holding(rows, nodes), du.copy()
     du[pivot] -= (at.gap[nodes] + pressure[nodes] / run.epsilon + rows @ du) / slope
     return du
 

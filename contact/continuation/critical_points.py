@@ -164,7 +164,7 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
     factor = factorise(A, ordered=problem.ordered)
 
     def comply(b: np.ndarray) -> np.ndarray:
-        return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b), b)[0]
+        return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]
 
     compliances, modes = _largest(comply, K.shape[0], symmetric=energetic)
     return Spectrum(1.0 / compliances, modes, _negative(problem, K, nodes, pivots, epsilon) if energetic else None)

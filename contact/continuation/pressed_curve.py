@@ -116,7 +116,7 @@ class PressedCurve:
             A, load = pivots.substitute(A, b)
         found = run.solution(run.factorise(A), A, load)
         if pivots is not None:
-            found, pressing[nodes] = pivots.resolve(found, b)
+            found, pressing[nodes] = pivots.resolve(found)
         found[:-1] *= self.m
         size = float(np.linalg.norm(found))
         return found / size, pressing / size

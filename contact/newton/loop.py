@@ -115,10 +115,11 @@ def settle_set(
     Raises SingularMatrixError.
     """
     jacobian, seen = run.problem.gap_jacobian(at.u), set[bytes]()
+    linear = run.linear(at.lin, at.u, at.pressure, active)
     event: Event | None = None
     most, updates = most if last else min(most, FEW_UPDATES), 0
     while True:
-        du, pressure = run.step(at.lin, at.u, at.pressure, active)
+        du, pressure = linear.step(active)
         gap = at.gap + jacobian @ du
         stepped = replace(at, u=at.u + du, gap=gap, pressure=pressure, active=active)
         wrong = run.misplaced(stepped, c, solved=True)

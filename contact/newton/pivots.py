@@ -18,10 +18,6 @@ class Pivots:
     The saddle-point system has zeros on its diagonal, which make a sparse factorisation of symmetric pattern pivot and
     fill (7 times slower on the tyre). Writing du_k = -(g + p/epsilon + sum_{j != k} G_j du_j)/G_k instead, and p/s in
     the column that du_k leaves free, keeps size and pattern of K, and loses no digit for any epsilon.
-
-    With ``reactions`` a symmetric K stays so where gaps are closed (epsilon = inf): the matrix is Z^T K Z of motions
-    Z = 1 - P R that leave them closed, with the pivots P and R = G_A/G_k; its rows k are empty, and have numbers of the
-    size of K_k on the diagonal. The pressures are the rows k of K du - b. Its entries are in the places of those of K.
     """
 
     rows: sparse.csr_matrix  # G_A (a, n)
@@ -31,10 +27,7 @@ class Pivots:
     held: sparse.csc_matrix  # the columns K_k
     column: sparse.csc_matrix  # K_k/(epsilon G_k) + G^T W, the force of each pressure on the unknowns (n, a)
     scale: np.ndarray  # s, which gives these columns the size of the K_k; their diagonal may well be zero
-    size: np.ndarray  # of the K_k
-    pushing: np.ndarray  # force on du_k of a unit pressure
     epsilon: float
-    reactions: bool
 
     @classmethod
     def choose(
@@ -44,52 +37,25 @@ class Pivots:
         nodes: np.ndarray,
         K: sparse.csc_matrix,
         epsilon: float,
-        *,
-        reactions: bool = False,
     ) -> Pivots:
-        """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown.
-
-        reactions: to be used where K is symmetric and all gaps are closed by forces of their own.
-        """
+        """Largest entry of each gap row as pivot; raises ValueError when it has none or two rows share an unknown."""
         rows, acting = problem.gap_jacobian(u)[nodes], problem.push(u)
-        holding = acting[nodes]
-        if np.max(np.bincount(holding.indices[holding.data != 0]), initial=0) > 1:
-            raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
         push = sparse.csc_matrix(acting.T @ problem.weight_matrix[:, nodes])
-        pivot, slope = firmest(holding)
-        if not np.all(slope):
-            names = ", ".join(map(str, nodes[slope == 0]))
-            raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
+        pivot, slope = holding(acting[nodes], nodes)
         held = sparse.csc_matrix(K[:, pivot])
         column = sparse.csc_matrix(push + held @ sparse.diags_array(1.0 / (epsilon * slope)))
-        size, found = _largest(held), _largest(column)
+        size, found = largest(held), largest(column)
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
         found[found == 0] = 1.0  # the pressure acts on nothing: singular, which the factorisation will say
-        pushing, gap = np.asarray(push[pivot, np.arange(len(nodes))]).ravel(), problem.gap(u)[nodes]
-        plain = problem.coupling is None and not problem.driven and np.isinf(epsilon) and np.all(pushing)
-        by_reactions = bool(reactions and plain and symmetric(K))
-        return cls(rows, gap, pivot, slope, held, column, size / found, size, pushing, epsilon, by_reactions)
+        return cls(rows, problem.gap(u)[nodes], pivot, slope, held, column, size / found, epsilon)
 
     def substitute(self, K: sparse.csc_matrix, b: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
         """Matrix and right-hand side for du with p/s in place of each du_k, or with nothing there."""
-        if self.reactions:
-            return self._closed(K, b)
         a, n = len(self.pivot), K.shape[0]
         place = sparse.csr_matrix((np.ones(a), self.pivot, np.arange(a + 1)), shape=(a, n))
         on_others = self.held @ (sparse.diags_array(-1.0 / self.slope) @ self.rows)
         column = self.column @ sparse.diags_array(self.scale)
         return sparse.csc_matrix(K + (on_others - column @ place)), b + self.held @ (self.gap / self.slope)
-
-    def _closed(self, K: sparse.csc_matrix, b: np.ndarray) -> tuple[sparse.csc_matrix, np.ndarray]:
-        """Z^T K Z and what makes its empty rows regular, and Z^T (b - K d) of displacements d that close the gaps."""
-        a, n = len(self.pivot), K.shape[0]
-        place = sparse.csr_matrix((np.ones(a), self.pivot, np.arange(a + 1)), shape=(a, n))
-        follow = sparse.csr_matrix(sparse.diags_array(1.0 / self.slope) @ self.rows)
-        across = self.held @ follow
-        change = follow.T @ (self.held[self.pivot] @ follow) - across - across.T
-        change += place.T @ sparse.diags_array(self.size) @ place
-        closing = b + self.held @ (self.gap / self.slope)
-        return added(K, sparse.csc_matrix(change)), closing - follow.T @ closing[self.pivot]
 
     def homogeneous(self) -> Pivots:
         """The same for closed gaps, as of a motion that leaves them so."""
@@ -105,19 +71,31 @@ class Pivots:
         )
         return sparse.csc_matrix(sparse.eye_array(n, format="csc") + place @ follow)[:, others]
 
-    def resolve(self, x: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du and the pressures of the set from the solution of the system substituted for b."""
+    def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du and the pressures of the set from the solution of the substituted system."""
         pressure, du = self.scale * x[self.pivot], x.copy()
         du[self.pivot] = 0.0
         du[self.pivot] = -(self.gap + pressure / self.epsilon + self.rows @ du) / self.slope
-        return du, (self.held.T @ du - b[self.pivot]) / self.pushing if self.reactions else pressure
+        return du, pressure
 
 
-def firmest(rows: sparse.csr_matrix) -> tuple[np.ndarray, np.ndarray]:
-    """The unknown that holds each gap most firmly, and the slope of the gap in it."""
+def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The unknown that holds each gap most firmly, and the slope of the gap in it.
+
+    Raises ValueError when a gap has no unknown, or two share one.
+    """
+    if np.max(np.bincount(rows.indices[rows.data != 0]), initial=0) > 1:
+        raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
+    if len(nodes) == 0:
+        return np.zeros(0, int), np.zeros(0)
     pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
-    return pivot, np.asarray(rows[np.arange(rows.shape[0]), pivot]).ravel()
+    slope = np.asarray(rows[np.arange(rows.shape[0]), pivot]).ravel()
+    if not np.all(slope):
+        names = ", ".join(map(str, nodes[slope == 0]))
+        raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
+    return pivot, slope
 
 
-def _largest(A: sparse.csc_matrix) -> np.ndarray:
+def largest(A: sparse.csc_matrix) -> np.ndarray:
+    """Size (a,) of each column."""
     return np.asarray(abs(A).max(axis=0).toarray()).ravel()

@@ -6,11 +6,13 @@ Which nodes belong to the set is the algorithm's business and must not enter her
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
+from contact.newton.condensed import Condensed
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
 from contact.problem import (
@@ -28,6 +30,13 @@ RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algor
 GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
 ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
+
+
+class LinearStep(Protocol):
+    """A linearised problem that knows its step on any set."""
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,18 +126,14 @@ class NewtonRun:
         K du - G^T W p = -r,   G_A du + p_A/epsilon = -g_A,   p = 0 outside the set A.
         Raises SingularMatrixError.
         """
-        nodes, pivots, found = np.flatnonzero(active), None, np.zeros_like(pressure)
-        with self.tally.timed("contact_s"):
-            A, b = self.problem.stiffness(lin, u, pressure), -lin.residual
-            if len(nodes):
-                fronts = self.solver == "multifrontal"
-                pivots = Pivots.choose(self.problem, u, nodes, A, self.epsilon, reactions=fronts)
-                A, b = pivots.substitute(A, b)
-        du = self.solution(self.factorise(A), A, b)
-        if pivots is not None:
-            with self.tally.timed("contact_s"):
-                du, found[nodes] = pivots.resolve(du, -lin.residual)
-        return du, found
+        return self.linear(lin, u, pressure, active).step(active)
+
+    def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
+        """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
+        problem = self.problem
+        if problem.coupling is None and not problem.driven and np.all(problem.weights[active] > 0):
+            return Condensed(self, lin, u, pressure, active)
+        return Substituted(self, lin, u, pressure)
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
         """Factorise, counted and timed; raises SingularMatrixError."""
@@ -162,6 +167,31 @@ class NewtonRun:
         """The solution record of this run; pressures of a converged set that rounding made negative become zero."""
         pressure = np.maximum(at.pressure, 0.0) if outcome.converged else at.pressure
         return ContactSolution(at.u, pressure, at.active, outcome, dict(self.tally.counters), tuple(self.tally.history))
+
+
+@dataclass(frozen=True, eq=False)
+class Substituted:
+    """The linearised problem, factorised anew on each set: the only way where pressures have to be unknowns."""
+
+    run: NewtonRun
+    lin: Linearised
+    u: np.ndarray
+    pressure: np.ndarray
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""
+        run, nodes, found = self.run, np.flatnonzero(active), np.zeros_like(self.pressure)
+        pivots: Pivots | None = None
+        with run.tally.timed("contact_s"):
+            A, b = run.problem.stiffness(self.lin, self.u, self.pressure), -self.lin.residual
+            if len(nodes):
+                pivots = Pivots.choose(run.problem, self.u, nodes, A, run.epsilon)
+                A, b = pivots.substitute(A, b)
+        du = run.solution(run.factorise(A), A, b)
+        if pivots is not None:
+            with run.tally.timed("contact_s"):
+                du, found[nodes] = pivots.resolve(du)
+        return du, found
 
 
 def _rounding(at: Iterate) -> float:

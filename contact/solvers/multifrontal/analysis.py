@@ -92,6 +92,15 @@ class Analysis:
         each = zip(start.tolist(), stop.tolist(), boundary, *places, map(tuple, children), strict=True)
         return cls(order, image, tuple(Front(*parts) for parts in each))
 
+    def above(self, unknowns: np.ndarray) -> np.ndarray:
+        """The fronts (bool) that eliminate these unknowns, by their places in the order, and all above them."""
+        ends = np.array([front.stop for front in self.fronts])
+        touched = np.zeros(len(ends), bool)
+        touched[np.searchsorted(ends, unknowns, side="right")] = True
+        for number, front in enumerate(self.fronts):
+            touched[number] |= any(touched[child] for child, _ in front.children)
+        return touched
+
 
 def _image(indptr: np.ndarray, indices: np.ndarray) -> np.ndarray | None:
     """Where each entry's transpose is; None where it, or an entry on the diagonal, is missing."""

@@ -166,6 +166,34 @@ class Multifrontal:
         return found
 
 
+def response(factor: Multifrontal, left: sparse.csc_matrix, right: sparse.csc_matrix) -> np.ndarray:
+    """left^T A^-1 right (j, k), by those fronts alone that their unknowns go through on the way to the root."""
+    analysis, n = factor.analysis, right.shape[0]
+    rank = np.empty(n, np.intp)
+    rank[analysis.order] = np.arange(n)
+    down = analysis.above(rank[np.unique(right.indices)])
+    up = down | analysis.above(rank[np.unique(left.indices)])
+    # the unknowns of these fronts, numbered without the others
+    begins = np.array([front.start for front in analysis.fronts])
+    sizes = np.diff(np.append(begins, n))
+    kept = np.repeat(up, sizes)
+    place = np.cumsum(kept) - 1
+    chosen = analysis.order[kept]
+    x = right.tocsr()[chosen].toarray(order="F")
+    pairs = [
+        (slice(int(place[front.start]), int(place[front.start]) + front.stop - front.start), place[front.boundary], one, goes)
+        for front, one, goes, comes in zip(analysis.fronts, factor.fronts, down, up, strict=True)
+        if comes
+    ]
+    for own, boundary, one, goes in pairs:
+        if goes:
+            x[own], off = one.forward(x[own])
+            x[boundary] -= off
+    for own, boundary, one, _ in reversed(pairs):
+        x[own] = one.backward(x[own], x[boundary])
+    return np.asarray(left.tocsr()[chosen].T @ x)
+
+
 def _symmetric(front: Front, data: np.ndarray, left: dict[int, np.ndarray]) -> tuple[Eliminated, np.ndarray]:
     """The lower half of the front is assembled and eliminated."""
     m, b = front.stop - front.start, len(front.boundary)

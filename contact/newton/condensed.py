@@ -1,0 +1,137 @@
+"""The linearised contact problem on one factorisation: other sets by principal pivots of the one it was made for."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import sparse
+
+from contact.newton.held import Held
+from contact.newton.pivots import holding
+from contact.problem import Linearised
+from contact.solvers.sparse import SingularMatrixError, response
+
+if TYPE_CHECKING:
+    from contact.newton.step import NewtonRun
+
+REFINED = 1e-12  # relative change of the forces and slacks that a step has found, above which it is solved again
+REFINEMENTS = 3
+
+
+class Condensed:
+    """w = q + M z with w_c = 0 where a candidate's state is not that of the base set, z_c = 0 where it is.
+
+    z is a force outside the base set, a slack inside; w is a gap with its spring, g + G du + E f, outside, a force
+    inside. 0 <= z, 0 <= w, z w = 0 is the linearised contact problem: M is a principal pivot transform of the Delassus
+    matrix, and a P-matrix where that is one. Its columns are found when they are asked for.
+    Sources: Cottle, Pang, Stone, The Linear Complementarity Problem (1992), section 2.3; Tsatsomeros, Linear Algebra
+    Appl. 307 (2000) 151-165.
+    """
+
+    def __init__(self, run: NewtonRun, lin: Linearised, u: np.ndarray, pressure: np.ndarray, base: np.ndarray) -> None:
+        """Factorise on the set ``base`` (m,); raises SingularMatrixError, ValueError."""
+        problem, self._run, self.base, self._residual = run.problem, run, base.copy(), lin.residual
+        with run.tally.timed("contact_s"):
+            K = problem.stiffness(lin, u, pressure)
+            self._rows, self._gap = problem.gap_jacobian(u), problem.gap(u)
+            self._compliance = 1.0 / (run.epsilon * problem.weights)
+            self._held = Held.on(problem, u, np.flatnonzero(base), K, run.epsilon)
+            matrix = self._held.matrix
+        self._matrix, self._factor = matrix, run.factorise(matrix)
+        nothing = np.zeros(len(base))
+        self._free = self._solution(nothing)
+        self.q = self._violation(nothing, *self._free)
+        self._known, self._columns = np.zeros(0, int), np.zeros((len(base), 0))
+
+    def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and pressures (m,) on the set ``active`` (m,); raises SingularMatrixError."""
+        nodes = np.flatnonzero(active)
+        holding(self._rows[nodes], nodes)
+        z, (du, forces) = np.zeros(len(active)), self._free
+        changed = np.flatnonzero(active ^ self.base)
+        if len(changed):
+            M, q = self.block(changed)
+            with self._run.tally.timed("contact_s"):
+                z[changed] = _solved(M, -q)
+            for _ in range(REFINEMENTS):
+                du, forces = self._solution(z)
+                change = _solved(M, -self._violation(z, du, forces)[changed])
+                if np.all(np.abs(change) <= REFINED * np.max(np.abs(z))):
+                    break
+                z[changed] += change
+        found = np.where(self.base, 0.0, z)
+        found[self.base] = forces
+        found[~active] = 0.0
+        return self._closed(du, found, active), found / self._run.problem.weights
+
+    def block(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """M (c, c) and q (c,) of these candidates."""
+        new = np.setdiff1d(nodes, self._known)
+        if len(new):
+            with self._run.tally.timed("contact_s"):
+                self._columns = np.hstack([self._columns, self._found(new)])
+            self._known = np.append(self._known, new)
+        place = np.empty(len(self.base), int)
+        place[self._known] = np.arange(len(self._known))
+        return self._columns[np.ix_(nodes, place[nodes])], self.q[nodes]
+
+    def _solution(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and the forces (a,) of the base set under the forces and slacks z."""
+        slack = z[self.base] - self._gap[self.base]
+        pushed = self._rows.T @ np.where(self.base, 0.0, z)
+        y = self._run.solution(self._factor, self._matrix, self._held.load(pushed - self._residual, slack))
+        du = self._held.motion(y, slack)
+        return du, self._held.forces(y, du, self._residual)
+
+    def _violation(self, z: np.ndarray, du: np.ndarray, forces: np.ndarray) -> np.ndarray:
+        """w (m,)."""
+        w = self._gap + self._rows @ du + self._compliance * z
+        w[self.base] = forces
+        return w
+
+    def _closed(self, du: np.ndarray, forces: np.ndarray, active: np.ndarray) -> np.ndarray:
+        """The du whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly."""
+        nodes, du = np.flatnonzero(active), du.copy()
+        rows = self._rows[nodes]
+        pivot, slope = holding(rows, nodes)
+        du[pivot] -= (self._gap[nodes] + self._compliance[nodes] * forces[nodes] + rows @ du) / slope
+        return du
+
+    @cached_property
+    def _outside(self) -> sparse.csc_matrix:
+        """T^T G^T (n, m - a)."""
+        return self._held.pushed(self._rows[~self.base])
+
+    @cached_property
+    def _gauges(self) -> sparse.csc_matrix:
+        """What of y there is in w (n, m)."""
+        return self._of_all(self._outside, self._held.felt())
+
+    @cached_property
+    def _causes(self) -> sparse.csc_matrix:
+        """What z puts on the right-hand side (n, m)."""
+        return self._of_all(self._outside, self._held.let_go())
+
+    def _of_all(self, outside: sparse.csc_matrix, inside: sparse.csc_matrix) -> sparse.csc_matrix:
+        order = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base)))
+        return sparse.csc_matrix(sparse.hstack([outside, inside], format="csc")[:, order])
+
+    def _found(self, nodes: np.ndarray) -> np.ndarray:
+        """Columns of M (m, k)."""
+        columns = response(self._factor, self._gauges, self._causes[:, nodes])
+        inside, each = self.base[nodes], np.arange(len(nodes))
+        held = np.cumsum(self.base) - 1
+        columns[np.ix_(self.base, inside)] += self._held.stiffness()[:, held[nodes[inside]]]
+        columns[nodes[~inside], each[~inside]] += self._compliance[nodes[~inside]]
+        return columns
+
+
+def _solved(M: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """M^-1 b, the rows and columns scaled by the diagonal: it holds mm/N and N/mm. Raises SingularMatrixError."""
+    size = 1 / np.sqrt(np.where(np.diag(M) != 0, np.abs(np.diag(M)), 1.0))
+    try:
+        return np.asarray(size * np.linalg.solve(size[:, None] * M * size, size * b))
+    except np.linalg.LinAlgError as error:
+        raise SingularMatrixError(f"the contact problem on {len(b)} candidates is singular") from error

@@ -1,0 +1,112 @@
+"""A contact set put into a tangent as motions that obey it: what stays symmetric, and keeps its places."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy import sparse
+
+from contact.newton.pivots import holding, largest
+from contact.problem import ContactProblem
+from contact.solvers.sparse import added
+
+
+@dataclass(frozen=True, eq=False)
+class Held:
+    """The step K du - G_A^T f = -r, G_A du + E f = s - g of a set A with slacks s (a,), 0 unless a node is let go.
+
+    f = w p are nodal forces and E = diag(1/(epsilon w)). Each gap is solved for the displacement k that it holds most
+    firmly, du = T y + P (s - g), where P has 1/G_k at k. T leaves the others as they are and makes du_k follow them;
+    its t at (k, k) is the share of a spring in du_k, 0 where epsilon is infinite. What is left is, with e = E/G_k^2::
+
+        (T^T K T + D) y = -T^T (r + K P (s - g)),    D_kk = kappa/(1 + e kappa),    t^2 = e D_kk,    f = P^T (K du + r)
+
+    kappa is the size of K_k: the diagonal is as large as that of K for any epsilon. A symmetric K leaves a symmetric
+    matrix, a definite one a definite one, and every entry is in a place of K's.
+    """
+
+    K: sparse.csc_matrix
+    rows: sparse.csr_matrix  # G_A (a, n)
+    pivot: np.ndarray
+    slope: np.ndarray  # G_k
+    compliance: np.ndarray  # diagonal of E [mm/N]
+    share: np.ndarray  # t
+    spring: np.ndarray  # D_kk
+
+    @classmethod
+    def on(
+        cls, problem: ContactProblem, u: np.ndarray, nodes: np.ndarray, K: sparse.csc_matrix, epsilon: float
+    ) -> Held:
+        """The set of these candidates; raises ValueError when one has no unknown or two share one."""
+        rows = problem.gap_jacobian(u)[nodes]
+        pivot, slope = holding(rows, nodes)
+        size = largest(sparse.csc_matrix(K[:, pivot]))
+        size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
+        compliance = 1.0 / (epsilon * problem.weights[nodes])
+        soft = compliance / slope**2
+        spring = size / (1 + soft * size)
+        return cls(K, rows, pivot, slope, compliance, np.sqrt(soft * spring), spring)
+
+    @cached_property
+    def following(self) -> sparse.csr_matrix:
+        """R (a, n): T = 1 - (1 at k) R."""
+        a, n = self.rows.shape
+        own = sparse.csr_matrix((self.share, self.pivot, np.arange(a + 1)), shape=(a, n))
+        return sparse.csr_matrix(sparse.diags_array(1.0 / self.slope) @ self.rows - own)
+
+    @cached_property
+    def columns(self) -> sparse.csc_matrix:
+        """K_k (n, a)."""
+        return sparse.csc_matrix(self.K[:, self.pivot])
+
+    @cached_property
+    def across(self) -> sparse.csr_matrix:
+        """The rows k of K (a, n)."""
+        return sparse.csr_matrix(self.K[self.pivot])
+
+    @cached_property
+    def matrix(self) -> sparse.csc_matrix:
+        """T^T K T + D (n, n)."""
+        R, n = self.following, self.K.shape[0]
+        change = R.T @ ((self.columns[self.pivot] @ R) - self.across) - self.columns @ R
+        on = sparse.csc_matrix((self.spring, (self.pivot, self.pivot)), shape=(n, n))
+        return added(self.K, sparse.csc_matrix(change + on))
+
+    def load(self, force: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """T^T (force - K P slack) (n,), of a slack s - g (a,)."""
+        left = force - self.columns @ (slack / self.slope)
+        return np.asarray(left - self.following.T @ left[self.pivot])
+
+    def motion(self, y: np.ndarray, slack: np.ndarray) -> np.ndarray:
+        """du = T y + P slack (n,)."""
+        du = y.copy()
+        du[self.pivot] += slack / self.slope - self.following @ y
+        return du
+
+    def forces(self, y: np.ndarray, du: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """f (a,) [N]: of springs softer than the shell what they are pushed in by, else all that is left along k."""
+        found = np.asarray((self.across @ du + residual[self.pivot]) / self.slope)
+        soft = self.share**2 > 0.5
+        found[soft] = -(self.slope * self.share * y[self.pivot])[soft] / self.compliance[soft]
+        return found
+
+    def let_go(self) -> sparse.csc_matrix:
+        """-T^T K P (n, a): what a unit of each slack puts on the right-hand side."""
+        left = sparse.csc_matrix(self.columns @ sparse.diags_array(-1.0 / self.slope))
+        return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
+
+    def felt(self) -> sparse.csc_matrix:
+        """T^T K^T P (n, a), with f = felt^T y + :meth:`stiffness` s but for constants."""
+        left = sparse.csc_matrix(self.across.T @ sparse.diags_array(1.0 / self.slope))
+        return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
+
+    def pushed(self, rows: sparse.csr_matrix) -> sparse.csc_matrix:
+        """T^T G^T (n, b) of candidates outside the set: their forces on the right-hand side, and their gaps in y."""
+        left = sparse.csc_matrix(rows.T)
+        return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
+
+    def stiffness(self) -> np.ndarray:
+        """P^T K P (a, a): forces of slacks, all else at rest."""
+        return np.asarray(self.columns[self.pivot].toarray() / self.slope[:, None] / self.slope)
