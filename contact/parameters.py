@@ -46,4 +46,10 @@ SOLVER = Parameter(
     kind="choice",
     choices=("splu", "multifrontal", "pardiso"),
 )
+SYSTEM = Parameter(
+    "system",
+    "linearised problem on the candidates whose state changes (condensed) or on all (full)",
+    kind="choice",
+    choices=("condensed", "full"),
+)
 SHARED = (EPSILON, TOLERANCE, SOLVER)  # what every algorithm here has

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import ClassVar
 
@@ -11,36 +11,40 @@ from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
-from contact.newton.loop import Step, StepError, iterate
+from contact.newton.condensed import Condensed
+from contact.newton.loop import Step, StepError, decide_set, iterate
 from contact.newton.pivots import holding
 from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, NewtonRun
-from contact.parameters import SHARED, Parameter
+from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.solvers.lcp_pivoting import METHODS, LcpError, LcpSolution, NotApplicableError, active_set
-from contact.solvers.sparse import Factor
+from contact.solvers.lcp_pivoting import METHODS, LcpError, LcpSolution, NotApplicableError, active_set, principal_pivot, unit
+from contact.solvers.sparse import response
 
 INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding
-COLUMNS = 64  # right-hand sides at once
 
 
 @dataclass(frozen=True)
 class Lcp(NewtonAlgorithm):
     """0 <= f, 0 <= g + G du(f), their product zero, with du(f) = K^-1 (G^T f - r) and nodal forces f = W p.
 
-    The Delassus operator G K^-1 G^T (compliance of the candidates, mm/N) costs one solution a candidate. It is built
-    for those expected to press or pushed in by the free step, and grows when the solution pushes in others.
+    system: ``condensed`` factorises on the expected set, and pivots on the candidates that are misplaced there; it
+    grows when their solution misplaces others (:class:`Condensed`). ``full`` factorises K and builds the Delassus
+    operator G K^-1 G^T (compliance, mm/N) of all that are expected to press or pushed in by the free step, one solution
+    a candidate; K alone must be regular then: a body that only the foundation holds has no compliance.
     method: ``lemke`` (exact pivoting, any P-matrix), ``active-set`` (fast, any P-matrix), ``nnls`` (symmetric positive
     definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling).
-    K alone must be regular: a body that only the foundation holds has no compliance.
+    Consistent coupling is solved in full.
     Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
     """
 
     method: str = "lemke"
+    system: str = "condensed"
     name: ClassVar[str] = "lcp"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("method", "how the complementarity problem is solved", kind="choice", choices=tuple(METHODS)),
+        SYSTEM,
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -53,10 +57,32 @@ class Lcp(NewtonAlgorithm):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
-        return iterate(self.run(problem), start, partial(_step, self.method), self.max_iterations)
+        step = _condensed if self.system == "condensed" else _full
+        return iterate(self.run(problem), start, partial(step, self.method), self.max_iterations)
 
 
-def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
+def _condensed(method: str, run: NewtonRun, at: Iterate) -> Step:
+    linear = run.linear(at.lin, at.u, at.pressure, at.active)
+    if not isinstance(linear, Condensed):
+        return _full(method, run, at)
+    events: list[Event | None] = []
+
+    def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
+        back = base if method == "nnls" else np.zeros_like(base)  # the forces of all: a symmetric matrix
+        size = unit(M)
+        with run.tally.timed("contact_s"):
+            try:
+                M, q = principal_pivot(size[:, None] * M * size, size * q, back)
+            except LcpError as error:
+                raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {error}") from None
+            found = _solve(method, M, q, back)
+        events.append(found.event)
+        return (found.z > 0) ^ back
+
+    return replace(decide_set(run, at, linear, decide), event=next(filter(None, reversed(events)), None))
+
+
+def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
     problem, G = run.problem, run.problem.gap_jacobian(at.u)
     K = problem.stiffness(at.lin, at.u, at.pressure)
     lumped = problem.coupling is None
@@ -73,7 +99,7 @@ def _step(method: str, run: NewtonRun, at: Iterate) -> Step:
     multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.active | (free < -rounding))
     while len(entering):
         with run.tally.timed("contact_s"):
-            columns = np.hstack([columns, _compliance(factor, G, push[:, entering])])
+            columns = np.hstack([columns, response(factor, sparse.csc_matrix(G.T), push[:, entering])])
             nodes = np.append(nodes, entering)
             M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
             found = _solve(method, M, free[nodes], at.active[nodes])
@@ -123,9 +149,3 @@ def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> L
         raise StepError(Outcome.UNSOLVED, f"lcp by {method}: {why}; by the active set: {error}") from None
     instead = Event(EventKind.SUBSTITUTE, f"lcp by {method}: {why}; the active set was used instead")
     return LcpSolution(found.z, found.pivots, instead)
-
-
-def _compliance(factor: Factor, G: sparse.csr_matrix, push: sparse.csc_matrix) -> np.ndarray:
-    """G K^-1 push (m, a), a few columns at a time: K^-1 push itself would be large."""
-    parts = [push[:, j : j + COLUMNS].toarray() for j in range(0, push.shape[1], COLUMNS)]
-    return np.hstack([G @ np.column_stack([factor.solve(b) for b in part.T]) for part in parts])

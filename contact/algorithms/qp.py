@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
 from typing import ClassVar
@@ -12,13 +13,15 @@ from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
-from contact.newton.loop import Step, StepError, iterate, settle_set
+from contact.newton.condensed import Condensed
+from contact.newton.loop import Step, StepError, decide_set, iterate, settle_set
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
-from contact.parameters import SHARED, Parameter
+from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.solvers.lcp_pivoting import LcpError, principal_pivot, unit
 from contact.solvers.qp_backends import BACKENDS, Answer, Programme, ask, missing
-from contact.solvers.sparse import asymmetry, negative_pivots, symmetric
+from contact.solvers.sparse import SingularMatrixError, asymmetry, negative_pivots, symmetric
 
 SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tangent that is not convex
 
@@ -27,6 +30,10 @@ SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tan
 class Qp(NewtonAlgorithm):
     """min du.K.du/2 + r.du subject to g + G du >= 0; a finite epsilon gives every gap a spring of stiffness epsilon w.
 
+    system: ``full`` is that programme, sparse, with all displacements. ``condensed`` is its dual on the candidates that
+    are misplaced in the expected set, joined by those that its solution misplaces: min f.C.f/2 + q.f, f >= 0, dense
+    and small, with the compliance C of the forces f at all else in its state (:class:`Condensed`). Where the tangent is
+    not definite on that set, the programme is ``full``: the dual has a maximum there, or nothing.
     backend: ``osqp``, ``clarabel``; with the extra qp ``proxqp``, ``piqp``, and ``daqp`` (dense: small problems).
     eps, polish: its tolerances, absolute and relative, and whether OSQP polishes.
     The programme is scaled (unit diagonal, unit rows, displacements and energy about 1), and of the answer only the
@@ -40,11 +47,13 @@ class Qp(NewtonAlgorithm):
     backend: str = "osqp"
     eps: float = 1e-8
     polish: bool = True
+    system: str = "condensed"
     name: ClassVar[str] = "qp"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("backend", "solver of the quadratic programmes", kind="choice", choices=tuple(BACKENDS)),
         Parameter("eps", "tolerance of the quadratic programmes", low=1e-14, high=1),
+        SYSTEM,
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -55,9 +64,32 @@ class Qp(NewtonAlgorithm):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start``; the outcome is REFUSED where the tangent is not symmetric."""
-        return iterate(self.run(problem), start, self._step, self.max_iterations)
+        step = self._condensed if self.system == "condensed" else self._full
+        return iterate(self.run(problem), start, step, self.max_iterations)
 
-    def _step(self, run: NewtonRun, at: Iterate) -> Step:
+    def _condensed(self, run: NewtonRun, at: Iterate) -> Step:
+        _must_be_symmetric(run.problem.stiffness(at.lin, at.u, at.pressure))
+        try:
+            linear = run.linear(at.lin, at.u, at.pressure, at.active)
+        except SingularMatrixError:  # only the foundation holds the body
+            return self._full(run, at)
+        if not isinstance(linear, Condensed) or linear.negative_pivots():
+            return self._full(run, at)
+        words, shifts = dict[str, None](), [0.0]
+
+        def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
+            with run.tally.timed("contact_s"):
+                programme, shift = _dual(M, q, base)
+                answer = ask(self.backend, programme, self.eps, self.polish)
+            shifts.append(shift)
+            if not answer.claimed:
+                words[f"{self.backend} says {answer.status!r}"] = None
+            return (answer.x > programme.P @ answer.x + programme.q) ^ base
+
+        claimed = decide_set(run, at, linear, decide).active
+        return self._finished(settle_set(run, at, claimed, linear=linear), claimed, max(shifts), list(words))
+
+    def _full(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:
             return settle_set(run, at, at.active)
         with run.tally.timed("contact_s"):
@@ -65,15 +97,18 @@ class Qp(NewtonAlgorithm):
             known = scaled.multipliers(run.problem.nodal_forces(at.pressure))
             answer = self._answer(scaled.convexified(shift), at, known)
         claimed = _pressing(scaled, answer)
-        step = settle_set(run, at, claimed)
+        words = [] if answer.claimed else [f"{self.backend} says {answer.status!r}"]
+        return self._finished(settle_set(run, at, claimed), claimed, shift, words)
+
+    def _finished(self, step: Step, claimed: np.ndarray, shift: float, words: Sequence[str]) -> Step:
+        """The step with what the history says of it; claimed (m,): the set that the backend has found."""
         told = [f"not convex: set found with a shift of {shift:g} of the diagonal"] if shift else []
-        if not answer.claimed:
-            told.append(f"{self.backend} says {answer.status!r}")
+        told += words
         wrong = int(np.sum(claimed ^ step.active))
         if wrong:
-            told.append(f"set of {self.backend} ({answer.status}) corrected at {wrong} nodes by exact steps")
+            told.append(f"set of {self.backend} corrected at {wrong} nodes by exact steps")
         events = [Event(EventKind.SUBSTITUTE, text) for text in told] + ([step.event] if step.event else [])
-        return Step(step.du, step.pressure, step.active, reduce(add, events) if events else None)
+        return replace(step, event=reduce(add, events) if events else None, updates=0)
 
     def _answer(self, whole: Programme, at: Iterate, y: np.ndarray) -> Answer:
         """Of the candidates expected to press, and the nearest, joined by those pushed in until there are no more.
@@ -93,12 +128,39 @@ class Qp(NewtonAlgorithm):
             near |= pushed_in
 
 
-def _convex(run: NewtonRun, at: Iterate) -> tuple[Scaled, float]:
-    """The programme of an iterate, and the least shift with which it is convex; raises StepError."""
-    K = run.problem.stiffness(at.lin, at.u, at.pressure)
+def _must_be_symmetric(K: sparse.csc_matrix) -> None:
+    """Raises StepError."""
     if not symmetric(K):
         off = f"the tangent differs from its transpose by {asymmetry(K):.1e} of its size"
         raise StepError(Outcome.REFUSED, f"{off}: no energy to minimise")
+
+
+def _dual(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> tuple[Programme, float]:
+    """The programme in the forces of all, scaled to a unit diagonal and to gaps of 1, and its shift; raises StepError.
+
+    Of x > C x + q the left is a force, the right the gap that it leaves.
+    """
+    size = unit(M)
+    try:
+        C, gap = principal_pivot(size[:, None] * M * size, size * q, base)
+    except LcpError as error:
+        raise StepError(Outcome.UNSOLVED, f"the programme of the candidates: {error}") from None
+    again = unit(C)
+    C, gap = again[:, None] * C * again, again * gap
+    lowest = float(np.linalg.eigvalsh(C)[0])
+    shift = next((s for s in (0.0, *SHIFTS) if lowest + s > 0), None)
+    if shift is None:
+        raise StepError(Outcome.UNSOLVED, "the tangent is far from convex: no programme was made of it")
+    n = len(gap)
+    P = sparse.csc_matrix((C + C.T) / 2 + shift * np.eye(n))
+    whole = sparse.eye_array(n, format="csc")
+    return Programme(P, gap / (float(np.max(np.abs(gap))) or 1.0), sparse.csc_matrix(whole), np.zeros(n)), shift
+
+
+def _convex(run: NewtonRun, at: Iterate) -> tuple[Scaled, float]:
+    """The programme of an iterate, and the least shift with which it is convex; raises StepError."""
+    K = run.problem.stiffness(at.lin, at.u, at.pressure)
+    _must_be_symmetric(K)
     scaled = Scaled.of(K, at.lin.residual, run.problem.gap_jacobian(at.u), at.gap, run.problem.weights, run.epsilon)
     shift = next((s for s in (0.0, *SHIFTS) if not negative_pivots(scaled.convexified(s).P)), None)
     if shift is None:

@@ -11,7 +11,8 @@ from scipy import sparse
 from contact.newton.held import Held
 from contact.newton.pivots import holding
 from contact.problem import Linearised
-from contact.solvers.sparse import SingularMatrixError, response
+from contact.solvers.lcp_pivoting import unit
+from contact.solvers.sparse import SingularMatrixError, negative_pivots, response
 
 if TYPE_CHECKING:
     from contact.newton.step import NewtonRun
@@ -65,6 +66,10 @@ class Condensed:
         found[self.base] = forces
         found[~active] = 0.0
         return self._closed(du, found, active), found / self._run.problem.weights
+
+    def negative_pivots(self) -> int:
+        """Negative eigenvalues of a symmetric tangent on the motions that obey the base set."""
+        return negative_pivots(self._matrix, self._factor)
 
     def block(self, nodes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """M (c, c) and q (c,) of these candidates."""
@@ -129,8 +134,8 @@ class Condensed:
 
 
 def _solved(M: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """M^-1 b, the rows and columns scaled by the diagonal: it holds mm/N and N/mm. Raises SingularMatrixError."""
-    size = 1 / np.sqrt(np.where(np.diag(M) != 0, np.abs(np.diag(M)), 1.0))
+    """M^-1 b; raises SingularMatrixError."""
+    size = unit(M)
     try:
         return np.asarray(size * np.linalg.solve(size[:, None] * M * size, size * b))
     except np.linalg.LinAlgError as error:

@@ -12,10 +12,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import sparse
 
 from contact.events import Event, EventKind
 from contact.newton.state import Iterate
-from contact.newton.step import NewtonRun
+from contact.newton.condensed import Condensed
+from contact.newton.step import LinearStep, NewtonRun
 from contact.problem import ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
@@ -106,23 +108,22 @@ def settle_set(
     *,
     last: bool = True,
     most: int = MOST_UPDATES,
+    linear: LinearStep | None = None,
 ) -> Step:
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
-    Each update is one factorisation. If this is the ``last`` linearisation to decide the set, a cycle is answered by
+    linear: the linearisation, where it is factorised already. If this is the ``last`` linearisation to decide the set, a cycle is answered by
     swapping only the first misplaced node: finite for a P-matrix. Otherwise, and after very many updates, the step is
     returned as it is: a tangent far from equilibrium may have no consistent set, and another one is not far.
     Raises SingularMatrixError.
     """
     jacobian, seen = run.problem.gap_jacobian(at.u), set[bytes]()
-    linear = run.linear(at.lin, at.u, at.pressure, active)
+    linear = linear or run.linear(at.lin, at.u, at.pressure, active)
     event: Event | None = None
     most, updates = most if last else min(most, FEW_UPDATES), 0
     while True:
         du, pressure = linear.step(active)
-        gap = at.gap + jacobian @ du
-        stepped = replace(at, u=at.u + du, gap=gap, pressure=pressure, active=active)
-        wrong = run.misplaced(stepped, c, solved=True)
+        wrong = _misplaced(run, at, jacobian, active, du, pressure, c)
         after = active ^ wrong
         seen.add(active.tobytes())
         cycling = event is not None or after.tobytes() in seen
@@ -133,6 +134,43 @@ def settle_set(
             event, after = CYCLE, active ^ first_of(wrong)
         updates += not _only_released(active, after)
         active = after
+
+
+Decide = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # M (c, c), q (c,), base (c,) -> (c,) bool
+
+
+def decide_set(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -> Step:
+    """The step on the set that ``decide`` makes of the misplaced candidates, joined by others until there are none.
+
+    decide: of candidates that the linear complementarity problem w = M z + q is about, those with z > 0: their state is
+    not the one that they have in the set of ``linear``. Who was decided once is not looked at again but in company.
+    Raises what decide and the linearisation raise.
+    """
+    jacobian, decided, active = run.problem.gap_jacobian(at.u), np.zeros(len(at.gap), bool), linear.base
+    while True:
+        du, pressure = linear.step(active)
+        wrong = _misplaced(run, at, jacobian, active, du, pressure) & ~decided
+        if not wrong.any():
+            return Step(du, pressure, active)
+        decided |= wrong
+        nodes = np.flatnonzero(decided)
+        changed = decide(*linear.block(nodes), linear.base[nodes])
+        active = linear.base.copy()
+        active[nodes[changed]] ^= True
+
+
+def _misplaced(
+    run: NewtonRun,
+    at: Iterate,
+    jacobian: sparse.csr_matrix,
+    active: np.ndarray,
+    du: np.ndarray,
+    pressure: np.ndarray,
+    c: float = 1.0,
+) -> np.ndarray:
+    """Candidates (m,) on the wrong side after a step on the set ``active``."""
+    gap = at.gap + jacobian @ du
+    return run.misplaced(replace(at, u=at.u + du, gap=gap, pressure=pressure, active=active), c, solved=True)
 
 
 def first_of(wrong: np.ndarray) -> np.ndarray:

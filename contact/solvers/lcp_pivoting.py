@@ -136,6 +136,35 @@ def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) ->
     raise LcpError(f"the active set has not settled in {most} updates")
 
 
+def unit(M: np.ndarray) -> np.ndarray:
+    """Sizes s (n,) with which s M s has a diagonal of 1 or -1: forces and gaps in one matrix are far apart."""
+    diagonal = np.abs(np.diag(M))
+    return np.asarray(1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)))
+
+
+def principal_pivot(M: np.ndarray, q: np.ndarray, chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The problem with w and z of the ``chosen`` indices (n,) bool exchanged: M' (n, n), q' (n,).
+
+    Undoes the block signs that an exchange has given a symmetric matrix. Raises LcpError where M on them is singular.
+    Source: Tsatsomeros, Linear Algebra Appl. 307 (2000) 151-165.
+    """
+    if not chosen.any():
+        return M, q
+    inside, outside = np.ix_(chosen, chosen), np.ix_(~chosen, ~chosen)
+    across, down = np.ix_(chosen, ~chosen), np.ix_(~chosen, chosen)
+    try:
+        inverse = np.linalg.inv(M[inside])
+    except np.linalg.LinAlgError:
+        raise LcpError(f"the matrix on the {chosen.sum()} indices to be exchanged is singular") from None
+    found, constant = np.empty_like(M), q.copy()
+    found[inside], found[across] = inverse, -inverse @ M[across]
+    found[down] = M[down] @ inverse
+    found[outside] = M[outside] - found[down] @ M[across]
+    constant[chosen] = -inverse @ q[chosen]
+    constant[~chosen] -= found[down] @ q[chosen]
+    return found, constant
+
+
 def _violations(M: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The z on the set, and the indices with z < 0 in it or w < 0 out of it; raises LcpError."""
     z = _on_set(M, q, active, clip=False)

@@ -154,11 +154,13 @@ def symmetric(K: sparse.csc_matrix) -> bool:
     return asymmetry(K) <= SYMMETRIC
 
 
-def negative_pivots(A: sparse.csc_matrix) -> int:
+def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None) -> int:
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 
-    SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding may hide is close to singular.
+    A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding may hide is close to singular.
     """
+    if isinstance(factor, Multifrontal):
+        return factor.negative
     try:
         factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
     except RuntimeError:

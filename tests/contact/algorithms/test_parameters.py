@@ -31,7 +31,7 @@ def test_the_name_in_the_catalogue_is_the_algorithm_s(name: str) -> None:
 
 
 def test_an_algorithm_gets_its_own_settings_alone() -> None:
-    assert own_keys() == ("settle", "c", "backend", "eps", "method")
+    assert own_keys() == ("settle", "c", "backend", "eps", "system", "method")
     chosen = configured("lcp", {"epsilon": 7.0, "method": "nnls", "settle": 0.5, "p0_MPa": 1.0})
     assert (chosen.epsilon, chosen.method) == (7.0, "nnls")
 
