@@ -42,9 +42,9 @@ EPSILON = Parameter(
 TOLERANCE = Parameter("tolerance", "residual of Newton's iteration over the forces in balance", low=1e-14, high=1e-1)
 SOLVER = Parameter(
     "solver",
-    "sparse direct solver; multifrontal needs an order of elimination, pardiso the extra mkl",
+    "sparse direct solver; auto: multifrontal where there is an order of elimination; pardiso needs the extra mkl",
     kind="choice",
-    choices=("splu", "multifrontal", "pardiso"),
+    choices=("auto", "multifrontal", "splu", "pardiso"),
 )
 SYSTEM = Parameter(
     "system",

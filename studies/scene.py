@@ -123,7 +123,7 @@ class Setting:
 
 
 EPSILON = Setting.of(parameters.EPSILON, None, otherwise="that of the algorithm")
-SOLVER = Setting.of(parameters.SOLVER, "splu")
+SOLVER = Setting.of(parameters.SOLVER, "auto")
 
 
 @dataclass(frozen=True)

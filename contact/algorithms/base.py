@@ -11,6 +11,7 @@ from contact.newton.loop import MOST_UPDATES
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem
+from contact.solvers.sparse import AUTO
 
 
 @dataclass(frozen=True)
@@ -26,7 +27,7 @@ class NewtonAlgorithm:
 
     epsilon: float = np.inf
     max_iterations: int = 40
-    solver: str = "splu"
+    solver: str = AUTO
     tolerance: float = RESIDUAL_TOLERANCE
     max_updates: int = MOST_UPDATES
     parameters: ClassVar[tuple[Parameter, ...]] = SHARED

@@ -99,7 +99,9 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
     multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.active | (free < -rounding))
     while len(entering):
         with run.tally.timed("contact_s"):
-            columns = np.hstack([columns, response(factor, sparse.csc_matrix(G.T), push[:, entering])])
+            found_columns, operations = response(factor, sparse.csc_matrix(G.T), push[:, entering])
+            run.tally.counters["flops"] += round(operations)
+            columns = np.hstack([columns, found_columns])
             nodes = np.append(nodes, entering)
             M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
             found = _solve(method, M, free[nodes], at.active[nodes])

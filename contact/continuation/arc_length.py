@@ -19,7 +19,7 @@ from contact.continuation.equilibrium_curve import ArcPoint, Curve
 from contact.continuation.pressed_curve import PressedCurve
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import Linearise, Outcome
-from contact.solvers.sparse import SingularMatrixError
+from contact.solvers.sparse import AUTO, SingularMatrixError
 
 LIMIT_TOLERANCE = 1e-5  # distance of a limit point from its last estimate, relative to its distance from rest
 LIMIT_ATTEMPTS = 20
@@ -62,7 +62,7 @@ class ArcLength:
     to_limit: bool = False
     lowest: float = -np.inf
     max_points: int = 1000
-    solver: str = "splu"
+    solver: str = AUTO
     tolerance: float = RESIDUAL_TOLERANCE
     ordered: bool = False
 

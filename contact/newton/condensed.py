@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,7 +11,7 @@ from contact.newton.held import Held
 from contact.newton.pivots import holding
 from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit
-from contact.solvers.sparse import SingularMatrixError, negative_pivots, response
+from contact.solvers.sparse import SingularMatrixError, columns_worth, negative_pivots, response
 
 if TYPE_CHECKING:
     from contact.newton.step import NewtonRun
@@ -33,23 +32,33 @@ class Condensed:
 
     def __init__(self, run: NewtonRun, lin: Linearised, u: np.ndarray, pressure: np.ndarray, base: np.ndarray) -> None:
         """Factorise on the set ``base`` (m,); raises SingularMatrixError, ValueError."""
-        problem, self._run, self.base, self._residual = run.problem, run, base.copy(), lin.residual
+        self._run, self._residual, self._u = run, lin.residual, u
+        self._rows, self._gap = run.problem.gap_jacobian(u), run.problem.gap(u)
+        self._compliance = 1.0 / (run.epsilon * run.problem.weights)
         with run.tally.timed("contact_s"):
-            K = problem.stiffness(lin, u, pressure)
-            self._rows, self._gap = problem.gap_jacobian(u), problem.gap(u)
-            self._compliance = 1.0 / (run.epsilon * problem.weights)
-            self._held = Held.on(problem, u, np.flatnonzero(base), K, run.epsilon)
-            matrix = self._held.matrix
-        self._matrix, self._factor = matrix, run.factorise(matrix)
-        nothing = np.zeros(len(base))
+            self._tangent = run.problem.stiffness(lin, u, pressure)
+        self._factorise(base)
+
+    def _factorise(self, base: np.ndarray) -> None:
+        run, nothing = self._run, np.zeros(len(base))
+        with run.tally.timed("contact_s"):
+            self._held = Held.on(run.problem, self._u, np.flatnonzero(base), self._tangent, run.epsilon)
+            self._matrix = self._held.matrix
+        self.base, self._factor = base.copy(), run.factorise(self._matrix)
         self._free = self._solution(nothing)
         self.q = self._violation(nothing, *self._free)
         self._known, self._columns = np.zeros(0, int), np.zeros((len(base), 0))
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) and pressures (m,) on the set ``active`` (m,); raises SingularMatrixError."""
+        """du (n,) and pressures (m,) on the set ``active`` (m,), which becomes the base set where that costs less.
+
+        Raises SingularMatrixError, ValueError.
+        """
         nodes = np.flatnonzero(active)
         holding(self._rows[nodes], nodes)
+        new = np.setdiff1d(np.flatnonzero(active ^ self.base), self._known)
+        if len(new) > columns_worth(self._factor, len(self._residual)):
+            self._factorise(active)
         z, (du, forces) = np.zeros(len(active)), self._free
         changed = np.flatnonzero(active ^ self.base)
         if len(changed):
@@ -88,7 +97,7 @@ class Condensed:
         pushed = self._rows.T @ np.where(self.base, 0.0, z)
         y = self._run.solution(self._factor, self._matrix, self._held.load(pushed - self._residual, slack))
         du = self._held.motion(y, slack)
-        return du, self._held.forces(y, du, self._residual)
+        return du, self._held.forces(y, du, self._residual - pushed)
 
     def _violation(self, z: np.ndarray, du: np.ndarray, forces: np.ndarray) -> np.ndarray:
         """w (m,)."""
@@ -104,32 +113,23 @@ class Condensed:
         du[pivot] -= (self._gap[nodes] + self._compliance[nodes] * forces[nodes] + rows @ du) / slope
         return du
 
-    @cached_property
-    def _outside(self) -> sparse.csc_matrix:
-        """T^T G^T (n, m - a)."""
-        return self._held.pushed(self._rows[~self.base])
-
-    @cached_property
-    def _gauges(self) -> sparse.csc_matrix:
-        """What of y there is in w (n, m)."""
-        return self._of_all(self._outside, self._held.felt())
-
-    @cached_property
-    def _causes(self) -> sparse.csc_matrix:
-        """What z puts on the right-hand side (n, m)."""
-        return self._of_all(self._outside, self._held.let_go())
-
-    def _of_all(self, outside: sparse.csc_matrix, inside: sparse.csc_matrix) -> sparse.csc_matrix:
-        order = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base)))
-        return sparse.csc_matrix(sparse.hstack([outside, inside], format="csc")[:, order])
-
     def _found(self, nodes: np.ndarray) -> np.ndarray:
-        """Columns of M (m, k)."""
-        columns = response(self._factor, self._gauges, self._causes[:, nodes])
-        inside, each = self.base[nodes], np.arange(len(nodes))
-        held = np.cumsum(self.base) - 1
-        columns[np.ix_(self.base, inside)] += self._held.stiffness()[:, held[nodes[inside]]]
-        columns[nodes[~inside], each[~inside]] += self._compliance[nodes[~inside]]
+        """Columns of M (m, k): by way of y, and what holds where all else is at rest."""
+        held, outside = self._held, self._held.pushed(self._rows[~self.base])
+        order = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base)))
+        into, out_of = (
+            sparse.csc_matrix(sparse.hstack([outside, inside], format="csc")[:, order])
+            for inside in (held.let_go(), held.felt())
+        )
+        columns, operations = response(self._factor, out_of, into[:, nodes])
+        self._run.tally.counters["flops"] += round(operations)
+        inside, each, place = self.base[nodes], np.arange(len(nodes)), np.cumsum(self.base) - 1
+        let_go, pushed = nodes[inside], nodes[~inside]
+        shared = held.shared(self._rows)  # a candidate outside may push where one inside is held
+        columns[np.ix_(self.base, inside)] += held.stiffness()[:, place[let_go]]
+        columns[np.ix_(~self.base, inside)] += shared[~self.base][:, place[let_go]].toarray()
+        columns[np.ix_(self.base, ~inside)] -= shared[pushed].toarray().T
+        columns[pushed, each[~inside]] += self._compliance[pushed]
         return columns
 
 

@@ -110,3 +110,7 @@ class Held:
     def stiffness(self) -> np.ndarray:
         """P^T K P (a, a): forces of slacks, all else at rest."""
         return np.asarray(self.columns[self.pivot].toarray() / self.slope[:, None] / self.slope)
+
+    def shared(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
+        """G P (b, a): gaps of other candidates under the slacks."""
+        return sparse.csr_matrix(rows[:, self.pivot] @ sparse.diags_array(1.0 / self.slope))

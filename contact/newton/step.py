@@ -24,7 +24,7 @@ from contact.problem import (
     excused,
     rounding_floor,
 )
-from contact.solvers.sparse import Factor, checked_solve, factorise, instead
+from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
@@ -48,7 +48,7 @@ class NewtonRun:
 
     problem: ContactProblem
     epsilon: float = np.inf
-    solver: str = "splu"
+    solver: str = AUTO
     tolerance: float = RESIDUAL_TOLERANCE
     tally: Tally = field(default_factory=Tally)
 
@@ -131,7 +131,7 @@ class NewtonRun:
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
         """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
         problem = self.problem
-        if problem.coupling is None and not problem.driven and np.all(problem.weights[active] > 0):
+        if problem.coupling is None and not problem.driven and np.all(problem.weights > 0):
             return Condensed(self, lin, u, pressure, active)
         return Substituted(self, lin, u, pressure)
 
@@ -140,7 +140,7 @@ class NewtonRun:
         with self.tally.timed("factorisation_s"):
             factor = factorise(A, self.solver, ordered=self.problem.ordered)
         self.tally.count(factor)
-        if instead(factor, self.solver):
+        if instead(factor, self.solver, ordered=self.problem.ordered):
             self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
         return factor
 

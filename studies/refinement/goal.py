@@ -78,7 +78,7 @@ def dual(visited: Visited, quantity: str) -> tuple[np.ndarray, np.ndarray]:
     by_force[active] = slope[n:]
     lin = problem.linearise(state.u, None)
     adjoint = Linearisation(-slope[:n], sparse.csc_matrix(lin.tangent.T), lin.scale, lin.remember)
-    run = NewtonRun(_with_gap(problem, by_force / problem.weights), np.inf, "splu", 1.0)
+    run = NewtonRun(_with_gap(problem, by_force / problem.weights), np.inf, tolerance=1.0)
     return run.step(adjoint, state.u, state.pressure, state.active)
 
 

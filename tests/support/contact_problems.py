@@ -112,3 +112,20 @@ def dual_by_nnls(data: Quadratic, epsilon: float) -> tuple[np.ndarray, np.ndarra
     root_of_S = np.linalg.cholesky(S)
     mu, _ = nnls(root_of_S.T, -np.linalg.solve(root_of_S, c))
     return np.linalg.solve(data.K, data.f) + flexibility @ mu, mu / data.w
+
+
+def dense_step(
+    data: Quadratic, W: np.ndarray, u: np.ndarray, active: np.ndarray, epsilon: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Du and p_A of K du - G^T W p = -r, G_A du + p_A/epsilon = -g_A by one dense solve."""
+    A = np.flatnonzero(active)
+    G = data.G[A]
+    push = data.G.T @ W[:, A]
+    system = np.block([[data.K, -push], [G, np.eye(len(A)) / epsilon]])
+    right = -np.concatenate([data.K @ u - data.f, (data.g0 + data.G @ u)[A]])
+    # scaled by rows and columns so that a small epsilon does not spoil the reference itself
+    scale = 1 / np.sqrt(np.abs(system).max(axis=1))
+    solution = scale * np.linalg.solve(scale[:, None] * system * scale, scale * right)
+    pressure = np.zeros(len(active))
+    pressure[A] = solution[len(u) :]
+    return solution[: len(u)], pressure

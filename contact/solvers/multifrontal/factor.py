@@ -166,32 +166,33 @@ class Multifrontal:
         return found
 
 
-def response(factor: Multifrontal, left: sparse.csc_matrix, right: sparse.csc_matrix) -> np.ndarray:
-    """left^T A^-1 right (j, k), by those fronts alone that their unknowns go through on the way to the root."""
+def response(factor: Multifrontal, left: sparse.csc_matrix, right: sparse.csc_matrix) -> tuple[np.ndarray, float]:
+    """left^T A^-1 right (j, k), and the operations that it takes.
+
+    Only fronts that the unknowns of right go through on the way to the root are gone up, and those of left, too, down.
+    """
     analysis, n = factor.analysis, right.shape[0]
     rank = np.empty(n, np.intp)
     rank[analysis.order] = np.arange(n)
-    down = analysis.above(rank[np.unique(right.indices)])
-    up = down | analysis.above(rank[np.unique(left.indices)])
+    up = analysis.above(rank[np.unique(right.indices)])
+    down = up | analysis.above(rank[np.unique(left.indices)])
     # the unknowns of these fronts, numbered without the others
-    begins = np.array([front.start for front in analysis.fronts])
-    sizes = np.diff(np.append(begins, n))
-    kept = np.repeat(up, sizes)
-    place = np.cumsum(kept) - 1
-    chosen = analysis.order[kept]
-    x = right.tocsr()[chosen].toarray(order="F")
-    pairs = [
-        (slice(int(place[front.start]), int(place[front.start]) + front.stop - front.start), place[front.boundary], one, goes)
-        for front, one, goes, comes in zip(analysis.fronts, factor.fronts, down, up, strict=True)
-        if comes
-    ]
-    for own, boundary, one, goes in pairs:
-        if goes:
+    kept = np.repeat(down, [front.stop - front.start for front in analysis.fronts])
+    place, chosen = np.cumsum(kept) - 1, analysis.order[kept]
+    x, entries = right.tocsr()[chosen].toarray(order="F"), 0
+    path = []
+    for front, one, first, second in zip(analysis.fronts, factor.fronts, up, down, strict=True):
+        if second:
+            begin = int(place[front.start])
+            path.append((slice(begin, begin + front.stop - front.start), place[front.boundary], one))
+            entries += one.nnz * (1 + int(first))
+        if first:
+            own, boundary, _ = path[-1]
             x[own], off = one.forward(x[own])
             x[boundary] -= off
-    for own, boundary, one, _ in reversed(pairs):
+    for own, boundary, one in reversed(path):
         x[own] = one.backward(x[own], x[boundary])
-    return np.asarray(left.tocsr()[chosen].T @ x)
+    return np.asarray(left.tocsr()[chosen].T @ x), 2.0 * entries * right.shape[1]
 
 
 def _symmetric(front: Front, data: np.ndarray, left: dict[int, np.ndarray]) -> tuple[Eliminated, np.ndarray]:

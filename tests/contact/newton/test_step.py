@@ -1,0 +1,131 @@
+"""The step of Newton on a fixed set, against the dense saddle-point system."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.newton.step import NewtonRun
+from contact.solvers.sparse import SingularMatrixError
+from support.contact_problems import Quadratic, dense_step, random_quadratic
+
+DENSE = 1e-9
+EPSILONS = (1e-2, 1e4, 1e14, math.inf)
+
+each_solver = pytest.mark.parametrize("solver", ["auto", "multifrontal", "splu"])
+
+
+def coupling_matrix(rng, w: np.ndarray) -> np.ndarray:
+    """A consistent matrix: neighbours share area, the rows sum to about w."""
+    m = len(w)
+    off = np.diag(rng.uniform(0.1, 0.2, m - 1), 1)
+    return np.diag(w) + off + off.T
+
+
+STEPS = [  # one unknown or three in a gap row, symmetric or non-symmetric mechanics and coupling
+    ("obstacle", "lumped", True),
+    ("definite", "consistent", True),
+    ("inclined", "lumped", False),
+    ("inclined", "consistent", False),
+]
+
+
+@each_solver
+@pytest.mark.parametrize("epsilon", EPSILONS)
+@pytest.mark.parametrize(("kind", "coupling", "symmetric"), STEPS)
+def test_step_is_that_of_the_dense_saddle_point(solver, epsilon, coupling, kind, symmetric) -> None:
+    """For one and for three unknowns in a gap row, any epsilon, symmetric and non-symmetric mechanics, several sets."""
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        data = random_quadratic(rng, kind)
+        n, m = data.G.shape[1], len(data.w)
+        if not symmetric:
+            K = data.K + 0.3 * rng.normal(size=(n, n))
+            data = Quadratic(K, data.f, data.G, data.g0, data.w)
+        W = np.diag(data.w) if coupling == "lumped" else coupling_matrix(rng, data.w)
+        problem = data.problem(None if coupling == "lumped" else W)
+        u, old_pressure = rng.normal(size=n), rng.uniform(0, 1, m)
+        for active in (rng.random(m) < 0.5, np.ones(m, bool), np.zeros(m, bool)):
+            run = NewtonRun(problem, epsilon, solver)
+            du, pressure = run.step(run.linearise(u, None), u, old_pressure, active)
+            exact_du, exact_pressure = dense_step(data, W, u, active, epsilon)
+            np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * (1 + np.max(np.abs(exact_du))))
+            size = 1 + np.max(np.abs(exact_pressure))
+            np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
+            assert np.all(pressure[~active] == 0)
+
+
+@pytest.mark.parametrize("epsilon", EPSILONS)
+def test_stiff_and_soft_directions_lose_no_digit(rng, epsilon) -> None:
+    """Stiffnesses over six decades, as a thin shell has them: the answer stays that of the scaled dense solve."""
+    data = random_quadratic(rng, "inclined")
+    n = data.G.shape[1]
+    stiff = 10 ** rng.uniform(-3, 3, n)
+    K = np.diag(stiff) + 0.1 * np.sqrt(np.outer(stiff, stiff)) * np.tri(n, k=-1) / n
+    K = (K + K.T) / 2
+    data = Quadratic(K, data.f, data.G, data.g0, data.w)
+    run = NewtonRun(data.problem(), epsilon)
+    u, active = np.zeros(n), np.array([True, False, True, True, False, True])
+    du, pressure = run.step(run.linearise(u, None), u, np.zeros(6), active)
+    exact_du, exact_pressure = dense_step(data, np.diag(data.w), u, active, epsilon)
+    np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * np.max(np.abs(exact_du)))
+    np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * np.max(np.abs(exact_pressure)))
+
+
+def test_candidates_that_share_an_unknown_are_refused(rng) -> None:
+    data = random_quadratic(rng, "definite")
+    data.G[1] += data.G[0]
+    run, u = NewtonRun(data.problem()), np.zeros(len(data.f))
+    lin = run.linearise(u, None)
+    with pytest.raises(ValueError, match="share an unknown"):
+        run.step(lin, u, np.zeros(6), np.array([True, True, False, False, False, False]))
+    run.step(lin, u, np.zeros(6), np.array([False, True, True, False, False, False]))  # apart they are no trouble
+
+
+@pytest.mark.parametrize("others", [[], [0]])
+def test_a_candidate_without_an_unknown_is_refused_by_name(rng, others) -> None:
+    """A node held by its supports that the foundation reaches: a clear sentence, not a division by zero."""
+    data = random_quadratic(rng, "inclined")
+    data.G[2] = 0.0
+    run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.zeros(6, bool)
+    active[[2, *others]] = True
+    with pytest.raises(ValueError, match="contact candidate 2 has no unknown"):
+        run.step(run.linearise(u, None), u, np.zeros(6), active)
+
+
+@each_solver
+@pytest.mark.parametrize("epsilon", [1e2, 1e4, math.inf])
+@pytest.mark.parametrize("held", ["nothing", "only to others", "by minus the foundation"])
+def test_a_pivot_that_the_mechanics_does_not_hold(solver, epsilon, held) -> None:
+    """K_kk = 0, a whole row and column of zeros, K_kk = -epsilon G_k^2 w: regular saddle points, solved like others."""
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        data = random_quadratic(rng, "definite")
+        k = np.flatnonzero(data.G[0])[0]
+        K = data.K.copy()
+        if held == "nothing":
+            K[k], K[:, k] = 0.0, 0.0
+        K[k, k] = 0.0
+        if held == "by minus the foundation":
+            K[k, k] = -min(epsilon, 1e4) * data.G[0, k] ** 2 * data.w[0]
+        data = Quadratic(K, data.f, data.G, data.g0, data.w)
+        run, u = NewtonRun(data.problem(), epsilon, solver), rng.normal(size=len(data.f))
+        for pressed in (1, 3):
+            active = np.arange(6) < pressed
+            du, pressure = run.step(run.linearise(u, None), u, np.zeros(6), active)
+            exact_du, exact_pressure = dense_step(data, np.diag(data.w), u, active, epsilon)
+            np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * (1 + np.max(np.abs(exact_du))))
+            size = 1 + np.max(np.abs(exact_pressure))
+            np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
+
+
+def test_a_pressure_that_acts_on_nothing_is_singular(rng) -> None:
+    """Must fail beside must pass: no stiffness and no contact area, so neither du_k nor p is determined."""
+    data = random_quadratic(rng, "obstacle")
+    data.w[0] = 0.0
+    run, u, active = NewtonRun(data.problem()), np.zeros(len(data.f)), np.array([True] + 5 * [False])
+    with pytest.raises(SingularMatrixError):
+        run.step(run.linearise(u, None), u, np.zeros(6), active)
