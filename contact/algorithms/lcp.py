@@ -18,7 +18,15 @@ from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.solvers.lcp_pivoting import METHODS, LcpError, LcpSolution, NotApplicableError, active_set, principal_pivot, unit
+from contact.solvers.lcp_pivoting import (
+    METHODS,
+    LcpError,
+    LcpSolution,
+    NotApplicableError,
+    active_set,
+    principal_pivot,
+    unit,
+)
 from contact.solvers.sparse import response
 
 INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding

@@ -15,8 +15,8 @@ import numpy as np
 from scipy import sparse
 
 from contact.events import Event, EventKind
-from contact.newton.state import Iterate
 from contact.newton.condensed import Condensed
+from contact.newton.state import Iterate
 from contact.newton.step import LinearStep, NewtonRun
 from contact.problem import ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError

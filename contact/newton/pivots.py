@@ -8,7 +8,6 @@ import numpy as np
 from scipy import sparse
 
 from contact.problem import ContactProblem
-from contact.solvers.sparse import added, symmetric
 
 
 @dataclass(frozen=True, eq=False)

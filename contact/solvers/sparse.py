@@ -175,7 +175,8 @@ def symmetric(K: sparse.csc_matrix) -> bool:
 def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None) -> int:
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 
-    A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding may hide is close to singular.
+    A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding
+    may hide is close to singular.
     """
     if isinstance(factor, Multifrontal):
         return factor.negative

@@ -101,7 +101,7 @@ def test_a_set_that_leaves_a_mechanism_is_singular() -> None:
 
 
 def test_where_columns_cost_more_the_set_is_factorised_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    data, u, rng = example("definite", True, 0)
+    data, u, _ = example("definite", True, 0)
     monkeypatch.setattr("contact.newton.condensed.columns_worth", lambda factor, n: 2)
     linear = linearised(data.problem(), u, np.zeros(6, bool), math.inf, AUTO)
     few, many = np.arange(6) < 2, np.arange(6) < 5

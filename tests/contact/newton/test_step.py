@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from scipy import sparse
 
 from contact.newton.step import NewtonRun
 from contact.solvers.sparse import SingularMatrixError
