@@ -27,7 +27,7 @@ from contact.solvers.lcp_pivoting import (
     principal_pivot,
     unit,
 )
-from contact.solvers.sparse import response
+from contact.solvers.sparse import response, response_flops
 
 INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding
 
@@ -107,9 +107,9 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
     multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.active | (free < -rounding))
     while len(entering):
         with run.tally.timed("contact_s"):
-            found_columns, operations = response(factor, sparse.csc_matrix(G.T), push[:, entering])
-            run.tally.counters["flops"] += round(operations)
-            columns = np.hstack([columns, found_columns])
+            sides = sparse.csc_matrix(G.T), push[:, entering]
+            run.tally.counters["flops"] += round(response_flops(factor, *sides))
+            columns = np.hstack([columns, response(factor, *sides)])
             nodes = np.append(nodes, entering)
             M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
             found = _solve(method, M, free[nodes], at.active[nodes])

@@ -11,7 +11,7 @@ from contact.newton.held import Held
 from contact.newton.pivots import holding
 from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit
-from contact.solvers.sparse import SingularMatrixError, columns_worth, negative_pivots, response
+from contact.solvers.sparse import SingularMatrixError, factor_flops, negative_pivots, response, response_flops
 
 if TYPE_CHECKING:
     from contact.newton.step import NewtonRun
@@ -48,6 +48,7 @@ class Condensed:
         self._free = self._solution(nothing)
         self.q = self._violation(nothing, *self._free)
         self._known, self._columns = np.zeros(0, int), np.zeros((len(base), 0))
+        self._all: tuple[sparse.csc_matrix, sparse.csc_matrix] | None = None
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and pressures (m,) on the set ``active`` (m,), which becomes the base set where that costs less.
@@ -57,7 +58,7 @@ class Condensed:
         nodes = np.flatnonzero(active)
         holding(self._rows[nodes], nodes)
         new = np.setdiff1d(np.flatnonzero(active ^ self.base), self._known)
-        if len(new) > columns_worth(self._factor, len(self._residual)):
+        if len(new) and response_flops(self._factor, *self._sides(new)) > factor_flops(self._factor):
             self._factorise(active)
         z, (du, forces) = np.zeros(len(active)), self._free
         changed = np.flatnonzero(active ^ self.base)
@@ -113,16 +114,23 @@ class Condensed:
         du[pivot] -= (self._gap[nodes] + self._compliance[nodes] * forces[nodes] + rows @ du) / slope
         return du
 
+    def _sides(self, nodes: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """What of y there is in w (n, m), and what the z of these candidates put on the right-hand side of y (n, k)."""
+        if self._all is None:
+            pushed = self._held.pushed(self._rows[~self.base])
+            order = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base)))
+            felt, let_go = (
+                sparse.csc_matrix(sparse.hstack([pushed, inside], format="csc")[:, order])
+                for inside in (self._held.felt(), self._held.let_go())
+            )
+            self._all = felt, let_go
+        return self._all[0], sparse.csc_matrix(self._all[1][:, nodes])
+
     def _found(self, nodes: np.ndarray) -> np.ndarray:
         """Columns of M (m, k): by way of y, and what holds where all else is at rest."""
-        held, outside = self._held, self._held.pushed(self._rows[~self.base])
-        order = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base)))
-        into, out_of = (
-            sparse.csc_matrix(sparse.hstack([outside, inside], format="csc")[:, order])
-            for inside in (held.let_go(), held.felt())
-        )
-        columns, operations = response(self._factor, out_of, into[:, nodes])
-        self._run.tally.counters["flops"] += round(operations)
+        held, sides = self._held, self._sides(nodes)
+        self._run.tally.counters["flops"] += round(response_flops(self._factor, *sides))
+        columns = response(self._factor, *sides)
         inside, each, place = self.base[nodes], np.arange(len(nodes)), np.cumsum(self.base) - 1
         let_go, pushed = nodes[inside], nodes[~inside]
         shared = held.shared(self._rows)  # a candidate outside may push where one inside is held

@@ -112,9 +112,10 @@ def settle_set(
 ) -> Step:
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
-    linear: the linearisation, where it is factorised already. If this is the ``last`` linearisation to decide the set, a cycle is answered by
-    swapping only the first misplaced node: finite for a P-matrix. Otherwise, and after very many updates, the step is
-    returned as it is: a tangent far from equilibrium may have no consistent set, and another one is not far.
+    linear: the linearisation, where it is factorised already.
+    If this is the ``last`` linearisation to decide the set, a cycle is answered by swapping only the first misplaced
+    node: finite for a P-matrix. Otherwise, and after very many updates, the step is returned as it is: a tangent far
+    from equilibrium may have no consistent set, and another one is not far.
     Raises SingularMatrixError.
     """
     jacobian, seen = run.problem.gap_jacobian(at.u), set[bytes]()

@@ -18,8 +18,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
-from contact.solvers.multifrontal import factor as fronts
-from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError
+from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError, Response
 from contact.solvers.multifrontal.patterns import analysed
 
 BACKWARD_ERROR = 1e-13  # refine once above this, refuse above REFUSED
@@ -96,29 +95,23 @@ def factorise(A: sparse.csc_matrix, solver: str = AUTO, *, ordered: bool = False
     return SOLVERS[solver](A, ordered)
 
 
-def response(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_matrix) -> tuple[np.ndarray, float]:
-    """left^T A^-1 right (j, k) of sparse (n, j) and (n, k), and its operations, 0 where the fill is not known.
+def response(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_matrix) -> np.ndarray:
+    """left^T A^-1 right (j, k) of sparse (n, j) and (n, k), a few columns at a time: A^-1 right may be large."""
+    if isinstance(factor, Multifrontal):
+        return np.hstack([Response.of(factor, left, part).matrix() for part in _batches(right)])
+    solved = (np.column_stack([factor.solve(b) for b in part.toarray().T]) for part in _batches(right))
+    return np.hstack([left.T @ part for part in solved])
 
-    A few columns at a time: A^-1 right may be large.
+
+def response_flops(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_matrix) -> float:
+    """Operations of :func:`response`, 0 where the fill is not known.
+
+    They take as long, each, as those of the factorisation: on tyres of 4918, 9840 and 39840 unknowns 85, 200 and 340
+    columns last as long as it by fronts, 30, 45 and 50 by SuperLU (measured).
     """
     if isinstance(factor, Multifrontal):
-        parts = [fronts.response(factor, left, part) for part in _batches(right)]
-    else:
-        fill = 2.0 * float(getattr(factor, "nnz", 0))
-        parts = [
-            (left.T @ np.column_stack([factor.solve(b) for b in part.toarray().T]), fill * part.shape[1])
-            for part in _batches(right)
-        ]
-    found, operations = zip(*parts, strict=True)
-    return np.hstack(found), sum(operations)
-
-
-def columns_worth(factor: Factor, n: int) -> float:
-    """How many columns of :func:`response` cost as much as the factorisation of n unknowns.
-
-    Measured on tyres of 4918, 9840 and 39840 unknowns: 85, 200, 340 by fronts, 30, 45, 50 by SuperLU.
-    """
-    return (1.5 if isinstance(factor, Multifrontal) else 0.4) * float(np.sqrt(n))
+        return Response.of(factor, left, right).operations
+    return 2.0 * float(getattr(factor, "nnz", 0)) * right.shape[1]
 
 
 def _batches(A: sparse.csc_matrix) -> Iterator[sparse.csc_matrix]:

@@ -166,33 +166,52 @@ class Multifrontal:
         return found
 
 
-def response(factor: Multifrontal, left: sparse.csc_matrix, right: sparse.csc_matrix) -> tuple[np.ndarray, float]:
-    """left^T A^-1 right (j, k), and the operations that it takes.
+@dataclass(frozen=True, eq=False)
+class Response:
+    """left^T A^-1 right (j, k) by those fronts alone that their unknowns go through on the way to the root.
 
-    Only fronts that the unknowns of right go through on the way to the root are gone up, and those of left, too, down.
+    up: fronts that the unknowns of right go through.  down: those of left, too.
     """
-    analysis, n = factor.analysis, right.shape[0]
-    rank = np.empty(n, np.intp)
-    rank[analysis.order] = np.arange(n)
-    up = analysis.above(rank[np.unique(right.indices)])
-    down = up | analysis.above(rank[np.unique(left.indices)])
-    # the unknowns of these fronts, numbered without the others
-    kept = np.repeat(down, [front.stop - front.start for front in analysis.fronts])
-    place, chosen = np.cumsum(kept) - 1, analysis.order[kept]
-    x, entries = right.tocsr()[chosen].toarray(order="F"), 0
-    path = []
-    for front, one, first, second in zip(analysis.fronts, factor.fronts, up, down, strict=True):
-        if second:
-            begin = int(place[front.start])
-            path.append((slice(begin, begin + front.stop - front.start), place[front.boundary], one))
-            entries += one.nnz * (1 + int(first))
-        if first:
-            own, boundary, _ = path[-1]
-            x[own], off = one.forward(x[own])
-            x[boundary] -= off
-    for own, boundary, one in reversed(path):
-        x[own] = one.backward(x[own], x[boundary])
-    return np.asarray(left.tocsr()[chosen].T @ x), 2.0 * entries * right.shape[1]
+
+    factor: Multifrontal
+    left: sparse.csc_matrix
+    right: sparse.csc_matrix
+    up: np.ndarray
+    down: np.ndarray
+
+    @classmethod
+    def of(cls, factor: Multifrontal, left: sparse.csc_matrix, right: sparse.csc_matrix) -> Response:
+        """Find the fronts."""
+        order = factor.analysis.order
+        rank = np.empty(len(order), np.intp)
+        rank[order] = np.arange(len(order))
+        up, also = (factor.analysis.above(rank[np.unique(side.indices)]) for side in (right, left))
+        return cls(factor, left, right, up, up | also)
+
+    @property
+    def operations(self) -> float:
+        """Floating-point operations."""
+        each = zip(self.factor.fronts, self.up, self.down, strict=True)
+        return 2.0 * self.right.shape[1] * sum(one.nnz * (int(up) + int(down)) for one, up, down in each)
+
+    def matrix(self) -> np.ndarray:
+        """(j, k)."""
+        analysis, path = self.factor.analysis, []
+        # the unknowns of these fronts, numbered without the others
+        kept = np.repeat(self.down, [front.stop - front.start for front in analysis.fronts])
+        place, chosen = np.cumsum(kept) - 1, analysis.order[kept]
+        x = self.right.tocsr()[chosen].toarray(order="F")
+        for front, one, up, down in zip(analysis.fronts, self.factor.fronts, self.up, self.down, strict=True):
+            if down:
+                begin = int(place[front.start])
+                own, boundary = slice(begin, begin + front.stop - front.start), place[front.boundary]
+                path.append((own, boundary, one))
+                if up:
+                    x[own], off = one.forward(x[own])
+                    x[boundary] -= off
+        for own, boundary, one in reversed(path):
+            x[own] = one.backward(x[own], x[boundary])
+        return np.asarray(self.left.tocsr()[chosen].T @ x)
 
 
 def _symmetric(front: Front, data: np.ndarray, left: dict[int, np.ndarray]) -> tuple[Eliminated, np.ndarray]:
