@@ -69,6 +69,8 @@ class Held:
     @cached_property
     def matrix(self) -> sparse.csc_matrix:
         """T^T K T + D (n, n)."""
+        if len(self.pivot) == 0:
+            return self.K
         R, n = self.following, self.K.shape[0]
         change = R.T @ ((self.columns[self.pivot] @ R) - self.across) - self.columns @ R
         on = sparse.csc_matrix((self.spring, (self.pivot, self.pivot)), shape=(n, n))

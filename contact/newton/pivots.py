@@ -85,10 +85,11 @@ def holding(rows: sparse.csr_matrix, nodes: np.ndarray) -> tuple[np.ndarray, np.
     """
     if np.max(np.bincount(rows.indices[rows.data != 0]), initial=0) > 1:
         raise ValueError("two contact candidates share an unknown: node-to-obstacle contact is required")
-    if len(nodes) == 0:
-        return np.zeros(0, int), np.zeros(0)
-    pivot = np.asarray(abs(rows).argmax(axis=1)).ravel()
-    slope = np.asarray(rows[np.arange(rows.shape[0]), pivot]).ravel()
+    number = np.diff(rows.indptr)
+    largest_last = np.lexsort((np.abs(rows.data), np.repeat(np.arange(len(number)), number)))
+    pivot, slope = np.zeros(len(number), np.intp), np.zeros(len(number))
+    some = largest_last[rows.indptr[1:][number > 0] - 1]
+    pivot[number > 0], slope[number > 0] = rows.indices[some], rows.data[some]
     if not np.all(slope):
         names = ", ".join(map(str, nodes[slope == 0]))
         raise ValueError(f"contact candidate {names} has no unknown: its supports hold it before the foundation")
