@@ -182,25 +182,40 @@ def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None) -> int:
     return int(np.sum(factor.U.diagonal() <= 0))
 
 
+def backward_error(A: sparse.csc_matrix, x: np.ndarray, b: np.ndarray) -> float:
+    """|b - A x| / (|A| |x| + |b|) in the largest component; 0 for A x = b = 0."""
+    left, size = _residual(A, x, b, _norm(A))
+    return left / size if size > 0 else 0.0
+
+
+def _norm(A: sparse.csc_matrix) -> float:
+    """|A|: the largest sum of a row."""
+    return float(np.max(np.bincount(A.indices, weights=np.abs(A.data), minlength=A.shape[0]), initial=0.0))
+
+
+def _residual(A: sparse.csc_matrix, x: np.ndarray, b: np.ndarray, norm: float) -> tuple[float, float]:
+    """|b - A x| and |A| |x| + |b|."""
+    return _largest(b - A @ x), norm * _largest(x) + _largest(b)
+
+
+def _largest(x: np.ndarray) -> float:
+    return float(np.max(np.abs(x), initial=0.0))
+
+
 def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
     """The x with A x = b, refined up to twice while its backward error is above 1e-13.
 
-    The backward error is |b - A x| / (|A| |x| + |b|) in the largest component.
     Raises SingularMatrixError when it stays above 1e-8, when x is not finite, or when A x shares not one digit with b
     (x is then so large that a small backward error proves nothing).
     """
-    x = factor.solve(b)
-    norm = float(np.max(np.bincount(A.indices, weights=np.abs(A.data), minlength=A.shape[0])))
-    load = float(np.max(np.abs(b), initial=0.0))
+    x, norm, load = factor.solve(b), _norm(A), _largest(b)
     for attempt in range(3):
         if not np.all(np.isfinite(x)):
             raise SingularMatrixError("the solution of the linear system is not finite")
-        residual = b - A @ x
-        left = float(np.max(np.abs(residual), initial=0.0))
-        size = norm * float(np.max(np.abs(x), initial=0.0)) + load
+        left, size = _residual(A, x, b, norm)
         if (left <= BACKWARD_ERROR * size and left <= LOST * load) or attempt == 2:
             break
-        x = x + factor.solve(residual)
+        x = x + factor.solve(b - A @ x)
     if left > REFUSED * size:
         raise SingularMatrixError(f"the linear solver left a backward error of {left / size:.1e}")
     if left > LOST * load:

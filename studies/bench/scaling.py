@@ -24,7 +24,8 @@ from scipy import sparse
 from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
-from contact.solvers.sparse import Factor, factorise
+from contact.solvers.multifrontal.patterns import analysed, clear
+from contact.solvers.sparse import Factor, backward_error, factor_flops, factorise
 from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from studies.bench.newton import iterate, pressed
@@ -36,14 +37,16 @@ from studies.scene import UsageError
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
 
-MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200")  # 2, 10, 40, 100 and 250 thousand unknowns
+MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200", "416x410")  # 2, 10, 40, 100, 250, 1000 thousand unknowns
 COARSE = "42x40"
 FITTED_FROM = 9_000  # unknowns; below, calls cost more than numbers
 SECONDS = 20.0  # spent on one size at the least, or MOST repetitions
 LEAST, MOST = 3, 25
 TIMES = ("elements", "scatter", "assembly", "factorisation", "solve", "contact", "total")
-# what the time of a part is compared with: the same machine, the same run, no code of ours
-FLOORS = dict.fromkeys(TIMES, "copy") | {"elements": "gemm"} | dict.fromkeys(("factorisation", "total"), "same_matrix")
+# what the time of a part is compared with: the same machine, the same run, no code of ours; core: the operations of the
+# factorisation at the rate of a product of large matrices
+FLOORS = dict.fromkeys(TIMES, "copy") | {"elements": "gemm"} | dict.fromkeys(("factorisation", "total"), "core")
+BY_SUPERLU = 300_000  # unknowns up to which SuperLU factorises the same matrix, too: a million take minutes
 GEMM, COPIED = 1000, 100_000_000  # rows and columns of the matrices multiplied; bytes
 CLOCK = time.process_time  # of one thread: long work always meets other programs, short work may slip between them
 timed = partial(timed_by, clock=CLOCK)
@@ -63,14 +66,23 @@ class Pressed:
 
 @dataclass(frozen=True, eq=False)
 class _Kept(NewtonRun):
-    """A run that keeps the matrices it has factorised."""
+    """A run that keeps the matrices it has factorised, their factors and the largest backward error."""
 
     matrices: list[sparse.csc_matrix] = field(default_factory=list)
+    factors: list[Factor] = field(default_factory=list)
+    errors: list[float] = field(default_factory=list)
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
-        """Keep and factorise."""
+        """Factorise and keep."""
         self.matrices.append(A)
-        return super().factorise(A)
+        self.factors.append(super().factorise(A))
+        return self.factors[-1]
+
+    def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
+        """Solve and keep the error."""
+        x = super().solution(factor, A, b)
+        self.errors.append(backward_error(A, x, b))
+        return x
 
 
 def scaling(
@@ -81,6 +93,10 @@ def scaling(
     seconds: float = SECONDS,
 ) -> pd.DataFrame:
     """One row a mesh: mesh, dofs, elements, shortest times [s] of the parts and the floors, peak memory [GiB].
+
+    analysis: of the pattern, once a solve.  superlu: of the same matrix, NaN where it would take minutes.  core: the
+    operations of the factorisation by fronts at the rate of a product of large matrices.  backward_error: of the
+    solution, the largest.
 
     Times are processor time of one thread (OPENBLAS_NUM_THREADS=1, as the command line sets it), the shortest of
     several repetitions: other programs on the machine disturb that least. Tyre of the paper with its element, model
@@ -112,12 +128,14 @@ def exponents(table: pd.DataFrame, smallest: int = FITTED_FROM) -> dict[str, flo
 
 def lines(table: pd.DataFrame, *, floors: bool = False) -> Iterator[str]:
     """The table for a terminal, in ms, with its exponents; ``floors``: each time over that of its floor."""
-    rows = [["mesh", "dofs", *TIMES, "us/element", "GiB"]]
+    rows = [["mesh", "dofs", *TIMES, "us/element", "of superlu", "error", "GiB"]]
     for row in table.to_dict("records"):
         cells = [f"{1e3 * row[f'{part}_s']:.2f}" + _ratio(row, part, floors) for part in TIMES]
         per_element = 1e6 * row["elements_s"] / row["elements"]
-        rows.append([row["mesh"], str(row["dofs"]), *cells, f"{per_element:.2f}", f"{row['peak_GiB']:.2f}"])
-    rows.append(["exponent", f"from {FITTED_FROM}", *(f"{p:.2f}" for p in exponents(table).values()), "", ""])
+        share, error = row["factorisation_s"] / row["superlu_s"], f"{row['backward_error']:.1e}"
+        rows.append([row["mesh"], str(row["dofs"]), *cells, f"{per_element:.2f}"])
+        rows[-1] += ["" if np.isnan(share) else f"{share:.2f}", error, f"{row['peak_GiB']:.2f}"]
+    rows.append(["exponent", f"from {FITTED_FROM}", *(f"{p:.2f}" for p in exponents(table).values()), *[""] * 4])
     yield from columns(rows, right=range(len(rows[0])))
     if floors:
         yield "in brackets: over the machine's floor in the same run, for " + ", ".join(
@@ -194,35 +212,44 @@ def _cost(mesh: str, coarse: Pressed, seconds: float) -> dict[str, Any]:
     samples: list[dict[str, float]] = []
     start, peak = time.perf_counter(), 0.0
     while len(samples) < LEAST or (time.perf_counter() - start < seconds and len(samples) < MOST):
-        sample, matrix = _sample(shell, problem, state, memory)
+        sample, run = _sample(shell, problem, state, memory)
         peak = peak or _peak()  # before the floors have taken theirs
-        samples.append({**sample, **_floors(matrix, problem)})
+        samples.append({**sample, **_floors(run, problem)})
     best = {f"{key}_s": min(sample[key] for sample in samples) for key in samples[0]}
     sizes = {"mesh": mesh, "dofs": model.n_unknowns, "elements": len(model.part.grid.elements)}
-    return {**sizes, **best, "peak_GiB": peak, "repeats": len(samples)}
+    error = max(run.errors)
+    return {**sizes, **best, "peak_GiB": peak, "backward_error": error, "repeats": len(samples)}
 
 
 def _sample(
     shell: ShellModel, problem: ContactProblem, state: ContactSolution, memory: object
-) -> tuple[dict[str, float], sparse.csc_matrix]:
-    """One Newton step, whole and by its parts [s], and the matrix that it has factorised."""
+) -> tuple[dict[str, float], _Kept]:
+    """One Newton step, whole and by its parts [s], and what it has factorised and solved."""
     run = _Kept(problem, tally=Tally(clock=CLOCK))
+    tangent = problem.linearise(state.u, memory).tangent
+    clear()
+    analysis = timed(partial(analysed, tangent))
     total = timed(partial(iterate, run, state, memory))
     elements = timed(partial(shell.element_contributions, state.u, memory))
     tangents = shell.element_contributions(state.u, memory)[2]
     scatter = timed(partial(shell.discretisation.assemble, tangents))
     counted = {part: run.tally.counters[f"{part}_s"] for part in ("factorisation", "solve", "contact")}
     times = {"elements": elements, "scatter": scatter, "assembly": elements + scatter, **counted, "total": total}
-    return times, run.matrices[-1]
+    return {**times, "analysis": analysis}, run
 
 
-def _floors(matrix: sparse.csc_matrix, problem: ContactProblem) -> dict[str, float]:
-    """Times [s] of the same factorisation alone, of a matrix product, and of a copy."""
+def _floors(run: _Kept, problem: ContactProblem) -> dict[str, float]:
+    """Times [s] of the same factorisation by SuperLU, of a matrix product, at its rate, and of a copy."""
     square, memory = np.ones((GEMM, GEMM)), np.ones(COPIED, np.uint8)
     target = np.zeros_like(memory)  # touched: the first touch of fresh memory costs more than the copy
+    matrix, flops = run.matrices[-1], factor_flops(run.factors[-1])
+    run.factors.clear()  # room for the other factors
+    gemm = timed(partial(np.matmul, square, square))
+    small = matrix.shape[0] <= BY_SUPERLU
     return {
-        "same_matrix": timed(partial(factorise, matrix, ordered=problem.ordered)),
-        "gemm": timed(partial(np.matmul, square, square)),
+        "superlu": timed(partial(factorise, matrix, "splu", ordered=problem.ordered)) if small else float("nan"),
+        "gemm": gemm,
+        "core": gemm * flops / (2 * GEMM**3),
         "copy": timed(partial(np.copyto, target, memory)),
     }
 

@@ -40,6 +40,11 @@ def analysed(A: sparse.csc_matrix) -> tuple[sparse.csc_matrix, Analysis]:
     return A, found
 
 
+def clear() -> None:
+    """Forget all analyses."""
+    _analysis.cache_clear()
+
+
 @lru_cache(maxsize=KEPT)
 def _analysis(pattern: Pattern) -> Analysis | None:
     return Analysis.of(pattern.indptr, pattern.indices)

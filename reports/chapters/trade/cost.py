@@ -8,15 +8,15 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
+from reports.chapters.trade.scaling import scaling_part
 from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
-from reports.formats import NOTHING, fixed, number, scientific, share
-from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose, table
+from reports.formats import fixed, number, scientific, share
+from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose
 from reports.tables import Store
 
 LEAST = 1e-5  # below it an error is chance
-STEP = ("elements", "scatter", "factorisation", "solve", "contact", "total")
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
 
@@ -26,7 +26,7 @@ def cost_page(store: Store) -> Part:
 
 Times are of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
     return joined(
-        introduction, _models(store), _precision(store), statements_part(store), _scaling(store), _peers(store)
+        introduction, _models(store), _precision(store), statements_part(store), scaling_part(store), _peers(store)
     )
 
 
@@ -132,27 +132,6 @@ def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
         axes.tick_params(axis="x", which="minor", labelbottom=False)
     legend_above(figure, panels[0], columns=5)
     return figure
-
-
-def _scaling(store: Store) -> Part:
-    """One Newton step over the unknowns; it takes memory and a quiet machine, so no campaign measures it by itself."""
-    command = "footprint bench scaling --table .footprint/store/tables/scaling.csv"
-    heading = "## One Newton step over the number of unknowns"
-    if not store.has_table("scaling"):
-        return joined(heading, machine(f"Not measured here; `{command}` does."))
-    data = store.table("scaling")
-    rows = [
-        [row["mesh"], row["dofs"], *(fixed(1e3 * row[f"{part}_s"], 1) for part in STEP), fixed(row["peak_GiB"], 2)]
-        for row in data.to_dict("records")
-    ]
-    fitted = store.analysis("scaling_exponents").to_dict("records") if store.has_analysis("scaling_exponents") else [{}]
-    powers = [fixed(fitted[0].get(part), 2) for part in STEP]
-    text = prose(f"""The whole tyre, the paper's element, in contact; shortest processor time of several, each size in a
-process of its own. The last line is the exponent of the unknowns, fitted from {store.rules()["fitted_from"]:g} on; in
-theory nested dissection takes 1.5 to factorise, and all else is linear but for a logarithm.""")
-    header = ["mesh", "unknowns", *(f"{part} [ms]" for part in STEP), "peak memory [GiB]"]
-    body = table("One Newton step", header, [*rows, ["exponent", NOTHING, *powers, NOTHING]])
-    return joined(heading, machine(text, body, commands([command])))
 
 
 def _peers(store: Store) -> Part:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from pathlib import Path
 
@@ -10,7 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.cost import STEP, cost_page
+from reports.chapters.trade.cost import cost_page
+from reports.chapters.trade.scaling import STEP
 from reports.tables import load_store
 from studies.campaigns.report_cells import MODELS
 from studies.store.atomic import write_json, write_table
@@ -115,14 +117,23 @@ def test_what_the_reference_is_not_good_enough_for_is_said(own_store: Path, know
 def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:
     assert "Not measured here" in cost_page(load_store(own_store)).text
     n = [1000, 10_000, 100_000]
-    times = {f"{part}_s": [1e-6 * k for k in n] for part in (*STEP, "assembly", "same_matrix", "gemm", "copy")}
+    parts = (*STEP, "assembly", "analysis", "superlu", "core", "gemm", "copy")
+    times = {f"{part}_s": [1e-6 * k for k in n] for part in parts} | {"backward_error": [1e-16, 3e-16, 2e-16]}
     times["factorisation_s"] = [1e-9 * k**1.5 for k in n]
+    times["superlu_s"] = [4e-9 * n[0] ** 1.5, 2e-9 * n[1] ** 1.5, math.nan]
+    times["core_s"] = [0.5e-9 * k**1.5 for k in n]
     sizes = {"mesh": ["a", "b", "c"], "dofs": n, "elements": n, "peak_GiB": [1.0] * 3, "repeats": [3] * 3}
     write_table(own_store / "tables" / "scaling.csv", pd.DataFrame({**sizes, **times}))
     analysed_again(own_store)
     text = cost_page(load_store(own_store)).text
     assert row(text, "| exponent |")[2:6] == ["1.00", "1.00", "1.50", "1.00"]
     assert row(text, "| c |")[1:3] == ["100000", "100.0"]
+    assert [row(text, f"| {mesh} |")[8] for mesh in "abc"] == ["0.25", "0.50", "–"]
+    said = " ".join(text.split())
+    assert "takes [0.25, 0.50] of the time of SuperLU" in said
+    assert "[2.0, 2.0] times what its operations take" in said
+    assert "a backward error of 3.0e-16 or less" in said
+    assert "A step with 100,000 unknowns takes 0.1 s and 1.0 GiB" in said
 
 
 def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:

@@ -46,8 +46,9 @@ def test_one_row_a_mesh_with_times_floors_and_memory(table) -> None:
     assert table["mesh"].tolist() == ["6x6", "8x6"]
     assert table["dofs"].tolist() == [6 * 5 * 6, 6 * 7 * 6]
     assert table["elements"].tolist() == [36, 48]
-    for name in (*TIMES, *set(FLOORS.values())):
+    for name in (*TIMES, "analysis", "superlu", *set(FLOORS.values())):
         assert (table[f"{name}_s"] > 0).all()
+    assert (table["backward_error"] <= 1e-13).all()
     assert ((table["peak_GiB"] > 0.02) & (table["peak_GiB"] < 4)).all()
     assert (table["assembly_s"] >= table["scatter_s"]).all()
 
