@@ -132,8 +132,10 @@ _WAYS: dict[str, tuple[str, dict[str, str]]] = {  # settings that change how an 
     "semismooth, settle 1": ("semismooth", {"settle": "1"}),
     "qp, eps 1e-3": ("qp", {"eps": "1e-3"}),
     "qp, clarabel": ("qp", {"backend": "clarabel"}),
+    "qp, full": ("qp", {"system": "full"}),
     "lcp, active-set": ("lcp", {"method": "active-set"}),
     "lcp, nnls": ("lcp", {"method": "nnls"}),
+    "lcp, full": ("lcp", {"system": "full"}),
 }
 
 

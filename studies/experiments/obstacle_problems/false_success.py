@@ -82,6 +82,7 @@ def contenders() -> dict[str, Contender]:
     ours |= {f"semismooth, {PENALTY:g}": by_algorithm("semismooth", epsilon=PENALTY)}
     ours |= {"semismooth, settle 1": by_algorithm("semismooth", settle=1.0)}
     ours |= {f"lcp, {method}": by_algorithm("lcp", method=method) for method in METHODS if method != Lcp.method}
+    ours |= {f"{name}, full": by_algorithm(name, system="full") for name in ("lcp", "qp")}
     ours |= {"qp, osqp defaults": by_algorithm("qp", eps=1e-3, polish=False)}
     backends = [name for name in BACKENDS if missing(name) is None]
     ours |= {f"qp, {name}": by_algorithm("qp", backend=name) for name in backends if name != "osqp"}

@@ -38,6 +38,8 @@ WAYS = {
     "lcp, lemke": Lcp(),
     "lcp, active-set": Lcp(method="active-set"),
     "lcp, nnls": Lcp(method="nnls"),
+    "lcp, full": Lcp(system="full"),
+    "qp, full": Qp(system="full"),
 }
 
 
