@@ -32,7 +32,7 @@ COMMANDS = {
     "check": "compare a fresh campaign with the committed baseline",
     "compare": "two stores side by side, as a comment for a review",
     "extremes": "solve and judge one point of a map of extremes",
-    "bench": "cost of one Newton iteration, its growth, the harness, and peers",
+    "bench": "what all that a solve does costs, its growth, the harness, and peers",
 }
 ON_A_STORE = {"run", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone

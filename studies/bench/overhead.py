@@ -1,17 +1,11 @@
-"""``footprint bench overhead``: what starting a command costs, what running a cell costs beside solving it, and what
-reading a large store costs.
-"""
+"""``footprint bench overhead``: what running a cell costs beside solving it, and what reading a large store costs."""
 
 from __future__ import annotations
 
-import os
-import resource
 import statistics
-import subprocess
-import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,20 +15,16 @@ from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, identity, plan
 from studies.columns import columns
-from studies.pool.process import ONE_THREAD, Children
+from studies.pool.process import Children
 from studies.pool.task import Limits, Task
 from studies.store.atomic import SCHEMA, as_text, write_json
 from studies.store.layout import Archive
-from studies.store.source_hash import ROOT
 
 TRIVIAL = Cell(
     "trivial", "cantilever", {"mesh": "1x1", "measure": "linear"}, {"load_fraction": "0.001"}, artefacts=False
 )
 SECOND = Cell("of about 1 s", "hemisphere", {"mesh": "24x24"}, artefacts=False)
 LARGE = 10_000
-FLOOR = ("-c", "import numpy, scipy.linalg, scipy.sparse.linalg")  # nothing is solved without
-REFUSED = ("-m", "studies.cli", "solve", "tyre", "--mesh", "0x0", "--out", "unused")  # once all that solves is loaded
-MOST_OF_FLOOR = 1.5
 
 
 @dataclass(frozen=True)
@@ -52,11 +42,7 @@ def harness(repeats: int = 9, large: int = LARGE) -> list[Cost]:
     """Medians over repeats; the store lies in a temporary directory."""
     with tempfile.TemporaryDirectory() as folder, closing(Children()) as children:
         root = Path(folder)
-        return [
-            *_start(root / "compiled", repeats),
-            *_cells(children, root / "cells", repeats),
-            *_store(children, root / "large", large),
-        ]
+        return [*_cells(children, root / "cells", repeats), *_store(children, root / "large", large)]
 
 
 def lines(costs: list[Cost]) -> Iterator[str]:
@@ -67,29 +53,6 @@ def lines(costs: list[Cost]) -> Iterator[str]:
         bound = f"{cost.bound}: {'kept' if cost.kept else 'BROKEN'}" if cost.bound else ""
         rows.append((cost.what, f"{cost.seconds:.4f}", *(beside or ("", "")), bound))
     yield from columns(rows, right=range(1, 4))
-
-
-def _start(compiled: Path, repeats: int) -> Iterator[Cost]:
-    """A solve that is refused before it begins, beside the import of numpy and scipy: processor time, in turns."""
-    _spent(FLOOR, compiled), _spent(REFUSED, compiled)
-    turns = [(_spent(FLOOR, compiled), _spent(REFUSED, compiled)) for _ in range(repeats)]
-    floor, ours = zip(*turns, strict=True)
-    ratio = statistics.median(b / a for a, b in turns)
-    yield Cost("numpy and scipy imported", statistics.median(floor), None, "", True)
-    bound = f"{ratio:.2f} of that, under {MOST_OF_FLOOR:g}"
-    yield Cost("command imported, request read", statistics.median(ours), None, bound, ratio < MOST_OF_FLOOR)
-
-
-def _spent(words: Sequence[str], compiled: Path) -> float:
-    """Processor time of a process of Python, user and system [s]; what it compiles is kept, as on installation."""
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path, "PYTHONPYCACHEPREFIX": str(compiled)}
-    environment.pop("PYTHONDONTWRITEBYTECODE", None)
-    done = subprocess.run([sys.executable, "-P", *words], env=environment, capture_output=True, check=False)
-    assert done.returncode == (2 if words is REFUSED else 0), done.stderr
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
 
 
 def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:

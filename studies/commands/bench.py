@@ -1,4 +1,4 @@
-"""``footprint bench``: one Newton iteration, its growth with the mesh, the cost of the harness, and peers."""
+"""``footprint bench``: what all that a solve does costs, one iteration and its growth, the harness, and peers."""
 
 from __future__ import annotations
 
@@ -10,19 +10,21 @@ from studies.columns import columns
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import count, progress_bar
 
-MESH, REPEATS = "42x40", 9
+MESH, REPEATS, ROUNDS = "42x40", 9, 3
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """One subcommand a table; without one, ``newton``."""
-    parser.set_defaults(bench=_newton)
-    parser.add_argument("--mesh", metavar="N1xN2", help=f"default {MESH}")
-    parser.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
+    """One subcommand a table; without one, the costs of all that a solve does, with their bars."""
+    parser.set_defaults(bench=_costs)
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
+    parser.add_argument("--largest", action="store_true", help="factorise 250,000 unknowns, too")
+    parser.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     tables = parser.add_subparsers(metavar="newton|scaling|overhead|peers", parser_class=type(parser))
 
-    newton = tables.add_parser("newton", help="cost of one Newton iteration, as ratios; the default")
-    newton.add_argument("--mesh", default=argparse.SUPPRESS, metavar="N1xN2", help=f"default {MESH}")
-    newton.add_argument("--repeats", type=int, default=argparse.SUPPRESS, help=f"default {REPEATS}")
+    newton = tables.add_parser("newton", help="cost of one Newton iteration, as ratios")
+    newton.add_argument("--mesh", default=MESH, metavar="N1xN2", help=f"default {MESH}")
+    newton.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
+    newton.set_defaults(bench=_newton)
 
     scaling = tables.add_parser("scaling", help="one Newton step from 2,000 to 250,000 unknowns")
     scaling.add_argument("--mesh", metavar="N1xN2,...", help="several, comma-separated")
@@ -30,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     scaling.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     scaling.set_defaults(bench=_scaling)
 
-    overhead = tables.add_parser("overhead", help="what starting, running and reading cost beside solving")
+    overhead = tables.add_parser("overhead", help="what running and reading cost beside solving")
     overhead.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
     overhead.set_defaults(bench=_overhead)
 
@@ -45,10 +47,28 @@ def run(options: argparse.Namespace) -> int:
     return int(options.bench(options))
 
 
+def _costs(options: argparse.Namespace) -> int:
+    from studies.bench.costs import costs
+    from studies.bench.rounds import BROKEN, shown
+    from studies.bench.tangents import with_pardiso
+    from studies.store.atomic import write_table
+
+    rounds = count("rounds", options.rounds)
+    with progress_bar("costs") as advance:
+        table = costs(rounds, options.largest, advance)
+    if options.table is not None:
+        write_table(options.table, table)
+    print(f"processor time in units of one work, medians of {rounds} rounds [lowest, highest]")
+    if not with_pardiso():
+        print("PARDISO: skipped, needs the extra mkl")
+    print("\n".join(shown(table)))
+    return FAILED if (table["holds"] == BROKEN).any() else OK
+
+
 def _newton(options: argparse.Namespace) -> int:
     from studies.bench.newton import bench
 
-    mesh = options.mesh or MESH
+    mesh = options.mesh
     cost = bench(mesh, repeats=count("repeats", options.repeats))
     print(f"one Newton iteration, tyre {mesh}, {cost.dofs} dofs, medians of {options.repeats}")
     seconds = {part: s for part, s in asdict(cost).items() if part != "dofs"}

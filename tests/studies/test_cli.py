@@ -274,7 +274,7 @@ def test_list_names_everything(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_bench_prints_the_split(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["bench", "--mesh", "12x12", "--repeats", "2"]) == 0
+    assert main(["bench", "newton", "--mesh", "12x12", "--repeats", "2"]) == 0
     out = capsys.readouterr().out
     for part in ("elements", "scatter", "contact", "factorisation", "solution", "total"):
         assert part in out

@@ -108,10 +108,8 @@ def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: py
 def test_the_bench_of_the_harness_says_what_it_has_done() -> None:
     costs = harness(repeats=2, large=50)
     assert [cost.what for cost in costs] == [
-        *("numpy and scipy imported", "command imported, request read"),
         *("cell: trivial", "cell: of about 1 s", "50 cells planned"),
         "50 cells listed, collected and filtered",
     ]
     assert all(cost.solve is None or 0 < cost.solve < cost.seconds for cost in costs)
-    assert costs[0].seconds < costs[1].seconds
-    assert len(list(lines(costs))) == 7
+    assert len(list(lines(costs))) == 5

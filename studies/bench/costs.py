@@ -1,0 +1,153 @@
+"""``footprint bench``: what a factorisation, a solve, the whole command and an assembly cost, in units of one work.
+
+The unit is one factorisation of the tangent of the whole tyre on 42x40 elements, 9840 unknowns, by SuperLU. Each line
+says what is done, and its bars.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+
+from contact.solvers.sparse import factorise
+from studies.bench.rounds import NO_BAR, PART, Group, Line, in_rounds
+from studies.bench.start import FLOOR, REFUSED, child
+from studies.bench.tangents import at_rest, factorisations, shell_of
+from studies.complete import complete
+from studies.solving import Result, solve
+
+MESH = "42x40"
+SIZES, LARGEST = (MESH, "102x100"), "210x200"  # 10, 60 and 250 thousand unknowns
+DELTA_MM = "20"
+UNIT, SOLVES = "unit: the tangent of the whole tyre by SuperLU", "solve: half tyre, inflated and pressed in one step"
+COMMAND, ASSEMBLY = "command", "assembly: whole tyre"
+SOLVE = "start to files"
+START, IMPORTS = "command imported, request read", "numpy and scipy imported"
+PARTS = ("build", "assembly", "factorisation", "solve", "contact")  # of timing_s
+# what a step of an exact set may spend, and where all that enforce contact exactly must end
+BEYOND, FORCE_OFF, NODES_OFF = "factorisations beyond iterations", "force off semismooth", "nodes off semismooth"
+ONE_AN_ITERATION = {BEYOND: 2.0}
+SAME_END = {FORCE_OFF: 1e-10, NODES_OFF: 0.0}
+
+
+def costs(
+    rounds: int,
+    largest: bool = False,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+    *,
+    sizes: tuple[str, ...] = SIZES,
+    mesh: str = MESH,
+) -> pd.DataFrame:
+    """The table of :func:`in_rounds`; ``largest``: a factorisation of 250,000 unknowns, too.
+
+    Needs one thread (OMP_NUM_THREADS=1, as the command line sets it). Raises UsageError for a mesh it cannot have.
+    """
+    K = at_rest(shell_of(mesh))
+    with TemporaryDirectory() as folder:
+        every = groups(K, mesh, (*sizes, LARGEST) if largest else sizes, Path(folder))
+        return in_rounds(every, partial(factorise, K, "splu", ordered=True), rounds, progress)
+
+
+def groups(K: sparse.csc_matrix, mesh: str, sizes: tuple[str, ...], folder: Path) -> Iterator[Group]:
+    """All that is measured; each is made when it is its turn."""
+    orders = {"order of the grid: the unit": True, "order of least degree": False}
+    each = [Line(name, partial(factorise, K, "splu", ordered=own), _ms, cold=True) for name, own in orders.items()]
+    yield Group(UNIT, each)
+    for size in sizes:
+        yield from factorisations(size)
+    yield solves(mesh)
+    yield Group(
+        COMMAND,
+        [
+            Line(IMPORTS, partial(child, FLOOR, folder)),
+            Line(START, partial(child, REFUSED, folder, 2), over={IMPORTS: 1.5}),
+            Line(SOLVE, partial(_command, mesh, folder), _parts_of_command, most={"units": 6.0}),
+        ],
+    )
+    yield assembly(mesh)
+
+
+def _ms(_: Any, seconds: float) -> dict[str, float]:
+    return {"ms": 1e3 * seconds}
+
+
+def solves(mesh: str) -> Group:
+    """The algorithms, condensed and on fronts, and what both are worth; all beside semismooth."""
+    reference = _solved("semismooth", mesh)
+
+    def line(contact: str, over: Mapping[str, float], most: Mapping[str, float], **settings: str) -> Line:
+        name = ", ".join([contact, *(f"{key}={value}" for key, value in settings.items())])
+        return Line(name, partial(_solved, contact, mesh, **settings), partial(_seen, reference, most), over, most)
+
+    beside, exact = {"semismooth": NO_BAR}, {**ONE_AN_ITERATION, **SAME_END}
+    return Group(
+        SOLVES,
+        [
+            line("semismooth", {"regularised": 1.0}, ONE_AN_ITERATION),
+            line("lcp", {"semismooth": 1.3}, exact),
+            line("qp", {"semismooth": 1.3}, exact),
+            line("trial-and-error", beside, ONE_AN_ITERATION),
+            line("regularised", beside, {}),
+            line("augmented-lagrangian", beside, SAME_END),
+            line("lcp", beside, SAME_END, system="full"),
+            line("qp", beside, SAME_END, system="full"),
+            line("semismooth", beside, SAME_END, solver="splu"),
+        ],
+    )
+
+
+def assembly(mesh: str) -> Group:
+    """Residual and tangent of the whole tyre as the iterations of a mixed Newton need them."""
+    shell = shell_of(mesh)
+    u = np.zeros(shell.discretisation.n_free)
+    memory, elements = shell.linearise(u).remember(u), len(shell.discretisation.dofs)
+
+    def see(_: Any, seconds: float) -> dict[str, float]:
+        return {"us an element": 1e6 * seconds / elements}
+
+    return Group(ASSEMBLY, [Line("residual and tangent", partial(shell.linearise, u, memory), see)])
+
+
+def _solved(contact: str, mesh: str, **settings: str) -> Result:
+    return solve(*complete("tyre", {"delta_mm": DELTA_MM, **settings}, mesh, model="half", contact=contact))
+
+
+def _seen(reference: Result, bars: Iterable[str], result: Result, seconds: float) -> dict[str, float]:
+    """What the pressed step has taken, factorisations of the column that is inflated left out, and where it ends."""
+    step, there = result.loads[-1], reference.loads[-1]
+    assert result.last is not None
+    assert reference.last is not None
+    iterations, factorisations = step.counters["newton_iterations"], step.counters["factorisations"]
+    force = step.quantities["force_N"]
+    judged = {
+        BEYOND: factorisations - iterations,
+        FORCE_OFF: abs(force / there.quantities["force_N"] - 1),
+        NODES_OFF: int(np.sum(result.last.active ^ reference.last.active)),
+    }
+    spent = {"iterations": iterations, "factorisations": factorisations, "force_N": force}
+    return {**spent, **{name: judged[name] for name in bars}, **_parts(result.timing)}
+
+
+def _parts(timing: Mapping[str, float]) -> dict[str, float]:
+    """Processor time of a solve in parts; they are known by the clock, and waited for the processor all alike."""
+    shares = {f"{PART}{name}_s": timing[name] / timing["total"] * timing["cpu"] for name in PARTS}
+    return {**shares, f"{PART}rest_s": timing["cpu"] - sum(shares.values())}
+
+
+def _command(mesh: str, folder: Path) -> dict[str, float]:
+    """Timing of the result that the command has written."""
+    words = ["solve", "tyre", "--mesh", mesh, "--model", "half", "--set", f"delta_mm={DELTA_MM}", "--out"]
+    child(("-m", "studies.cli", *words, str(folder / "out")), folder)
+    return dict(json.loads((folder / "out" / "result.json").read_text(encoding="utf-8"))["timing_s"])
+
+
+def _parts_of_command(timing: Mapping[str, float], seconds: float) -> dict[str, float]:
+    return {f"{PART}start and files_s": seconds - timing["cpu"], **_parts(timing)}

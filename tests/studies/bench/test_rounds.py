@@ -1,0 +1,105 @@
+"""Rounds on a clock made up here: the machine changes its speed, works take what they are said to take."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.bench.rounds import BROKEN, COLUMNS, HOLDS, NO_BAR, Group, Line, cpu, in_rounds, shown
+from studies.bench.start import child
+
+
+class Machine:
+    """A clock, its speed in each round, and the notes of what was done."""
+
+    def __init__(self, *speeds: float) -> None:
+        self.now, self.notes, self.speeds, self.beside = 0.0, "", speeds, 1
+
+    def work(self, name: str, *seconds: float) -> Callable[[], str]:
+        """A work of so many seconds at speed 1, round after round the next; ``u`` is done beside each of the others."""
+
+        def done() -> str:
+            turn = self.notes.count(name) // (self.beside if name == "u" else 1)
+            self.notes += name
+            self.now += seconds[turn % len(seconds)] / self.speeds[turn % len(self.speeds)]
+            return name
+
+        return done
+
+    def table(self, *lines: Line, rounds: int = 3):
+        self.beside = len(lines)
+        return in_rounds([Group("g", lines)], self.work("u", 2.0), rounds, clock=lambda: self.now)
+
+
+def value(table, line: str, what: str):
+    (row,) = table[(table["line"] == line) & (table["what"] == what)].to_dict("records")
+    return row
+
+
+def test_the_unit_stands_beside_every_line_and_only_what_keeps_something_is_done_before() -> None:
+    machine = Machine(1.0)
+    machine.table(Line("a", machine.work("a", 1.0), cold=True), Line("b", machine.work("b", 1.0)), rounds=2)
+    assert machine.notes == "b" + 2 * "uaub"
+
+
+def test_a_machine_that_changes_its_speed_changes_no_number() -> None:
+    machine = Machine(1.0, 3.0, 0.2)
+    lines = [
+        Line("a", machine.work("a", 1.0), lambda done, s: {"part half_s": s / 2, "seen": 7.0}, cold=True),
+        Line("b", machine.work("b", 4.0), over={"a": 3.0}, cold=True),
+    ]
+    table = machine.table(*lines)
+    assert table.columns.tolist() == list(COLUMNS)
+    for line, what, expected in (("a", "units", 0.5), ("a", "part half", 0.25), ("a", "seen", 7), ("b", "x a", 4)):
+        row = value(table, line, what)
+        assert [row[name] for name in ("median", "low", "high")] == pytest.approx(3 * [expected])
+
+
+def test_a_line_that_varies_has_its_median_and_its_ends() -> None:
+    machine = Machine(1.0)
+    table = machine.table(Line("a", machine.work("a", 2.0, 10.0, 3.0), cold=True))
+    row = value(table, "a", "units")
+    assert [row[name] for name in ("median", "low", "high")] == [1.5, 1.0, 5.0]
+
+
+@pytest.mark.parametrize(("bar", "verdict"), [(1.51, HOLDS), (1.5, HOLDS), (1.49, BROKEN), (NO_BAR, "")])
+def test_the_median_decides_on_a_bar(bar: float, verdict: str) -> None:
+    for what in ("units", "x b", "seen"):
+        machine = Machine(1.0)
+        bars = {"over": {"b": bar}} if what == "x b" else {"most": {what: bar}}
+        a = Line("a", machine.work("a", 2.0, 10.0, 3.0), lambda done, s: {"seen": s / 2}, cold=True, **bars)
+        table = machine.table(a, Line("b", machine.work("b", 2.0), cold=True))
+        assert value(table, "a", what)["holds"] == verdict
+        assert (table["holds"] != "").sum() == (verdict != "")
+
+
+def test_a_number_that_is_none_breaks_its_bar() -> None:
+    machine = Machine(1.0)
+    table = machine.table(Line("a", machine.work("a", 1.0), lambda *_: {"error": np.nan}, most={"error": 1e-13}))
+    assert value(table, "a", "error")["holds"] == BROKEN
+
+
+def test_the_terminal_has_every_number_once() -> None:
+    machine = Machine(1.0)
+    lines = [
+        Line("first", machine.work("a", 2.0, 10.0, 3.0), lambda *_: {"force_N": 1956.5599, "part x_s": 1.0}, cold=True),
+        Line("second", machine.work("b", 8.0), over={"first": 2.0}, most={"units": 9.0}, cold=True),
+    ]
+    text = "\n".join(shown(machine.table(*lines)))
+    for said, times in (("1.5 [1, 5]", 1), ("1956.56", 1), ("of these    x", 1), ("2.67 [0.8, 4]", 1), ("BROKEN", 1)):
+        assert text.count(said) == times
+    (held,) = [line for line in text.splitlines() if HOLDS in line]
+    assert held.split() == ["g", "second", "units", "4", "9", "holds"]
+
+
+def test_a_child_counts_for_who_waits_for_it(tmp_path: Path) -> None:
+    before, own = cpu(), time.process_time()
+    child(("-c", "sum(range(300_000))"), tmp_path)
+    assert cpu() - before > time.process_time() - own
+    child(("-c", "raise SystemExit(2)"), tmp_path, 2)
+    with pytest.raises(AssertionError, match="wrong"):
+        child(("-c", "raise SystemExit('wrong')"), tmp_path)
