@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.chapters.trade.scaling import scaling_part
+from reports.chapters.trade.spent import spent_part
 from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
@@ -26,7 +27,13 @@ def cost_page(store: Store) -> Part:
 
 Times are of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
     return joined(
-        introduction, _models(store), _precision(store), statements_part(store), scaling_part(store), _peers(store)
+        introduction,
+        _models(store),
+        _precision(store),
+        statements_part(store),
+        spent_part(store),
+        scaling_part(store),
+        _peers(store),
     )
 
 
