@@ -86,9 +86,9 @@ def _readings(
         for place, line in enumerate(group.lines):
             progress(turn * len(group.lines) + place, rounds * len(group.lines), f"{group.name}: {line.name}")
             beside.append(_timed(unit, clock)[0])
-            seconds, done = _timed(line.work, clock)
+            seconds, numbers = _seen(line, clock)
             spent[line.name].append(seconds)
-            seen[line.name].append(line.see(done, seconds))
+            seen[line.name].append(numbers)
         units.append(statistics.median(beside))
     for line in group.lines:
         own = spent[line.name]
@@ -102,6 +102,12 @@ def _readings(
             median, bar = statistics.median(values), bars.get(what, NO_BAR)
             holds = "" if bar != bar else HOLDS if median <= bar else BROKEN
             yield group.name, line.name, what, median, min(values), max(values), bar, holds
+
+
+def _seen(line: Line, clock: Callable[[], float]) -> tuple[float, Mapping[str, float]]:
+    """Seconds and numbers; what the work has made, large factors, is gone then."""
+    seconds, done = _timed(line.work, clock)
+    return seconds, line.see(done, seconds)
 
 
 def _timed(work: Callable[[], Any], clock: Callable[[], float]) -> tuple[float, Any]:
