@@ -144,7 +144,8 @@ def decide_set(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -
     """The step on the set that ``decide`` makes of the misplaced candidates, joined by others until there are none.
 
     decide: of candidates that the linear complementarity problem w = M z + q is about, those with z > 0: their state is
-    not the one that they have in the set of ``linear``. Who was decided once is not looked at again but in company.
+    not the one that they have in the set of ``linear``. A candidate that was decided is decided again with every later
+    one, never alone.
     Raises what decide and the linearisation raise.
     """
     jacobian, decided, active = run.problem.gap_jacobian(at.u), np.zeros(len(at.gap), bool), linear.base
