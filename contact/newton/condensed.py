@@ -134,7 +134,7 @@ class Condensed:
         inside, each, place = self.base[nodes], np.arange(len(nodes)), np.cumsum(self.base) - 1
         let_go, pushed = nodes[inside], nodes[~inside]
         shared = held.shared(self._rows)  # a candidate outside may push where one inside is held
-        columns[np.ix_(self.base, inside)] += held.stiffness()[:, place[let_go]]
+        columns[np.ix_(self.base, inside)] += held.stiffness(place[let_go])
         columns[np.ix_(~self.base, inside)] += shared[~self.base][:, place[let_go]].toarray()
         columns[np.ix_(self.base, ~inside)] -= shared[pushed].toarray().T
         columns[pushed, each[~inside]] += self._compliance[pushed]

@@ -109,9 +109,10 @@ class Held:
         left = sparse.csc_matrix(rows.T)
         return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
 
-    def stiffness(self) -> np.ndarray:
-        """P^T K P (a, a): forces of slacks, all else at rest."""
-        return np.asarray(self.columns[self.pivot].toarray() / self.slope[:, None] / self.slope)
+    def stiffness(self, slacks: np.ndarray) -> np.ndarray:
+        """Columns of P^T K P (a, k): forces of these slacks, all else at rest."""
+        columns = self.columns[self.pivot][:, slacks].toarray()
+        return np.asarray(columns / self.slope[:, None] / self.slope[slacks])
 
     def shared(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
         """G P (b, a): gaps of other candidates under the slacks."""
