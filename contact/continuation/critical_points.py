@@ -29,6 +29,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 
+from contact.newton.held import Held
 from contact.newton.pivots import Pivots
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, symmetric
@@ -167,7 +168,7 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
         return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]
 
     compliances, modes = _largest(comply, K.shape[0], symmetric=energetic)
-    return Spectrum(1.0 / compliances, modes, _negative(problem, K, nodes, pivots, epsilon) if energetic else None)
+    return Spectrum(1.0 / compliances, modes, _negative(problem, state.u, K, nodes, epsilon) if energetic else None)
 
 
 def branches_passed(problem_at: Callable[[float], ContactProblem], before: State, after: State, epsilon: float) -> int:
@@ -184,12 +185,10 @@ def negative_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilo
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     if problem.coupling is not None or not symmetric(K):
         return None
-    nodes = np.flatnonzero(state.active)
     try:
-        pivots = Pivots.choose(problem, state.u, nodes, K, epsilon) if len(nodes) else None
+        return _negative(problem, state.u, K, np.flatnonzero(state.active), epsilon)
     except ValueError:  # two candidates share an unknown
         return None
-    return _negative(problem, K, nodes, pivots, epsilon)
 
 
 def _largest(comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -212,17 +211,9 @@ def _largest(comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: b
     return np.copysign(size, np.real(values))[order], modes / np.linalg.norm(modes, axis=0)
 
 
-def _negative(
-    problem: ContactProblem, K: sparse.csc_matrix, nodes: np.ndarray, pivots: Pivots | None, epsilon: float
-) -> int:
+def _negative(problem: ContactProblem, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, epsilon: float) -> int:
     """Negative eigenvalues of the symmetric tangent on what the set leaves free."""
-    if pivots is None:
-        return negative_pivots(K)
-    if np.isfinite(epsilon):
-        stiff = sparse.diags_array(epsilon * problem.weights[nodes])
-        return negative_pivots(sparse.csc_matrix(K + pivots.rows.T @ stiff @ pivots.rows))
-    Z = pivots.free_motions()
-    return negative_pivots(sparse.csc_matrix(Z.T @ K @ Z))
+    return negative_pivots(Held.on(problem, u, nodes, K, epsilon).matrix, ordered=problem.ordered)
 
 
 def _cosines(v: np.ndarray, modes: np.ndarray) -> np.ndarray:

@@ -20,6 +20,7 @@ from scipy import sparse
 from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.events import Event, EventKind
+from contact.newton.held import Held, holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
@@ -109,14 +110,16 @@ class PressedCurve:
         run = NewtonRun(problem, self.algorithm.epsilon, tally=self.tally)
         A, b = problem.stiffness(run.linearise(x, None), x, point.pressure), np.zeros_like(x)
         b[-1] = _size(A)
-        nodes, pivots, pressing = np.flatnonzero(point.active), None, np.zeros_like(point.pressure)
-        load = b
-        if len(nodes):
+        nodes, pressing = np.flatnonzero(point.active), np.zeros_like(point.pressure)
+        if holdable(problem):
+            held, still = Held.on(problem, x, nodes, A, run.epsilon), np.zeros(len(nodes))
+            y = run.solution(run.factorise(held.matrix), held.matrix, held.load(b, still))
+            found = held.motion(y, still)
+            pressing[nodes] = held.forces(y, found, -b) / problem.weights[nodes]
+        else:
             pivots = Pivots.choose(problem, x, nodes, A, run.epsilon).homogeneous()
             A, load = pivots.substitute(A, b)
-        found = run.solution(run.factorise(A), A, load)
-        if pivots is not None:
-            found, pressing[nodes] = pivots.resolve(found)
+            found, pressing[nodes] = pivots.resolve(run.solution(run.factorise(A), A, load))
         found[:-1] *= self.m
         size = float(np.linalg.norm(found))
         return found / size, pressing / size
@@ -154,8 +157,11 @@ class PressedCurve:
             lin = body(x, memory)
             size, residual = _size(lin.tangent), lin.residual.copy()
             residual[-1] = size * (row @ (x - through))
-            last = sparse.csr_matrix(size * row[None, :])
-            K = sparse.csc_matrix(sparse.vstack([lin.tangent[:-1], last], format="csc"))
+            # room for all that a set may bring: a pattern that stays is analysed once
+            n = len(row) - 1
+            last = sparse.csr_matrix((size * row, np.arange(n + 1), np.array([0, n + 1])), shape=(1, n + 1))
+            beside = sparse.csc_matrix((np.zeros(n), np.arange(n), np.array([0, n])), shape=(n, 1))
+            K = sparse.csc_matrix(sparse.vstack([sparse.hstack([lin.tangent[:-1, :-1], beside]), last], format="csc"))
             return Linearisation(residual, K, lin.scale, lin.remember)
 
         return replace(self.problem, linearise=linearise)

@@ -33,7 +33,7 @@ class Condensed:
     def __init__(self, run: NewtonRun, lin: Linearised, u: np.ndarray, pressure: np.ndarray, base: np.ndarray) -> None:
         """Factorise on the set ``base`` (m,); raises SingularMatrixError, ValueError."""
         self._run, self._residual, self._u = run, lin.residual, u
-        self._rows, self._gap = run.problem.gap_jacobian(u), run.problem.gap(u)
+        self._rows, self._acting, self._gap = run.problem.gap_jacobian(u), run.problem.push(u), run.problem.gap(u)
         self._compliance = 1.0 / (run.epsilon * run.problem.weights)
         with run.tally.timed("contact_s"):
             self._tangent = run.problem.stiffness(lin, u, pressure)
@@ -56,7 +56,7 @@ class Condensed:
         Raises SingularMatrixError, ValueError.
         """
         nodes = np.flatnonzero(active)
-        holding(self._rows[nodes], nodes)
+        holding(self._acting[nodes], nodes)
         new = np.setdiff1d(np.flatnonzero(active ^ self.base), self._known)
         if len(new) and response_flops(self._factor, *self._sides(new)) > factor_flops(self._factor):
             self._factorise(active)
@@ -95,7 +95,7 @@ class Condensed:
     def _solution(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and the forces (a,) of the base set under the forces and slacks z."""
         slack = z[self.base] - self._gap[self.base]
-        pushed = self._rows.T @ np.where(self.base, 0.0, z)
+        pushed = self._acting.T @ np.where(self.base, 0.0, z)
         y = self._run.solution(self._factor, self._matrix, self._held.load(pushed - self._residual, slack))
         du = self._held.motion(y, slack)
         return du, self._held.forces(y, du, self._residual - pushed)
@@ -110,20 +110,18 @@ class Condensed:
         """The du whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly."""
         nodes, du = np.flatnonzero(active), du.copy()
         rows = self._rows[nodes]
-        pivot, slope = holding(rows, nodes)
+        pivot, slope = holding(self._acting[nodes], nodes)
         du[pivot] -= (self._gap[nodes] + self._compliance[nodes] * forces[nodes] + rows @ du) / slope
         return du
 
     def _sides(self, nodes: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
         """What of y there is in w (n, m), and what the z of these candidates put on the right-hand side of y (n, k)."""
         if self._all is None:
-            pushed = self._held.pushed(self._rows[~self.base])
-            order = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base)))
-            felt, let_go = (
-                sparse.csc_matrix(sparse.hstack([pushed, inside], format="csc")[:, order])
-                for inside in (self._held.felt(), self._held.let_go())
-            )
-            self._all = felt, let_go
+            order, held = np.argsort(np.append(np.flatnonzero(~self.base), np.flatnonzero(self.base))), self._held
+            seen = held.opened(self._rows[~self.base]), held.felt()
+            done = held.pushed(self._acting[~self.base]), held.let_go()
+            all_seen, all_done = (sparse.hstack(both, format="csc")[:, order] for both in (seen, done))
+            self._all = sparse.csc_matrix(all_seen), sparse.csc_matrix(all_done)
         return self._all[0], sparse.csc_matrix(self._all[1][:, nodes])
 
     def _found(self, nodes: np.ndarray) -> np.ndarray:

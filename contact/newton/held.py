@@ -24,11 +24,13 @@ class Held:
         (T^T K T + D) y = -T^T (r + K P (s - g)),    D_kk = kappa/(1 + e kappa),    t^2 = e D_kk,    f = P^T (K du + r)
 
     kappa is the size of K_k: the diagonal is as large as that of K for any epsilon. A symmetric K leaves a symmetric
-    matrix, a definite one a definite one, and every entry is in a place of K's.
+    matrix, a definite one a definite one, and every entry is in a place of K's. Where unknowns move the foundation, the
+    T on the left is that of the rows by which forces act, without them.
     """
 
     K: sparse.csc_matrix
     rows: sparse.csr_matrix  # G_A (a, n)
+    acting: sparse.csr_matrix  # the same for forces
     pivot: np.ndarray
     slope: np.ndarray  # G_k
     compliance: np.ndarray  # diagonal of E [mm/N]
@@ -41,20 +43,29 @@ class Held:
     ) -> Held:
         """The set of these candidates; raises ValueError when one has no unknown or two share one."""
         rows = problem.gap_jacobian(u)[nodes]
-        pivot, slope = holding(rows, nodes)
+        acting = problem.push(u)[nodes] if problem.driven else rows
+        pivot, slope = holding(acting, nodes)
         size = largest(sparse.csc_matrix(K[:, pivot]))
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
         compliance = 1.0 / (epsilon * problem.weights[nodes])
         soft = compliance / slope**2
         spring = size / (1 + soft * size)
-        return cls(K, rows, pivot, slope, compliance, np.sqrt(soft * spring), spring)
+        return cls(K, rows, acting, pivot, slope, compliance, np.sqrt(soft * spring), spring)
 
     @cached_property
     def following(self) -> sparse.csr_matrix:
         """R (a, n): T = 1 - (1 at k) R."""
-        a, n = self.rows.shape
+        return self._following(self.rows)
+
+    @cached_property
+    def balancing(self) -> sparse.csr_matrix:
+        """R of the T on the left."""
+        return self.following if self.acting is self.rows else self._following(self.acting)
+
+    def _following(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
+        a, n = rows.shape
         own = sparse.csr_matrix((self.share, self.pivot, np.arange(a + 1)), shape=(a, n))
-        return sparse.csr_matrix(sparse.diags_array(1.0 / self.slope) @ self.rows - own)
+        return sparse.csr_matrix(sparse.diags_array(1.0 / self.slope) @ rows - own)
 
     @cached_property
     def columns(self) -> sparse.csc_matrix:
@@ -72,14 +83,14 @@ class Held:
         if len(self.pivot) == 0:
             return self.K
         R, n = self.following, self.K.shape[0]
-        change = R.T @ ((self.columns[self.pivot] @ R) - self.across) - self.columns @ R
+        change = self.balancing.T @ ((self.columns[self.pivot] @ R) - self.across) - self.columns @ R
         on = sparse.csc_matrix((self.spring, (self.pivot, self.pivot)), shape=(n, n))
         return added(self.K, sparse.csc_matrix(change + on))
 
     def load(self, force: np.ndarray, slack: np.ndarray) -> np.ndarray:
         """T^T (force - K P slack) (n,), of a slack s - g (a,)."""
         left = force - self.columns @ (slack / self.slope)
-        return np.asarray(left - self.following.T @ left[self.pivot])
+        return np.asarray(left - self.balancing.T @ left[self.pivot])
 
     def motion(self, y: np.ndarray, slack: np.ndarray) -> np.ndarray:
         """du = T y + P slack (n,)."""
@@ -97,15 +108,20 @@ class Held:
     def let_go(self) -> sparse.csc_matrix:
         """-T^T K P (n, a): what a unit of each slack puts on the right-hand side."""
         left = sparse.csc_matrix(self.columns @ sparse.diags_array(-1.0 / self.slope))
-        return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
+        return sparse.csc_matrix(left - self.balancing.T @ left[self.pivot])
 
     def felt(self) -> sparse.csc_matrix:
         """T^T K^T P (n, a), with f = felt^T y + :meth:`stiffness` s but for constants."""
         left = sparse.csc_matrix(self.across.T @ sparse.diags_array(1.0 / self.slope))
         return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
 
-    def pushed(self, rows: sparse.csr_matrix) -> sparse.csc_matrix:
-        """T^T G^T (n, b) of candidates outside the set: their forces on the right-hand side, and their gaps in y."""
+    def pushed(self, acting: sparse.csr_matrix) -> sparse.csc_matrix:
+        """T^T G^T (n, b): what unit forces on other candidates put on the right-hand side."""
+        left = sparse.csc_matrix(acting.T)
+        return sparse.csc_matrix(left - self.balancing.T @ left[self.pivot])
+
+    def opened(self, rows: sparse.csr_matrix) -> sparse.csc_matrix:
+        """T^T G^T (n, b): what of y there is in the gaps of other candidates."""
         left = sparse.csc_matrix(rows.T)
         return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
 
@@ -117,3 +133,8 @@ class Held:
     def shared(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
         """G P (b, a): gaps of other candidates under the slacks."""
         return sparse.csr_matrix(rows[:, self.pivot] @ sparse.diags_array(1.0 / self.slope))
+
+
+def holdable(problem: ContactProblem) -> bool:
+    """Whether every pressure is a force on its own candidate, so that it can be left out of the unknowns."""
+    return problem.coupling is None and bool(np.all(problem.weights > 0))

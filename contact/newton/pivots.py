@@ -60,16 +60,6 @@ class Pivots:
         """The same for closed gaps, as of a motion that leaves them so."""
         return replace(self, gap=np.zeros_like(self.gap))
 
-    def free_motions(self) -> sparse.csc_matrix:
-        """Basis Z (n, n - a) of the motions with G_A du = 0: the pivots follow the others."""
-        n = self.rows.shape[1]
-        others = np.setdiff1d(np.arange(n), self.pivot)
-        follow = sparse.csr_matrix(sparse.diags_array(-1.0 / self.slope) @ self.rows)
-        place = sparse.csr_matrix(
-            (np.ones(len(self.pivot)), (self.pivot, np.arange(len(self.pivot)))), (n, len(self.pivot))
-        )
-        return sparse.csc_matrix(sparse.eye_array(n, format="csc") + place @ follow)[:, others]
-
     def resolve(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du and the pressures of the set from the solution of the substituted system."""
         pressure, du = self.scale * x[self.pivot], x.copy()

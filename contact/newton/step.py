@@ -13,6 +13,7 @@ from scipy import sparse
 from scipy.linalg import norm
 
 from contact.newton.condensed import Condensed
+from contact.newton.held import holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
 from contact.problem import (
@@ -130,8 +131,7 @@ class NewtonRun:
 
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
         """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
-        problem = self.problem
-        if problem.coupling is None and not problem.driven and np.all(problem.weights > 0):
+        if holdable(self.problem):
             return Condensed(self, lin, u, pressure, active)
         return Substituted(self, lin, u, pressure)
 

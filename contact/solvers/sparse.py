@@ -12,12 +12,14 @@ switched off: left on, it can return a residual of 1e37 in silence.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from typing import Literal, Protocol
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
+from contact.solvers.multifrontal.bordered import Bordered
 from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError, Response
 from contact.solvers.multifrontal.patterns import analysed
 
@@ -74,7 +76,7 @@ def _multifrontal(A: sparse.csc_matrix, ordered: bool) -> Factor:
     if not ordered:
         return _superlu(A, ordered)
     try:
-        return Multifrontal.of_matrix(*analysed(A))
+        return Bordered.of(A) or Multifrontal.of_matrix(*analysed(A))
     except PivotError:
         return _superlu(A, ordered)
 
@@ -97,6 +99,8 @@ def factorise(A: sparse.csc_matrix, solver: str = AUTO, *, ordered: bool = False
 
 def response(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_matrix) -> np.ndarray:
     """left^T A^-1 right (j, k) of sparse (n, j) and (n, k), a few columns at a time: A^-1 right may be large."""
+    if isinstance(factor, Bordered):
+        return np.hstack([factor.response(left, part) for part in _batches(right)])
     if isinstance(factor, Multifrontal):
         return np.hstack([Response.of(factor, left, part).matrix() for part in _batches(right)])
     solved = (np.column_stack([factor.solve(b) for b in part.toarray().T]) for part in _batches(right))
@@ -109,6 +113,8 @@ def response_flops(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_ma
     They take as long, each, as those of the factorisation: on tyres of 4918, 9840 and 39840 unknowns 85, 200 and 340
     columns last as long as it by fronts, 30, 45 and 50 by SuperLU (measured).
     """
+    if isinstance(factor, Bordered):
+        factor, left, right = factor.factor, sparse.csc_matrix(left[:-1]), sparse.csc_matrix(right[:-1])
     if isinstance(factor, Multifrontal):
         return Response.of(factor, left, right).operations
     return 2.0 * float(getattr(factor, "nnz", 0)) * right.shape[1]
@@ -131,7 +137,7 @@ def factor_flops(factor: Factor) -> float:
     time that finding it took, and as much memory: above LARGE_FILL entries of L and U it is not made, and the columns
     are taken to be as unlike as in tyres of that size. Fronts know theirs; 0 for any other factor.
     """
-    if isinstance(factor, Multifrontal):
+    if isinstance(factor, Multifrontal | Bordered):
         return factor.flops
     if not isinstance(factor, SuperLU):
         return 0.0
@@ -165,12 +171,15 @@ def symmetric(K: sparse.csc_matrix) -> bool:
     return asymmetry(K) <= SYMMETRIC
 
 
-def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None) -> int:
+def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None, *, ordered: bool = False) -> int:
     """Number of negative pivots of a symmetric matrix, its negative eigenvalues (Sylvester); a zero counts, too.
 
     A ``factor`` by fronts knows it. SuperLU without row exchanges: U has the signs of D in L D L^T, and what rounding
     may hide is close to singular.
     """
+    if factor is None and ordered:
+        with suppress(SingularMatrixError):
+            factor = _multifrontal(A, ordered)
     if isinstance(factor, Multifrontal):
         return factor.negative
     try:

@@ -18,6 +18,7 @@ from scipy.linalg import blas, lapack
 
 from contact.solvers.multifrontal.analysis import Analysis, Front, Places
 
+BLOCK = 64  # columns at once of an indefinite front: LAPACK's own workspace allows one
 SYMMETRIC = 1e-10  # relative asymmetry of a matrix that is rounding
 
 
@@ -228,7 +229,7 @@ def _symmetric(front: Front, data: np.ndarray, left: dict[int, np.ndarray]) -> t
             F21 = blas.dtrsm(1.0, L, F21, side=1, lower=1, trans_a=1, overwrite_b=1)
             F22 = blas.dsyrk(-1.0, F21, beta=1.0, c=F22, lower=1, overwrite_c=1)
         return Definite(L, F21), F22
-    ldl, pivots, info = lapack.dsytrf(F11, lower=1)
+    ldl, pivots, info = lapack.dsytrf(F11, lower=1, lwork=BLOCK * max(m, 1))
     if info:
         raise PivotError(f"a pivot among unknowns {front.start} to {front.stop} is zero")
 
