@@ -10,8 +10,19 @@ from scipy import sparse
 
 from contact.solvers.multifrontal import tree
 from contact.solvers.multifrontal.analysis import PIECES, Analysis
+from contact.solvers.multifrontal.bordered import Bordered
 from contact.solvers.multifrontal.factor import Multifrontal, PivotError
-from contact.solvers.sparse import BACKWARD_ERROR, checked_solve, factor_flops, factorise, instead, negative_pivots
+from contact.solvers.multifrontal.patterns import analysed
+from contact.solvers.sparse import (
+    BACKWARD_ERROR,
+    checked_solve,
+    factor_flops,
+    factorise,
+    instead,
+    negative_pivots,
+    response,
+    response_flops,
+)
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
@@ -162,3 +173,50 @@ def test_it_is_a_solver_by_its_name() -> None:
     np.testing.assert_allclose(checked_solve(factor, K, b), checked_solve(other, K, b), rtol=1e-8)
     assert 0.2 < factor_flops(factor) / factor_flops(other) < 2.0
     assert factor.negative == negative_pivots(K) == 0
+
+
+def bordered(K: sparse.csc_matrix, row: np.ndarray, column: np.ndarray) -> sparse.csc_matrix:
+    """K beside a column and above a row, every place of which is taken."""
+    n = K.shape[0]
+    beside = sparse.csc_matrix((column, np.arange(n), np.array([0, n])), shape=(n, 1))
+    last = sparse.csr_matrix((row, np.arange(n + 1), np.array([0, n + 1])), shape=(1, n + 1))
+    return sparse.csc_matrix(sparse.vstack([sparse.hstack([K, beside]), last]))
+
+
+def test_a_border_is_eliminated_by_itself() -> None:
+    """Solutions and columns of the inverse, against the dense matrix; about half the operations of the whole."""
+    rng, K = np.random.default_rng(0), tangent(8, 8)
+    n, size = K.shape[0], float(np.max(np.abs(K.data)))
+    A = bordered(K, size * rng.normal(size=n + 1), size * rng.normal(size=n))
+    factor = factorise(A, "multifrontal", ordered=True)
+    assert isinstance(factor, Bordered)
+    b = rng.normal(size=n + 1)
+    exact = np.linalg.solve(A.toarray(), b)
+    np.testing.assert_allclose(checked_solve(factor, A, b), exact, rtol=0, atol=1e-9 * np.max(np.abs(exact)))
+    left, right = (sparse.csc_matrix(sparse.random_array((n + 1, k), density=0.02, rng=rng)) for k in (4, 6))
+    columns = left.T @ np.linalg.solve(A.toarray(), right.toarray())
+    np.testing.assert_allclose(response(factor, left, right), columns, rtol=0, atol=1e-9 * np.max(np.abs(columns)))
+    assert 0 < response_flops(factor, left, right) < np.inf
+    assert factor_flops(factor) < 0.7 * Multifrontal.of_matrix(*analysed(A)).flops
+
+
+def test_a_border_that_holds_a_singular_matrix_is_eliminated_with_it() -> None:
+    """As at a limit point: K has a motion without stiffness that only the border resists."""
+    rng, K = np.random.default_rng(0), tangent(8, 8)
+    dense = K.toarray()
+    values, vectors = np.linalg.eigh(dense)
+    soft = sparse.csc_matrix(dense - values[0] * np.outer(vectors[:, 0], vectors[:, 0]))
+    n, size = K.shape[0], float(np.max(np.abs(K.data)))
+    A = bordered(soft, size * np.append(vectors[:, 0], 0.0), size * vectors[:, 0])
+    assert Bordered.of(A) is None
+    b = rng.normal(size=n + 1)
+    x = checked_solve(factorise(A, "multifrontal", ordered=True), A, b)
+    np.testing.assert_allclose(A @ x, b, rtol=0, atol=1e-9)
+
+
+def test_what_is_not_symmetric_within_its_border_is_left_alone() -> None:
+    K = tangent(8, 8)
+    skew = sparse.csc_matrix(K + 0.1 * sparse.triu(K, 1))
+    n = K.shape[0]
+    assert Bordered.of(bordered(skew, np.ones(n + 1), np.ones(n))) is None
+    assert Bordered.of(K) is None  # its last row is not full
