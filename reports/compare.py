@@ -7,7 +7,7 @@ numbers that are both below ROUNDING count as equal, for they are residuals. Mac
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from difflib import SequenceMatcher
 
 from reports.markdown import END_MACHINE, MACHINE
@@ -31,6 +31,12 @@ def differences(page: str, committed: str, regenerated: str) -> list[str]:
         at = old[min(a0, len(old) - 1)][0] if old else 1
         found += [f"{page}:{a[0] or at}: committed {a[1]!r}, regenerated {b[1]!r}" for a, b in pairs]
     return found
+
+
+def of_the_machine(text: str, names: Iterable[str]) -> set[str]:
+    """The names that are in machine blocks of a page and nowhere else on it."""
+    steady = "\n".join(line for _, line in _compared(text))
+    return {name for name in names if name in text and name not in steady}
 
 
 def _compared(text: str) -> Iterator[Line]:

@@ -13,7 +13,7 @@ from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, link_line, listed
 from reports.chapters.overview.campaign import campaign_page
 from reports.chapters.overview.index import index_page
 from reports.chapters.overview.outcomes import completeness_line
-from reports.compare import differences
+from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
 from reports.files import write_texts
 from reports.html import REPORT, report_html
@@ -73,11 +73,18 @@ def _under_heading(text: str, line: str) -> str:
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
-    """Differences between ``files`` and what is in ``out``; of the one HTML nothing is asked."""
+    """Differences between ``files`` and what is in ``out``; of the one HTML nothing is asked.
+
+    Pictures in machine blocks alone may come and go with what was measured.
+    """
     files = {name: text for name, text in files.items() if name != REPORT}
     there = {path.relative_to(out).as_posix() for path in [*out.glob("*.md"), *(out / FIGURES).glob("*.svg")]}
-    found = [f"{name}: missing in {out}" for name in files if name not in there]
-    found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files))]
+    texts = [text for name, text in files.items() if name.endswith(".md")]
+    texts += [(out / name).read_text(encoding="utf-8") for name in there if name.endswith(".md")]
+    pictures = {name for name in there | set(files) if name.endswith(".svg")}
+    measured = {name for text in texts for name in of_the_machine(text, pictures)}
+    found = [f"{name}: missing in {out}" for name in files if name not in there | measured]
+    found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files) - measured)]
     pages = [name for name in files if name.endswith(".md") and name in there]
     if not pages:
         found.append(f"{out}: no page to compare")

@@ -15,6 +15,7 @@ from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_c
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.measure_errors import measure_errors
+from studies.analysis.comparisons.peer_factors import peer_factors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
 from studies.analysis.comparisons.solid_shell import solid_shell
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
@@ -39,6 +40,7 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "error_statements": ("error_coverage", error_statements),
     "stated_errors": ("error_coverage", statements),
     "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
+    "peer_factors": ("peers", peer_factors),
 }
 
 RULES = {  # thresholds that the pages state

@@ -9,6 +9,7 @@ from pathlib import Path
 from studies.columns import columns
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import count, progress_bar
+from studies.scene import UsageError
 
 MESH, REPEATS, ROUNDS = "42x40", 9, 3
 
@@ -36,8 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     overhead.add_argument("--repeats", type=int, default=REPEATS, help=f"default {REPEATS}")
     overhead.set_defaults(bench=_overhead)
 
-    peers = tables.add_parser("peers", help="NGSolve's solids beside shells")
-    peers.add_argument("--mesh", metavar="N1xN2,...", help="of a quarter, several, e.g. 8x8,14x12")
+    peers = tables.add_parser("peers", help="other programs beside shells")
+    peers.add_argument("--only", metavar="PROBLEM", help="one problem, e.g. hemisphere")
+    peers.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
     peers.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     peers.set_defaults(bench=_peers)
 
@@ -102,14 +104,23 @@ def _scaling(options: argparse.Namespace) -> int:
 
 
 def _peers(options: argparse.Namespace) -> int:
-    from studies.bench.peers import DELTA_MM, PEER_MESHES, lines, peers
+    from studies.bench.peers.catalogue import available
+    from studies.bench.peers.measure import lines_of, measured, unit_of
     from studies.store.atomic import write_table
 
-    table = peers(options.mesh.split(",") if options.mesh else PEER_MESHES)
+    rounds = count("rounds", options.rounds)
+    lines, skipped = available()
+    if not lines:
+        raise UsageError("peers need the extra peers: pip install 'footprint[peers]'")
+    chosen = [line for line in lines if options.only in (None, line.problem)]
+    if not chosen:
+        names = ", ".join(dict.fromkeys(line.problem for line in lines))
+        raise UsageError(f"--only {options.only!r} must be one of {names}")
+    print("".join(f"{why}\n" for why in skipped), end="")
+    with progress_bar("peers") as advance:
+        table = measured(chosen, unit_of(), rounds, advance)
     if options.table is not None:
         write_table(options.table, table)
-    print(
-        f"isotropic tyre, {DELTA_MM:g} mm, a quarter; meshes of footprint count the whole, those of ngsolve the quarter"
-    )
-    print("\n".join(lines(table)))
-    return NOT_CONVERGED if table["force_N"].isna().any() else OK
+    print("medians of processor time; one unit: factorisation of 9840 unknowns by SuperLU")
+    print("\n".join(lines_of(table)))
+    return NOT_CONVERGED if table["value"].isna().any() else OK

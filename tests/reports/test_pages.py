@@ -16,7 +16,7 @@ from reports.chapter import Chapter
 from reports.chapters.tyre.meshes import SOLID
 from reports.contents import CHAPTERS
 from reports.html import REPORT
-from reports.markdown import Part
+from reports.markdown import Part, machine
 from reports.result_figures import draw_result
 from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.tables import StoreError, load_store
@@ -237,6 +237,20 @@ def test_what_the_machine_decides_is_not_compared(files: dict[str, str], out: Pa
     replace_in(out / "tyre.md", "| paper | 1.25 |", "| paper | 7.00 |")
     replace_in(out / "index.md", "numpy 2", "numpy 3")
     assert compare_pages(files, out) == []
+
+
+def test_a_picture_of_what_was_measured_may_come_and_go(files: dict[str, str], out: Path) -> None:
+    shown = f"\n{machine('![words](figures/new.svg)')}\n"
+    fresh = {**files, "cost.md": files["cost.md"] + shown, "figures/new.svg": "<svg/>"}
+    assert compare_pages(fresh, out) == []
+    (out / "figures" / "new.svg").write_text("<svg/>")
+    (found,) = compare_pages(files, out)  # no page shows it
+    assert found == f"figures/new.svg: in {out}, but no longer made"
+    replace_in(out / "cost.md", files["cost.md"], fresh["cost.md"])
+    assert compare_pages(files, out) == []
+    stated = {**fresh, "tyre.md": files["tyre.md"] + "![words](figures/new.svg)"}
+    (out / "figures" / "new.svg").unlink()
+    assert f"figures/new.svg: missing in {out}" in compare_pages(stated, out)
 
 
 def test_words_are_compared(files: dict[str, str], out: Path) -> None:

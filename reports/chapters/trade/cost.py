@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
+from reports.chapters.trade.peers import peers_part
 from reports.chapters.trade.scaling import scaling_part
 from reports.chapters.trade.spent import spent_part
 from reports.chapters.trade.statements import statements_part
@@ -33,7 +34,7 @@ Times are of one run each, on the machine of the [overview](index.md); what is c
         statements_part(store),
         spent_part(store),
         scaling_part(store),
-        _peers(store),
+        peers_part(store),
     )
 
 
@@ -139,22 +140,6 @@ def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
         axes.tick_params(axis="x", which="minor", labelbottom=False)
     legend_above(figure, panels[0], columns=5)
     return figure
-
-
-def _peers(store: Store) -> Part:
-    """Shells beside another program's solids; it takes that program, so no campaign measures it by itself."""
-    command = "footprint bench peers --table .footprint/store/tables/peers.csv"
-    heading = "## Beside three-dimensional solids of another program"
-    if not store.has_table("peers"):
-        return joined(heading, machine(f"Not measured here; `{command}` does, with the extra peers."))
-    heads = "program | mesh | unknowns | force [N] | error | time [s] | ratio"
-    line = "{program} | {elements} | {unknowns} | {force_N:.2f} | {error:+.2%} | {seconds:.2f} | {ratio:.1f}"
-    text = prose("""The isotropic tyre at 10 mm, a quarter against a quarter, by shells and by NGSolve's cubic hexahedra
-in the same run: processor time of one thread from the request to the force. Meshes of `footprint` count the whole tyre,
-those of `ngsolve` the quarter. *Error*: of the force against a finer solid, which is known to 0.3 %. *Ratio*: of the
-time to that of the coarsest shell from which on all finer ones are within 0.3 %.""")
-    body = listing("Force against cost", store.table("peers"), heads, line, words=2)
-    return joined(heading, machine(text, body, commands([command])))
 
 
 CHAPTER = Chapter(

@@ -138,8 +138,22 @@ def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:
 
 def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
     assert "with the extra peers" in cost_page(load_store(own_store)).text
-    columns = ["program", "elements", "unknowns", "force_N", "seconds", "error", "ratio"]
-    rows = [("footprint", "36x34", 1836, 524.3, 0.16, 0.001, 1.0), ("ngsolve", "8x8", 7500, 524.57, 3.2, 0.0016, 20.0)]
-    write_table(own_store / "tables" / "peers.csv", pd.DataFrame(rows, columns=columns))
-    text = cost_page(load_store(own_store)).text
-    assert row(text, "| ngsolve |")[1:] == ["8x8", "7500", "524.57", "+0.16 %", "3.20", "20.0"]
+    shell = ("hemisphere", "footprint", "default", "16x16", 1665, 8.1, 8, 0.2, 0.02, 0.1, 0.04, 3, 1.0)
+    peer = ("hemisphere", "kratos", "thick", "20x20", 2646, 8.15, 50, 8.0, 0.1, 5.0, 2.0, 3, 40.0)
+    columns = ["problem", "program", "family", "mesh", "unknowns", "value", "iterations", "seconds"]
+    columns += ["start", "assembly", "factorisation", "runs", "units"]
+    measured = pd.DataFrame([shell, peer], columns=columns)
+    judged = measured.assign(within=0.01, bar=50.0, uncertainty=0.002, error=measured["value"] / 8.178 - 1)
+    write_table(own_store / "tables" / "peers.csv", judged)
+    assert "with the extra peers" in cost_page(load_store(own_store)).text  # not analysed yet
+    analysed_again(own_store)
+    page = cost_page(load_store(own_store))
+    assert (
+        "`kratos` (thick, 20x20) takes 40.0 times the time of `footprint` (default, 16x16); the bar of 50 is"
+        in page.text
+    )
+    assert row(page.text, "| hemisphere | `kratos` | thick | 1 % |")[4:] == [
+        *("20x20", "2646", "-0.34 %", "8.00", "40.0", "40.0", "+0.62 %"),
+        *("hemisphere", "`kratos`", "thick", "20x20", "2646", "8.15", "-0.34 %", "50", "8.000", "40.00")[10:],
+    ]
+    assert "hemisphere" in page.pictures["cost-peers.svg"]()

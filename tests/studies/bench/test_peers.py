@@ -1,3 +1,7 @@
+"""Other programs beside shells: what is skipped, what is measured, and that they solve the same problems."""
+
+from __future__ import annotations
+
 import importlib.util
 from pathlib import Path
 
@@ -5,7 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.bench.peers import lines, peers, reference, shell_quarter, sufficient
+from studies.bench.peers import catalogue
+from studies.bench.peers.measure import lines_of, measured, unit_of
+from studies.bench.peers.problems import Line, Solved, problems, size, solid_force
+from studies.bench.peers.shells import NODAL, lines, solved
 from studies.cli import main
 
 
@@ -15,33 +22,123 @@ def test_without_the_extra_one_line_says_what_to_install(
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     assert main(["bench", "peers"]) == 2
     assert capsys.readouterr().err == "footprint: peers need the extra peers: pip install 'footprint[peers]'\n"
+    _, skipped = catalogue.available()
+    assert skipped[0] == "ngsolve is skipped: no module ngsolve (extra peers)"
+    assert skipped[1].startswith("kratos is skipped: no module KratosMultiphysics, ")
 
 
-def test_a_coarse_mesh_within_by_luck_is_not_sufficient() -> None:
-    shells = pd.DataFrame({"program": "footprint", "unknowns": [1, 2, 3, 4], "seconds": [0.1, 0.2, 0.3, 0.4]})
-    assert sufficient(shells.assign(error=[0.0, 0.009, -0.002, 0.001])) == 0.3
-    assert np.isnan(sufficient(shells.assign(error=[0.0, 0.0, 0.0, -0.009])))
-    assert np.isnan(sufficient(shells.assign(error=np.nan)))
+def planted(problem: str, values: dict[str, Solved]) -> Line:
+    return Line(problem, "made up", "one", tuple(values), values.__getitem__)
 
 
-def test_the_shell_meets_the_reference() -> None:
-    force, unknowns = shell_quarter("36x34", 10.0)
-    assert force == pytest.approx(reference(10.0), rel=0.003)
-    assert unknowns < 2000
-    assert np.isnan(reference(3.0))
+@pytest.mark.parametrize("only", ["hemisphere", "cantilever", "tyre, isotropic"])
+def test_errors_are_against_the_reference_and_units_over_the_unit(only: str) -> None:
+    at = problems()[only].reference
+    solves = {"a": Solved(1.01 * at, 10, 3, 4.0, 1.0, 2.0, 0.5), "b": Solved(at, 20, 4, 8.0, 1.0, 2.0, 0.5)}
+    table = measured([planted(only, solves)], lambda: 2.0, rounds=2)
+    assert table["error"].to_numpy() == pytest.approx([0.01, 0.0])
+    assert list(table["units"]) == [2.0, 4.0]
+    assert list(table["runs"]) == [2, 2]
+    assert len(list(lines_of(table))) == 3
 
 
+def test_a_long_solve_is_not_repeated_and_medians_are_taken_of_the_others() -> None:
+    seconds = iter([1.0, 30.0, 5.0, 2.0])
+
+    def solve(mesh: str) -> Solved:
+        return Solved(8.0, 10, 3, next(seconds), 0.0, 0.0, 0.0)
+
+    table = measured([Line("hemisphere", "made up", "one", ("short", "long"), solve)], lambda: 1.0, rounds=3)
+    assert list(table["seconds"]) == [2.0, 30.0]
+    assert list(table["runs"]) == [3, 1]
+
+
+def test_references_are_not_ours() -> None:
+    known = problems()
+    assert known["hemisphere"].reference == 8.178  # Sze, Liu, Lo, table 3.4
+    assert known["sze-pullout"].reference == 2.768
+    assert known["cantilever"].reference == pytest.approx(6.69964)
+    assert known["tyre, isotropic"].reference == pytest.approx(523.76)
+    assert np.isnan(solid_force("isotropic_tyre_3d_solid.csv", 3.0))
+
+
+def test_every_problem_has_a_line_of_ours_and_parts_add_up_to_no_more_than_the_whole() -> None:
+    assert {line.problem for line in lines()} == problems().keys()
+    found = solved("hemisphere", "inward_mm", "auto", {"load_fraction": "1", **NODAL}, "8x8")
+    assert found.seconds >= found.start + found.assembly + found.factorisation > 0
+    assert found.value == pytest.approx(problems()["hemisphere"].reference, rel=0.1)
+
+
+def test_the_unit_is_one_factorisation() -> None:
+    assert 0 < unit_of("8x8")() < 1
+
+
+@pytest.mark.slow
+def test_the_shell_meets_the_solid() -> None:
+    line = next(line for line in lines() if line.family == "element paper")
+    found = line.solve("36x34")
+    assert found.value == pytest.approx(problems()["tyre, isotropic"].reference, rel=0.003)
+    assert found.unknowns < 2000
+
+
+@pytest.mark.slow
 def test_ngsolve_solves_the_same_tyre() -> None:
     pytest.importorskip("ngsolve")
-    table = peers(["5x4"], ["36x34"], delta_mm=3.0)
-    assert list(table["program"]) == ["footprint", "ngsolve"]
-    shell, solid = table["force_N"]
-    assert solid == pytest.approx(shell, rel=0.05)
-    assert table["ratio"].isna().all()  # there is no reference at 3 mm
-    assert len(list(lines(table))) == 3
+    from studies.bench.peers.ngsolve_tyre import Isotropic, tyre
+
+    shell = next(line for line in lines() if line.family == "element paper").solve("36x34")
+    solid = tyre("5x4", 10.0, Isotropic(), 3)
+    assert solid.value == pytest.approx(shell.value, rel=0.05)
+    assert solid.seconds == pytest.approx(solid.start + solid.assembly + solid.factorisation)
 
 
-def test_a_mesh_the_peer_cannot_have_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_plies_of_one_isotropic_material_are_an_isotropic_wall() -> None:
+    """Law, axes and layers of the plies against two Lame constants; a quarter against the whole."""
     pytest.importorskip("ngsolve")
-    assert main(["bench", "peers", "--mesh", "2x4", "--table", str(tmp_path / "peers.csv")]) == 2
-    assert "at least 6" in capsys.readouterr().err
+    from studies.bench.peers.ngsolve_tyre import AnglePlies, Isotropic, tyre
+
+    E, nu, G = 20.0, 0.45, 20.0 / 2.9
+    plies = AnglePlies(ply=(E, E, G, G, nu, nu), layers=1)
+    whole = tyre("8x8", 10.0, plies, 2).value
+    assert whole == pytest.approx(tyre("8x8", 10.0, Isotropic(share=1), 2).value, rel=1e-6)
+    assert whole == pytest.approx(tyre("4x4", 10.0, Isotropic(), 2).value, rel=1e-6)
+
+
+def test_stiffness_of_plies_is_that_of_the_shell() -> None:
+    pytest.importorskip("ngsolve")
+    from formulations.section.laminate import Ply
+    from studies.bench.peers.ngsolve_tyre import AnglePlies
+
+    wall = AnglePlies()
+    voigt = [0, 1, 3, 2, 4, 5]  # L, T, LT, N, LN, TN
+    stiffness = wall.stiffness()[np.ix_(voigt, voigt)]
+    assert stiffness == pytest.approx(Ply(*wall.ply, 0.0, 1.2).stiffness(), rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["thick quadrilaterals", "thin quadrilaterals", "thick triangles"])
+@pytest.mark.parametrize(("problem", "mesh", "within"), [("cantilever", "16x2", 2e-3), ("hemisphere", "16x16", 0.04)])
+def test_kratos_bends_the_same_shells(problem: str, kind: str, mesh: str, within: float) -> None:
+    pytest.importorskip("KratosMultiphysics.StructuralMechanicsApplication")
+    pytest.importorskip("KratosMultiphysics.LinearSolversApplication")
+    from studies.bench.peers.kratos_shells import fewest_steps, shell
+
+    found = shell(problem, kind, mesh)
+    assert found.value == pytest.approx(problems()[problem].reference, rel=within)
+    assert found.seconds >= found.factorisation > 0
+    assert fewest_steps(problem, kind, size(mesh)) >= 1
+
+
+def test_one_problem_may_be_chosen(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    made_up = planted("hemisphere", {"4x4": Solved(8.0, 10, 3, 4.0, 1.0, 2.0, 0.5)})
+    monkeypatch.setattr(catalogue, "available", lambda: ((made_up,), ("kratos is skipped",)))
+    monkeypatch.setattr("studies.bench.peers.measure.unit_of", lambda: lambda: 1.0)
+    target = tmp_path / "peers.csv"
+    assert main(["bench", "peers", "--only", "hemisphere", "--rounds", "1", "--table", str(target)]) == 0
+    assert capsys.readouterr().out.startswith("kratos is skipped\n")
+    assert list(pd.read_csv(target)["mesh"]) == ["4x4"]
+    assert main(["bench", "peers", "--only", "roof"]) == 2
+    assert "'roof' must be one of hemisphere" in capsys.readouterr().err

@@ -1,0 +1,94 @@
+"""What every program solves: problems with references that are not ours, a line of work and precision, one solve."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import pandas as pd
+
+from studies.scenes import SCENES
+from studies.scenes.data import read_reference
+
+DELTA_MM = 10.0
+SOLID, PLIES = "isotropic_tyre_3d_solid.csv", "bias_tyre_3d_solid.csv"
+KNOWN = {SOLID: 0.003, PLIES: 0.01}  # relative uncertainty
+
+
+class Solved(NamedTuple):
+    """The value of one solve, nan where the load was not reached, and what it took.
+
+    unknowns: prescribed ones included where a program counts them.  seconds: processor time from the request to the
+    value.  start, assembly, factorisation [s] of it: mesh and spaces; elements and residuals; factorising tangents.
+    """
+
+    value: float
+    unknowns: int
+    iterations: int
+    seconds: float
+    start: float
+    assembly: float
+    factorisation: float
+
+
+@dataclass(frozen=True)
+class Problem:
+    """A quantity of a scene at its full load; its reference and the relative uncertainty of that, from ``source``.
+
+    within: relative error at which costs are compared.  bar: how many times the seconds of the shells the best mesh of
+    a peer is to take there, nan without one.
+    """
+
+    name: str
+    quantity: str
+    reference: float
+    uncertainty: float
+    within: float
+    bar: float = math.nan
+
+
+@dataclass(frozen=True)
+class Line:
+    """A program with one choice of its settings, ``family``, on meshes from coarse to fine, each by ``solve(mesh)``."""
+
+    problem: str
+    program: str
+    family: str
+    meshes: tuple[str, ...]
+    solve: Callable[[str], Solved]
+
+
+def size(mesh: str) -> tuple[int, int]:
+    """Both numbers of N1xN2."""
+    n1, n2 = mesh.split("x")
+    return int(n1), int(n2)
+
+
+def problems() -> dict[str, Problem]:
+    """By name."""
+    listed = (
+        Problem("tyre, isotropic", "force_N", solid_force(SOLID), KNOWN[SOLID], 0.003, 100.0),
+        # 5 %: a shell with one director through four plies ends two to three per cent above the solid
+        Problem("tyre, angle plies", "force_N", solid_force(PLIES), KNOWN[PLIES], 0.05),
+        Problem("hemisphere", "inward_mm", *_published("hemisphere", "inward_mm", "read"), 0.01, 50.0),
+        Problem("sze-pullout", "w_A_mm", *_published("sze-pullout", "w_A_mm", "read"), 0.01),
+        Problem("cantilever", "tip_deflection_mm", *_published("cantilever", "tip_deflection_mm", "exact"), 0.01),
+    )
+    return {problem.name: problem for problem in listed}
+
+
+def solid_force(file: str, delta_mm: float = DELTA_MM) -> float:
+    """Force [N] of the finest solid of a table, nan at a travel that it has not."""
+    table = read_reference(file)
+    found: pd.Series = table.loc[table["delta_mm"] == delta_mm, "force_N_ngsolve"]
+    return float(found.iloc[0]) if len(found) else math.nan
+
+
+def _published(scene: str, quantity: str, kind: str) -> tuple[float, float]:
+    """Value and relative uncertainty of the reference of a scene at full load."""
+    for each in SCENES[scene].references:
+        if (each.quantity, each.kind, each.at) == (quantity, kind, {"load_fraction": 1.0}):
+            return each.value, each.uncertainty
+    raise LookupError(f"{scene} has no {kind} reference of {quantity}")
