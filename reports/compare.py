@@ -34,7 +34,7 @@ def differences(page: str, committed: str, regenerated: str) -> list[str]:
 
 
 def of_the_machine(text: str, names: Iterable[str]) -> set[str]:
-    """The names that are in machine blocks of a page and nowhere else on it."""
+    """The names that are in machine blocks of a text and nowhere else in it."""
     steady = "\n".join(line for _, line in _compared(text))
     return {name for name in names if name in text and name not in steady}
 

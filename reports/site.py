@@ -82,7 +82,7 @@ def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
     texts = [text for name, text in files.items() if name.endswith(".md")]
     texts += [(out / name).read_text(encoding="utf-8") for name in there if name.endswith(".md")]
     pictures = {name for name in there | set(files) if name.endswith(".svg")}
-    measured = {name for text in texts for name in of_the_machine(text, pictures)}
+    measured = of_the_machine("\n".join(texts), pictures)
     found = [f"{name}: missing in {out}" for name in files if name not in there | measured]
     found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files) - measured)]
     pages = [name for name in files if name.endswith(".md") and name in there]

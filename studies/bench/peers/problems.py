@@ -7,10 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import pandas as pd
-
 from studies.scenes import SCENES
-from studies.scenes.data import read_reference
+from studies.scenes.data import reference_rows
 
 DELTA_MM = 10.0
 SOLID, PLIES = "isotropic_tyre_3d_solid.csv", "bias_tyre_3d_solid.csv"
@@ -81,9 +79,8 @@ def problems() -> dict[str, Problem]:
 
 def solid_force(file: str, delta_mm: float = DELTA_MM) -> float:
     """Force [N] of the finest solid of a table, nan at a travel that it has not."""
-    table = read_reference(file)
-    found: pd.Series = table.loc[table["delta_mm"] == delta_mm, "force_N_ngsolve"]
-    return float(found.iloc[0]) if len(found) else math.nan
+    rows = reference_rows(file)
+    return next((row["force_N_ngsolve"] for row in rows if row["delta_mm"] == delta_mm), math.nan)
 
 
 def _published(scene: str, quantity: str, kind: str) -> tuple[float, float]:

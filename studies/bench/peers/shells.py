@@ -13,10 +13,9 @@ from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.complete import complete
 from studies.solving import solve
 
-FULL = {"load_fraction": "1", "solver": "multifrontal"}
+FULL = {"load_fraction": "1"}
 FOLLOWER = {"load": "follower", "pressure_area": "face", "delta_mm": repr(DELTA_MM)}
-# quarters and halves change their set of contact, where a multifrontal analysis is made anew for each
-ISOTROPIC_TYRE = {**ISOTROPIC, "delta_mm": repr(DELTA_MM), "solver": "splu"}
+ISOTROPIC_TYRE = {**ISOTROPIC, "delta_mm": repr(DELTA_MM)}
 TYRES = ("20x18", "24x22", "28x26", "32x30", "36x34", "40x38", "48x46", "60x58", "72x70")  # of the whole
 PLY_TYRES = ("20x18", "28x26", "36x34", "42x40", "60x58", "84x80")
 SQUARES = tuple(f"{n}x{n}" for n in (8, 10, 12, 14, 16, 20, 24, 32, 48))
