@@ -21,17 +21,18 @@ def peers_part(store: Store) -> Part:
     """Shells beside other programs; it takes those programs, so no campaign measures it by itself."""
     if not (store.has_table("peers") and store.has_analysis("peer_factors")):
         return joined(HEADING, machine(f"Not measured here; `{COMMAND}` does, with the extra peers."))
-    measured, factors = store.table("peers"), store.analysis("peer_factors")
+    measured, factors = store.table("peers"), store.analysis("peer_factors").fillna({"mesh": ""})
     text = prose("""The same geometry, material and loads by other programs, a line of meshes for each of their elements
 or orders: NGSolve's hexahedra on the tyre, a quarter of it where the plies have mirror planes and the whole where they
 have not; Kratos' corotational shells, with the fewest equal load steps from which its Newton-Raphson strategy arrives.
 Processor time of one thread from the request to the value, medians of rounds in one run; a *unit* is one factorisation
-by SuperLU of the whole tyre on 42x40, 9840 unknowns. Errors are against references that are not ours: solids for tyres,
-the published table for the hemisphere and the cylinder, the elastica. A mesh is *sufficient* when it and all finer ones
-of its line are within the error asked for. *Apart*: the value of the line's finest mesh over that of our cheapest line.
-Meshes of solids count a quarter where a quarter is solved, those of shells the whole tyre. *The rest* of our time:
-contact, triangular solutions, the judge, and what Python takes between them. The cylinder snaps at half of its load:
-shells follow it by arc length through both limit points, Kratos' load steps jump over them.""")
+by SuperLU of the whole tyre on 42x40, 9840 unknowns. Errors are against references that are not ours: the finest
+solids of NGSolve for tyres, the published table for the hemisphere and the cylinder, the elastica for the cantilever.
+A mesh is *sufficient* when it and all finer ones of its line are within the error asked for. *Apart*: the value of the
+line's finest mesh over that of our cheapest line. Meshes of solids count a quarter where a quarter is solved, those of
+shells the whole tyre. *The rest* of our time: contact, triangular solutions, the judge, and what Python takes between
+them. The cylinder snaps at half of its load: shells follow it by arc length through both limit points, Kratos' load
+steps jump over them.""")
     said = "\n".join(f"- {sentence}" for sentence in sentences(factors))
     heads = "problem | program | line | within | sufficient | unknowns | off | seconds | units | factor | apart"
     line = "{problem} | `{program}` | {family} | {within:said} | {mesh:said} | {unknowns:.0f} | {error:+.2%} | "
@@ -56,16 +57,16 @@ def sentences(factors: pd.DataFrame) -> list[str]:
     """Of each problem and peer: how many times our time it takes, whether that is the bar, and where time goes."""
     said = []
     for problem, own in factors.groupby("problem", sort=False):
-        ours = own[(own["program"] == OURS) & own["best"]]
+        ours = own[(own["program"] == OURS) & own["cheapest"]]
         for program, lines_of in own[own["program"] != OURS].groupby("program", sort=False):
-            best = lines_of[lines_of["best"]]
+            best = lines_of[lines_of["cheapest"]]
             within = share(float(own["within"].iloc[0]))
             if ours.empty or best.empty:
                 who = " nor ".join(f"`{name}`" for name, of in ((OURS, ours), (program, best)) if of.empty)
                 said.append(f"{problem}, within {within}: no line of {who} gets and stays there.")
             else:
                 told = _compared(str(program), ours.iloc[0], best.iloc[0])
-                said.append(f"{problem}, within {within}: {told}{_others(lines_of[~lines_of['best']])}")
+                said.append(f"{problem}, within {within}: {told}{_others(lines_of[~lines_of['cheapest']])}")
     return said
 
 

@@ -15,9 +15,10 @@ def peer_factors(table: pd.DataFrame) -> pd.DataFrame:
     """A row a line: problem, program, family, within, bar, and the mesh of it that is sufficient, with its cost.
 
     Sufficient is the coarsest mesh from which on the error of every finer one is at most ``within``, for a coarse one
-    may be by luck; none leaves mesh empty and numbers nan.  share_*: of its seconds.  best: the cheapest line of its
-    program.  factor: its seconds over those of our cheapest line.  bare: the same if ours took nothing but its
-    factorisations.  finest_error, finest: of its finest mesh; apart: its value there over ours, less one.
+    may be by luck; none leaves mesh empty and numbers nan.  share_*: of its seconds.  cheapest: whether it is the line
+    of its program that takes least.  factor: its seconds over those of our cheapest line.  bare: the same if ours took
+    nothing but its factorisations.  finest, finest_error: of its finest mesh; apart: its value there over ours, less
+    one.
     """
     rows = [
         {**dict(zip(("problem", "program", "family"), key, strict=True)), **_line(own)}
@@ -25,9 +26,9 @@ def peer_factors(table: pd.DataFrame) -> pd.DataFrame:
     ]
     found = pd.DataFrame(rows)
     cheapest = found.groupby(["problem", "program"])["seconds"].transform("min")
-    found["best"] = found["seconds"] == cheapest
+    found["cheapest"] = found["seconds"] == cheapest
     for problem, lines in found.groupby("problem"):
-        ours = lines[(lines["program"] == OURS) & lines["best"]]
+        ours = lines[(lines["program"] == OURS) & lines["cheapest"]]
         seconds, share, limit = (
             float(ours[name].iloc[0]) if len(ours) else math.nan for name in ("seconds", "share_factorisation", "value")
         )

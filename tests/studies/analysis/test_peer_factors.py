@@ -56,7 +56,7 @@ def test_the_cheapest_line_of_a_program_counts() -> None:
     table = made_up([0.0], [0.0])
     slower = table.assign(family="slower", seconds=3 * table["seconds"])
     found = peer_factors(pd.concat([slower, table]))
-    assert list(found["best"]) == [False, False, True, True]
+    assert list(found["cheapest"]) == [False, False, True, True]
     assert list(found[found["program"] == "peer"]["factor"]) == [180.0, 60.0]
     assert "`peer` (b, 1x1) takes 60.0 times the time of `footprint` (a, 1x1)" in sentences(found)[0]
     assert sentences(found)[0].endswith(" Its other lines: slower 180.0 times.")
