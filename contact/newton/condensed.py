@@ -51,21 +51,11 @@ class Condensed:
         self._all: tuple[sparse.csc_matrix, sparse.csc_matrix] | None = None
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """du (n,) and pressures (m,) on the set ``active`` (m,), which becomes the base set where that costs less.
-
-        Raises SingularMatrixError, ValueError.
-        """
-        nodes = np.flatnonzero(active)
-        holding(self._acting[nodes], nodes)
-        new = np.setdiff1d(np.flatnonzero(active ^ self.base), self._known)
-        if len(new) and response_flops(self._factor, *self._sides(new)) > factor_flops(self._factor):
-            self._factorise(active)
-        z, (du, forces) = np.zeros(len(active)), self._free
-        changed = np.flatnonzero(active ^ self.base)
+        """du (n,) and pressures (m,) on the set ``active`` (m,); raises SingularMatrixError, ValueError."""
+        changed, z = self._exchanged(active)
+        du, forces = self._free
         if len(changed):
-            M, q = self.block(changed)
-            with self._run.tally.timed("contact_s"):
-                z[changed] = _solved(M, -q)
+            M, _ = self.block(changed)
             for _ in range(REFINEMENTS):
                 du, forces = self._solution(z)
                 change = _solved(M, -self._violation(z, du, forces)[changed])
@@ -76,6 +66,32 @@ class Condensed:
         found[self.base] = forces
         found[~active] = 0.0
         return self._closed(du, found, active), found / self._run.problem.weights
+
+    def foreseen(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Gaps and pressures (m,) that the step on the set leads to, by the columns of M alone: for its choice."""
+        changed, z = self._exchanged(active)
+        w = self.q.copy()
+        if len(changed):
+            w += self._columns[:, self._place(changed)] @ z[changed]
+        slack, forces = np.where(self.base, z, w), np.where(self.base, w, z)
+        return slack - self._compliance * forces, np.where(active, forces, 0.0) / self._run.problem.weights
+
+    def _exchanged(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Candidates (c,) whose state is not that of the base set, and the z (m,) that makes their w zero.
+
+        The set becomes the base set where columns for it would cost more than a factorisation.
+        """
+        nodes = np.flatnonzero(active)
+        holding(self._acting[nodes], nodes)
+        new = np.setdiff1d(np.flatnonzero(active ^ self.base), self._known)
+        if len(new) and response_flops(self._factor, *self._sides(new)) > factor_flops(self._factor):
+            self._factorise(active)
+        z, changed = np.zeros(len(active)), np.flatnonzero(active ^ self.base)
+        if len(changed):
+            M, q = self.block(changed)
+            with self._run.tally.timed("contact_s"):
+                z[changed] = _solved(M, -q)
+        return changed, z
 
     def negative_pivots(self) -> int:
         """Negative eigenvalues of a symmetric tangent on the motions that obey the base set."""
@@ -88,9 +104,13 @@ class Condensed:
             with self._run.tally.timed("contact_s"):
                 self._columns = np.hstack([self._columns, self._found(new)])
             self._known = np.append(self._known, new)
+        return self._columns[np.ix_(nodes, self._place(nodes))], self.q[nodes]
+
+    def _place(self, nodes: np.ndarray) -> np.ndarray:
+        """The columns of these candidates."""
         place = np.empty(len(self.base), int)
         place[self._known] = np.arange(len(self._known))
-        return self._columns[np.ix_(nodes, place[nodes])], self.q[nodes]
+        return place[nodes]
 
     def _solution(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and the forces (a,) of the base set under the forces and slacks z."""

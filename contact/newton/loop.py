@@ -12,7 +12,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import sparse
 
 from contact.events import Event, EventKind
 from contact.newton.condensed import Condensed
@@ -118,19 +117,17 @@ def settle_set(
     from equilibrium may have no consistent set, and another one is not far.
     Raises SingularMatrixError.
     """
-    jacobian, seen = run.problem.gap_jacobian(at.u), set[bytes]()
-    linear = linear or run.linear(at.lin, at.u, at.pressure, active)
+    linear, seen = linear or run.linear(at.lin, at.u, at.pressure, active), set[bytes]()
     event: Event | None = None
     most, updates = most if last else min(most, FEW_UPDATES), 0
     while True:
-        du, pressure = linear.step(active)
-        wrong = _misplaced(run, at, jacobian, active, du, pressure, c)
+        wrong = _misplaced(run, at, linear, active, c)
         after = active ^ wrong
         seen.add(active.tobytes())
         cycling = event is not None or after.tobytes() in seen
         enough = wrong.sum() <= settle * (active | after).sum()
         if enough or updates == most or (cycling and not last):
-            return Step(du, pressure, active, event, updates)
+            return Step(*linear.step(active), active, event, updates)
         if cycling:
             event, after = CYCLE, active ^ first_of(wrong)
         updates += not _only_released(active, after)
@@ -148,12 +145,11 @@ def decide_set(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -
     one, never alone.
     Raises what decide and the linearisation raise.
     """
-    jacobian, decided, active = run.problem.gap_jacobian(at.u), np.zeros(len(at.gap), bool), linear.base
+    decided, active = np.zeros(len(at.gap), bool), linear.base
     while True:
-        du, pressure = linear.step(active)
-        wrong = _misplaced(run, at, jacobian, active, du, pressure) & ~decided
+        wrong = _misplaced(run, at, linear, active) & ~decided
         if not wrong.any():
-            return Step(du, pressure, active)
+            return Step(*linear.step(active), active)
         decided |= wrong
         nodes = np.flatnonzero(decided)
         changed = decide(*linear.block(nodes), linear.base[nodes])
@@ -161,18 +157,10 @@ def decide_set(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -
         active[nodes[changed]] ^= True
 
 
-def _misplaced(
-    run: NewtonRun,
-    at: Iterate,
-    jacobian: sparse.csr_matrix,
-    active: np.ndarray,
-    du: np.ndarray,
-    pressure: np.ndarray,
-    c: float = 1.0,
-) -> np.ndarray:
-    """Candidates (m,) on the wrong side after a step on the set ``active``."""
-    gap = at.gap + jacobian @ du
-    return run.misplaced(replace(at, u=at.u + du, gap=gap, pressure=pressure, active=active), c, solved=True)
+def _misplaced(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float = 1.0) -> np.ndarray:
+    """Candidates (m,) on the wrong side after the step on the set ``active``."""
+    gap, pressure = linear.foreseen(active)
+    return run.misplaced(replace(at, gap=gap, pressure=pressure, active=active), c, solved=True)
 
 
 def first_of(wrong: np.ndarray) -> np.ndarray:

@@ -54,6 +54,9 @@ def test_the_step_on_any_set_is_that_of_the_dense_saddle_point(kind, symmetric, 
             np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE * (1 + np.max(np.abs(exact_du))))
             size = 1 + np.max(np.abs(exact_pressure))
             np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE * size)
+            gap, foreseen = linear.foreseen(active)
+            np.testing.assert_allclose(gap, data.g0 + data.G @ (u + du), rtol=0, atol=DENSE * (1 + np.max(np.abs(du))))
+            np.testing.assert_allclose(foreseen, pressure, rtol=0, atol=DENSE * size)
             closed = (data.g0 + data.G @ (u + du) + pressure / epsilon)[active]
             assert np.all(np.abs(closed) <= 1e-14 * (1 + np.abs(data.G) @ (np.abs(u) + np.abs(du)))[active])
 
