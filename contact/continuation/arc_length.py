@@ -138,17 +138,21 @@ class ArcLength:
     ) -> tuple[ArcPoint | None, np.ndarray]:
         """The point on the plane normal to ``ahead`` at its end, and the tangent there.
 
-        None where there is none, where the curve turns too sharply or, if ``watchful``, where the point is none of this
-        curve: the number of negative eigenvalues changes by one where the curve turns back, and by none elsewhere.
+        None where there is none or it has no tangent, where the curve turns too sharply or, if ``watchful``, where the
+        point is none of this curve: the number of negative eigenvalues changes by one where the curve turns back, and
+        by none elsewhere.
         """
         length = float(np.linalg.norm(ahead))
         found = curve.on_plane(last, curve.place(last) + ahead, ahead / length, f"step {length:.6g}")
         if found is None:
             return None, ahead
         chord = curve.place(found) - curve.place(last)
-        if length < self.straight * np.linalg.norm(chord):
+        if length < self.straight * np.linalg.norm(chord) or ahead @ chord < 0.5 * length**2:
+            return None, ahead  # too sharp; or a tolerance so loose that the plane itself is not met
+        try:
+            onwards = curve.tangent(found, chord)
+        except SingularMatrixError:
             return None, ahead
-        onwards = curve.tangent(found, chord)
         found = replace(found, rising=bool(onwards[-1] > 0))
         return (None if watchful and _elsewhere(last, found) else found), onwards
 

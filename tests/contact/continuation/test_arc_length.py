@@ -9,7 +9,9 @@ import pytest
 from scipy import sparse
 
 from contact.continuation.arc_length import ArcLength
+from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import Linearisation, Outcome
+from contact.solvers.sparse import SingularMatrixError
 
 ON_CURVE = 1e-8
 LIMIT = 1e-4  # of a limit point in displacement: the load is stationary there
@@ -94,3 +96,28 @@ def test_a_march_without_an_iteration_does_not_leave_rest() -> None:
     assert trace.outcome is Outcome.STEP_LIMIT
     assert "arc length after t = 0" in trace.reason
     assert len(trace.points) == 1
+
+
+class Stuck:
+    """A curve whose solver takes the guess's beginning for an answer, as a loose tolerance may, or has no tangent."""
+
+    def __init__(self, moves: float) -> None:
+        self.moves = moves
+
+    def place(self, point: ArcPoint) -> np.ndarray:
+        return np.append(point.u, point.factor)
+
+    def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint:
+        found = self.place(start) + self.moves * (guess - self.place(start))
+        return ArcPoint(found[:-1], float(found[-1]))
+
+    def tangent(self, point: ArcPoint, along: np.ndarray) -> np.ndarray:
+        raise SingularMatrixError("no tangent")
+
+
+@pytest.mark.parametrize("moves", [0.0, 0.3, 1.0])
+def test_a_point_off_its_plane_or_without_a_tangent_is_none(moves) -> None:
+    ahead = np.array([0.6, 0.8])
+    found, onwards = ArcLength(1.0)._advance(Stuck(moves), ArcPoint(np.zeros(1), 0.0), ahead, watchful=False)
+    assert found is None
+    np.testing.assert_array_equal(onwards, ahead)
