@@ -1,12 +1,13 @@
 """The 3D judge: the same body as a shell, meshed with triquadratic hexahedra between its two faces.
 
-Total Lagrangian St. Venant-Kirchhoff with the plies' own law and angles, Cartesian displacements, isoparametric
+Total Lagrangian with a law of :mod:`formulations.solid.laws` for each ply, Cartesian displacements, isoparametric
 geometry (so every rigid motion is exact). It shares surfaces, plies and loads with the shell but no kinematic
 assumption; no shell element and no contact may enter here.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,12 +16,12 @@ from scipy.linalg import norm
 
 from formulations.element.sparsity import Pattern
 from formulations.loads.pressure import Pressure
-from formulations.section.laminate import Laminate
+from formulations.section.laminate import Laminate, Layer
 from formulations.shell import Linearisation
+from formulations.solid.laws import VOIGT, Law, StVenantKirchhoff, tensor
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
 
 CHUNK = 16  # elements a pass
-_VOIGT = ((0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2))  # order of Ply.stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +29,7 @@ class SolidDiscretisation:
     """Mesh, material and supports of a body; ``fixed`` (N, 3) bool holds Cartesian displacements.
 
     free (n,): the flat displacements that are unknown.  dofs (E, 81): flat displacements of the elements.
-    gradients (E, 27 points, 27 nodes, 3): of N along the local axes; volumes (E, 27 points); stiffness (E, 6, 6).
+    gradients (E, 27 points, 27 nodes, 3): of N along the local axes; volumes (E, 27 points); laws: one a ply.
     """
 
     mesh: SolidMesh
@@ -38,11 +39,17 @@ class SolidDiscretisation:
     pattern: Pattern = field(repr=False)
     gradients: np.ndarray = field(repr=False)
     volumes: np.ndarray = field(repr=False)
-    stiffness: np.ndarray = field(repr=False)
+    laws: tuple[Law, ...]
 
     @classmethod
-    def build(cls, mesh: SolidMesh, laminate: Laminate, fixed: np.ndarray) -> SolidDiscretisation:
-        """Number the unknowns and evaluate the reference geometry."""
+    def build(
+        cls,
+        mesh: SolidMesh,
+        laminate: Laminate,
+        fixed: np.ndarray,
+        law: Callable[[Layer], Law] = StVenantKirchhoff.of,
+    ) -> SolidDiscretisation:
+        """Number the unknowns and evaluate the reference geometry; law: makes that of a ply, which may refuse it."""
         free = np.flatnonzero(~fixed.ravel())
         number = np.full(fixed.size, -1, dtype=np.intp)
         number[free] = np.arange(len(free))
@@ -51,8 +58,8 @@ class SolidDiscretisation:
         along_x = np.einsum("gnd,egxd->egnx", CUBE.slope, np.linalg.inv(jacobian))
         volumes = CUBE.weights * np.abs(np.linalg.det(jacobian))
         gradients = np.einsum("egnx,egix->egni", along_x, mesh.frame)
-        stiffness = np.stack([ply.stiffness() for ply in laminate.plies])[mesh.ply]
-        return cls(mesh, fixed, free, dofs, Pattern.build(number[dofs], len(free)), gradients, volumes, stiffness)
+        laws = tuple(law(ply) for ply in laminate.plies)
+        return cls(mesh, fixed, free, dofs, Pattern.build(number[dofs], len(free)), gradients, volumes, laws)
 
     @property
     def n_free(self) -> int:
@@ -77,27 +84,42 @@ class SolidDiscretisation:
     def internal(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Internal force (E, 81) and tangent (E, 81, 81) at the displacements (N, 3)."""
         force, tangent = np.empty((len(self.volumes), 81)), np.empty((len(self.volumes), 81, 81))
-        for start in range(0, len(self.volumes), CHUNK):
-            part = slice(start, start + CHUNK)
-            G, volume, C = self.gradients[part], self.volumes[part], self.stiffness[part]
-            F = np.einsum("enx,egni->egxi", full[self.mesh.elements[part]], G)
-            F += self.mesh.frame[part].swapaxes(-1, -2)  # columns of F along the local axes
-            E = 0.5 * (np.einsum("egxi,egxj->egij", F, F) - np.eye(3))
-            strain = np.stack([E[..., i, j] * (1 if i == j else 2) for i, j in _VOIGT], axis=-1)
-            stress = np.einsum("epq,egq->egp", C, strain) * volume[..., None]
+        for law, part in self._passes():
+            G, volume, F = self.gradients[part], self.volumes[part], self.deformation(full, part)
+            strain = np.stack([_green(F, i, j) * (1 if i == j else 2) for i, j in VOIGT], axis=-1)
+            stress, C = law.response(strain)
+            stress = stress * volume[..., None]
             B = _strain_gradient(F, G)
-            flat = B.reshape(len(C), -1, 81)
-            CB = np.matmul(C[:, None], B * volume[..., None, None]).reshape(flat.shape)
+            flat = B.reshape(len(part), -1, 81)
+            CB = np.matmul(C, B * volume[..., None, None]).reshape(flat.shape)
             force[part] = np.einsum("egp,egpk->ek", stress, B)
-            S = np.empty_like(E)
-            for p, (i, j) in enumerate(_VOIGT):
-                S[..., i, j] = S[..., j, i] = stress[..., p]
-            initial = np.einsum("egni,egij,egmj->enm", G, S, G, optimize=True)
-            tangent[part] = np.matmul(flat.transpose(0, 2, 1), CB)
-            blocks = tangent[part].reshape(-1, 27, 3, 27, 3)
+            initial = np.einsum("egni,egij,egmj->enm", G, tensor(stress), G, optimize=True)
+            block = np.matmul(flat.transpose(0, 2, 1), CB)
+            of_nodes = block.reshape(-1, 27, 3, 27, 3)
             for x in range(3):
-                blocks[:, :, x, :, x] += initial
+                of_nodes[:, :, x, :, x] += initial
+            tangent[part] = block
         return force, tangent
+
+    def deformation(self, full: np.ndarray, part: np.ndarray) -> np.ndarray:
+        """F (e, 27, 3, 3) of elements at the displacements (N, 3): Cartesian rows, columns along the local axes."""
+        F = np.einsum("enx,egni->egxi", full[self.mesh.elements[part]], self.gradients[part])
+        F += self.mesh.frame[part].swapaxes(-1, -2)
+        return F
+
+    def stretches(self, full: np.ndarray) -> np.ndarray:
+        """Principal stretches (E, 27, 3) at the Gauss points, increasing; what is there inverted has a negative one."""
+        F = self.deformation(full, np.arange(len(self.volumes)))
+        found = np.linalg.svd(F, compute_uv=False)[..., ::-1].copy()
+        found[..., 0] *= np.sign(np.linalg.det(F)) * self.mesh.orientation
+        return found
+
+    def _passes(self) -> Iterator[tuple[Law, np.ndarray]]:
+        """Elements (e,) of one ply with its law, a few at a time."""
+        for ply, law in enumerate(self.laws):
+            own = np.flatnonzero(self.mesh.ply == ply)
+            for start in range(0, len(own), CHUNK):
+                yield law, own[start : start + CHUNK]
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,10 +195,15 @@ def _flat(nodes: np.ndarray) -> np.ndarray:
     return (3 * nodes[:, :, None] + np.arange(3)).reshape(len(nodes), -1)
 
 
+def _green(F: np.ndarray, i: int, j: int) -> np.ndarray:
+    """E_ij (e, g) = (F^T F - 1)_ij/2."""
+    return np.asarray(0.5 * (np.einsum("egx,egx->eg", F[..., i], F[..., j]) - (i == j)))
+
+
 def _strain_gradient(F: np.ndarray, G: np.ndarray) -> np.ndarray:
     """dE/du (e, g, 6, 81) in Voigt order with engineering shears."""
     rows = []
-    for i, j in _VOIGT:
+    for i, j in VOIGT:
         row = np.einsum("egx,egn->egnx", F[..., i], G[..., j])
         rows.append(row if i == j else row + np.einsum("egx,egn->egnx", F[..., j], G[..., i]))
     return np.stack(rows, axis=2).reshape(*F.shape[:2], 6, 81)

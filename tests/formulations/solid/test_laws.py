@@ -1,0 +1,227 @@
+"""The laws against energies written another way, closed forms of one-dimensional states, and each other."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.linalg import logm
+from scipy.optimize import brentq
+
+from formulations.geometry.surfaces import cylinder, torus
+from formulations.section.laminate import Laminate, Ply
+from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid.laws import LAWS, VOIGT, Hencky, Law, NeoHooke, StVenantKirchhoff, lame_constants, tensor
+from formulations.solid_mesh import SolidMesh
+from support.differences import central_difference, fitted_order, rotation
+
+E, NU = 4.07, 0.48
+PLY = Ply.isotropic(E, NU, 1.0)
+SKEW = Ply(30.0, 8.0, 4.0, 3.0, 0.3, 0.4, 0.6, 0.11)
+LAM, MU = E * NU / ((1 + NU) * (1 - 2 * NU)), E / (2 * (1 + NU))
+ONCE = np.array([1.0 if i == j else 2.0 for i, j in VOIGT])
+Energy = Callable[[np.ndarray], float]  # of C (3, 3)
+
+
+def _svk(C: np.ndarray) -> float:
+    green = 0.5 * (C - np.eye(3))
+    return float(LAM / 2 * np.trace(green) ** 2 + MU * np.trace(green @ green))
+
+
+def _hencky(C: np.ndarray) -> float:
+    H = 0.5 * logm(C).real
+    return float(LAM / 2 * np.trace(H) ** 2 + MU * np.trace(H @ H))
+
+
+def _neo_hooke(C: np.ndarray) -> float:
+    J = np.sqrt(np.linalg.det(C))
+    return float(MU / 2 * (np.trace(C) - 3) - MU * np.log(J) + LAM / 2 * np.log(J) ** 2)
+
+
+ENERGIES: dict[str, Energy] = {"svk": _svk, "hencky": _hencky, "neo-hooke": _neo_hooke}
+every_law = pytest.mark.parametrize("name", LAWS)
+
+
+def green(F: np.ndarray) -> np.ndarray:
+    """E (..., 6) with engineering shears."""
+    full = 0.5 * (F.swapaxes(-1, -2) @ F - np.eye(3))
+    return np.stack([full[..., i, j] for i, j in VOIGT], axis=-1) * ONCE
+
+
+def deformed(rng: np.random.Generator, size: float = 0.25) -> np.ndarray:
+    return np.eye(3) + size * rng.uniform(-1, 1, size=(3, 3))
+
+
+def energy_errors(law: Law, energy: Energy, F: np.ndarray) -> np.ndarray:
+    """S less dW/dE by differences of the energy (6,)."""
+    strain = green(F)
+    at = lambda step, unit: energy(np.eye(3) + 2 * tensor((strain + step * unit) / ONCE))  # noqa: E731
+    slopes = [central_difference(lambda t, unit=unit: at(t, unit), 0.002) for unit in np.eye(6)]
+    return law.response(strain)[0] - slopes
+
+
+def tangent_order(law: Law, strain: np.ndarray, direction: np.ndarray) -> float:
+    """Order of the central difference of S against the tangent, by steps; linear laws have no error at all."""
+    exact, steps = law.response(strain)[1] @ direction, 0.005 * 2.0 ** -np.arange(8)
+    ends = [[law.response(strain + sign * t * direction)[0] for sign in (1, -1)] for t in steps]
+    errors = [np.linalg.norm((a - b) / (2 * t) - exact) for t, (a, b) in zip(steps, ends, strict=True)]
+    return 2.0 if max(errors) <= 1e-12 * np.linalg.norm(exact) else fitted_order(steps, errors)
+
+
+@every_law
+def test_stress_is_the_slope_of_the_energy(rng, name) -> None:
+    for _ in range(3):
+        assert energy_errors(LAWS[name](PLY), ENERGIES[name], deformed(rng)) == pytest.approx(np.zeros(6), abs=1e-9)
+
+
+@every_law
+@pytest.mark.parametrize("equal", [0, 2, 3], ids=["all-differ", "two-equal", "three-equal"])
+def test_tangent_is_the_slope_of_the_stress(rng, name, equal) -> None:
+    """Principal stretches that coincide are where a formula of differences breaks down."""
+    stretch = np.array([1.3, 0.8, 1.1])
+    stretch[:equal] = 1.2
+    R = rotation(rng.normal(size=3), 1.0)
+    law, strain = LAWS[name](PLY), green(np.diag(stretch) @ R)
+    assert abs(tangent_order(law, strain, rng.normal(size=6)) - 2) <= 0.02
+    tangent = law.response(strain)[1]
+    assert pytest.approx(tangent, abs=1e-12 * np.max(np.abs(tangent))) == tangent.T
+
+
+def test_any_ply_has_its_own_linear_law(rng) -> None:
+    strain = rng.normal(size=(2, 5, 6))
+    stress, tangent = StVenantKirchhoff.of(SKEW).response(strain)
+    assert np.array_equal(tangent, SKEW.stiffness())
+    assert stress == pytest.approx(np.einsum("pq,abq->abp", SKEW.stiffness(), strain))
+
+
+@pytest.mark.parametrize("name", ["hencky", "neo-hooke"])
+def test_isotropic_laws_refuse_other_plies(name) -> None:
+    with pytest.raises(ValueError, match="isotropic"):
+        LAWS[name](SKEW)
+
+
+def test_constants_are_lames() -> None:
+    assert lame_constants(PLY) == pytest.approx((LAM, MU), rel=1e-12)
+
+
+@every_law
+def test_small_strain_is_hookes(rng, name) -> None:
+    """E S = (1 + nu) ... : the compliance of the isotropic body, written with E and nu; the distance is of order 2."""
+    shape = rng.normal(size=6)
+    sizes, errors = [1e-2, 1e-3, 1e-4], []
+    for size in sizes:
+        S = tensor(LAWS[name](PLY).response(size * shape)[0])
+        found = ((1 + NU) * S - NU * np.trace(S) * np.eye(3)) / E
+        errors.append(np.linalg.norm(found - size * tensor(shape / ONCE)) + 1e-14 * size)
+    if name == "svk":
+        assert max(errors) <= 1e-13
+    else:
+        assert abs(fitted_order(sizes, errors) - 2) <= 0.1
+
+
+@every_law
+def test_turning_the_body_turns_nothing_and_turning_the_axes_all(rng, name) -> None:
+    """Objectivity S(Q F) = S(F) and isotropy S(F Q^T) = Q S(F) Q^T."""
+    law, F, Q = LAWS[name](PLY), deformed(rng), rotation(rng.normal(size=3), 2.0)
+    S = tensor(law.response(green(F))[0])
+    assert tensor(law.response(green(Q @ F))[0]) == pytest.approx(S, abs=1e-12 * np.max(np.abs(S)))
+    assert tensor(law.response(green(F @ Q.T))[0]) == pytest.approx(Q @ S @ Q.T, abs=1e-11 * np.max(np.abs(S)))
+
+
+def uniaxial(law: Law, stretch: float) -> float:
+    """S_11 [MPa] of a bar at this stretch, free to contract."""
+
+    def sideways(across: float) -> float:
+        return float(law.response(green(np.diag([stretch, across, across])))[0][1])
+
+    across = brentq(sideways, 0.5, 1.6, xtol=1e-15, rtol=1e-14)
+    return float(law.response(green(np.diag([stretch, across, across])))[0][0])
+
+
+@pytest.mark.parametrize("stretch", [0.7, 1.0 + 1e-3, 1.6])
+def test_a_bar_of_hencky_has_the_kirchhoff_stress_of_its_logarithm(stretch) -> None:
+    """J sigma = E ln(stretch)."""
+    assert uniaxial(Hencky.of(PLY), stretch) * stretch**2 == pytest.approx(E * np.log(stretch), rel=1e-10)
+
+
+@pytest.mark.parametrize("stretch", [0.7, 1.6])
+def test_a_bar_of_svk_is_linear_in_green_strain(stretch) -> None:
+    assert uniaxial(StVenantKirchhoff.of(PLY), stretch) == pytest.approx(E * (stretch**2 - 1) / 2, rel=1e-10)
+
+
+@every_law
+def test_laws_differ_by_the_square_of_the_strain(name) -> None:
+    """k of S = E (E_11 - k E_11^2), as the docstring of the laws has it."""
+    k = {"svk": 0.0, "hencky": 3.0, "neo-hooke": 2 + NU * (1 + 2 * NU**2) / (1 + NU)}[name]
+    ends = [uniaxial(LAWS[name](PLY), np.sqrt(1 + 2 * strain)) / E for strain in (1e-3, -1e-3)]
+    assert -0.5 * sum(ends) / 1e-6 == pytest.approx(k, abs=2e-4)
+
+
+@pytest.mark.parametrize("shear", [0.05, 0.8])
+def test_simple_shear_of_neo_hooke(shear) -> None:
+    """J sigma = mu (b - 1): no volume changes, sigma_12 = mu g, sigma_11 = mu g^2, and no stress across."""
+    F = np.array([[1, shear, 0], [0, 1, 0], [0, 0, 1.0]])
+    sigma = F @ tensor(NeoHooke.of(PLY).response(green(F))[0]) @ F.T
+    expected = MU * np.array([[shear**2, shear, 0], [shear, 0, 0], [0, 0, 0]])
+    assert sigma == pytest.approx(expected, abs=1e-12)
+
+
+@pytest.mark.parametrize("shear", [0.05, 0.8])
+def test_simple_shear_of_hencky(shear) -> None:
+    """Principal logarithms +-asinh(g/2), so sigma_12 = 2 mu asinh(g/2)/sqrt(1 + g^2/4)."""
+    F = np.array([[1, shear, 0], [0, 1, 0], [0, 0, 1.0]])
+    sigma = F @ tensor(Hencky.of(PLY).response(green(F))[0]) @ F.T
+    assert sigma[0, 1] == pytest.approx(2 * MU * np.arcsinh(shear / 2) / np.sqrt(1 + shear**2 / 4), rel=1e-12)
+    assert np.trace(sigma) == pytest.approx(0.0, abs=1e-12)
+
+
+@dataclass(frozen=True)
+class Faulty:
+    """A law with a planted fault: the entries (i, j) and (j, i) of its tangent or the entry i of its stress are off."""
+
+    law: Law
+    entry: tuple[int, ...]
+
+    def response(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        stress, tangent = (each.copy() for each in self.law.response(strain))
+        if len(self.entry) == 1:
+            stress[..., self.entry[0]] *= 1.001
+        else:
+            i, j = self.entry
+            tangent[..., i, j] *= 1.001
+            tangent[..., j, i] = tangent[..., i, j]
+        return stress, tangent
+
+
+@every_law
+@pytest.mark.parametrize("entry", [(0,), (3,), (5,), (0, 0), (0, 1), (2, 2), (4, 4)], ids=str)
+def test_a_planted_fault_is_found(rng, name, entry) -> None:
+    faulty, F = Faulty(LAWS[name](PLY), entry), deformed(rng)
+    if len(entry) == 1:
+        assert np.max(np.abs(energy_errors(faulty, ENERGIES[name], F))) > 1e-6
+    else:
+        assert abs(tangent_order(faulty, green(F), np.ones(6)) - 2) > 0.1
+
+
+@every_law
+def test_tangent_of_a_body_is_the_derivative_of_its_residual(rng, name) -> None:
+    laminate = Laminate.single(Ply.isotropic(E, NU, 0.2))
+    mesh = SolidMesh.build(torus(3.0, 1.0), np.linspace(-0.2, 0.5, 3), np.linspace(0.3, 0.9, 2), laminate)
+    body = SolidModel(SolidDiscretisation.build(mesh, laminate, np.zeros((len(mesh.x), 3), bool), LAWS[name]))
+    u, du = 0.003 * rng.normal(size=(2, body.discretisation.n_free))
+    exact, steps = body.linearise(u).tangent @ du, 2.0 ** -np.arange(4)
+    ends = [[body.linearise(u + sign * t * du).residual for sign in (1, -1)] for t in steps]
+    errors = [np.linalg.norm((a - b) / (2 * t) - exact) for t, (a, b) in zip(steps, ends, strict=True)]
+    assert abs(fitted_order(steps, errors) - 2) <= 0.01
+
+
+def test_stretches_of_a_body_are_those_of_its_deformation(rng) -> None:
+    laminate = Laminate.single(Ply.isotropic(E, NU, 0.2))
+    mesh = SolidMesh.build(cylinder(1.0), np.array([0.0, 0.3]), np.linspace(0, 1.0, 3), laminate)
+    body = SolidDiscretisation.build(mesh, laminate, np.zeros((len(mesh.x), 3), bool))
+    turn = rotation(rng.normal(size=3), 1.0)
+    for factors in ([0.8, 1.1, 1.3], [-0.8, 1.1, 1.3]):
+        u = mesh.x @ (turn @ np.diag(factors) - np.eye(3)).T
+        assert body.stretches(u) == pytest.approx(np.broadcast_to(factors, (2, 27, 3)), rel=1e-9)
