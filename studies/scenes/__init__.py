@@ -16,6 +16,8 @@ from studies.scenes.benchmarks.sze_moment import RolledCantilever
 from studies.scenes.benchmarks.sze_pinched import PinchedBetweenDiaphragms
 from studies.scenes.benchmarks.sze_pullout import PullOut
 from studies.scenes.benchmarks.sze_semicylinder import SEMICYLINDERS
+from studies.scenes.contact.crushed_ring import CrushedRing
+from studies.scenes.contact.crushed_ring_solid import SolidRing
 from studies.scenes.contact.heavy_strip import HeavyStrip
 from studies.scenes.contact.panel import Panel
 from studies.scenes.contact.plate import PlateContact
@@ -31,6 +33,7 @@ _ALL: tuple[Scene, ...] = (
     *(PressurisedCylinder(), PressurisedSphere(), PressurisedTorus()),
     *(ScordelisLo(), PinchedCylinder(), Pagano()),  # linear
     *(ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel()),  # contact
+    *(CrushedRing(), SolidRing()),  # an experiment
     SolidTyre(),
 )
 SCENES: dict[str, Scene] = {scene.name: scene for scene in _ALL}

@@ -1,0 +1,138 @@
+"""The crushed ring of :mod:`studies.scenes.contact.crushed_ring` as a solid, with a law of its own choice.
+
+The same ring, plates and readings; no strain measure, no section, no mid surface. Plane strain holds the displacement
+along the axis; plane stress is a slice so thin that its contraction costs nothing, free on one side; 3D is half of the
+width with a free side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from contact.obstacles.foundation import Candidates, against
+from contact.problem import ContactProblem, ContactSolution
+from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid.laws import LAWS
+from formulations.solid_mesh import SolidMesh
+from studies.fields import write_solid_fields
+from studies.request import Request
+from studies.scene import (
+    EPSILON,
+    SOLVER,
+    Begun,
+    Observation,
+    Reference,
+    Setting,
+    Stage,
+    UsageError,
+    candidates_at,
+    nodal_pressure,
+)
+from studies.scenes.contact.crushed_ring import DATA, FILE, RING, TOP, WIDTH, experiment, plate, ring
+from studies.scenes.data import At, reference_rows, references
+from studies.scenes.element import spaced_lines
+
+SLICE = 0.2  # mm, a hundredth of the wall; half of it changes the force by 2e-5
+HALVES = {"plane-strain": WIDTH, "plane-stress": SLICE, "3d": WIDTH / 2}  # what is solved of the width
+LAW = Setting.one_of("law", LAWS, "svk", "material law")
+STATE = Setting.one_of("state", HALVES, "plane-strain", "what the ring does along its axis")
+THROUGH = Setting("per_ply", 4, "elements through the thickness", "int", 1, 16)
+SOURCE = "plane solid of 9-node quadrilaterals, 24x4, another program"
+COLUMNS = {
+    "hencky_N": ("hencky", "plane-strain"),
+    "svk_N": ("svk", "plane-strain"),
+    "hencky_plane_stress_N": ("hencky", "plane-stress"),
+}
+
+
+def _computed() -> tuple[Reference, ...]:
+    found: tuple[Reference, ...] = ()
+    for row in reference_rows(FILE):
+        for column, (law, state) in COLUMNS.items():
+            at: At = {"delta_mm": row["delta_mm"], **DATA, "law": law, "state": state}
+            found += references("computed", SOURCE, 2e-3, [(at, {"force_N": row[column]})])
+    return found
+
+
+class SolidRing:
+    """a1 along the axis, a2 from the plate over a quarter of the ring; the force is that on half a plate."""
+
+    name: str = "crushed-ring-solid"
+    title: str = "The crushed polyurethane ring as a solid, with its law and its state along the axis"
+    default_mesh: tuple[int, int] = (1, 24)
+    settings: tuple[Setting, ...] = (*RING, LAW, STATE, THROUGH, EPSILON, SOLVER)
+    references: tuple[Reference, ...] = (*experiment(), *_computed())
+    models: tuple[str, ...] = ("auto", "full")
+
+    def settle(self, request: Request) -> Request:
+        """Plain Newton, for a solid has no resultants to predict."""
+        if request.measure != "exact":
+            raise UsageError(
+                f"measure {request.measure!r} does not apply to {self.name}: a solid has none, leave it out"
+            )
+        return replace(request, model="full", newton="plain")
+
+    def build(self, request: Request) -> SolidRingModel:
+        """A quarter of the ring."""
+        (surface, laminate), state = ring(request), request.choice("state")
+        lines = spaced_lines(0, HALVES[state], request.mesh[0]), spaced_lines(0, TOP, request.mesh[1])
+        mesh = SolidMesh.build(surface, *lines, laminate, per_ply=int(request.number("per_ply")))
+        fixed = np.zeros((len(mesh.x), 3), bool)
+        fixed[mesh.on(1, 0.0), 1] = True
+        fixed[mesh.on(1, TOP), 0] = True
+        fixed[slice(None) if state == "plane-strain" else mesh.on(0, 0.0), 2] = True
+        solid = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[request.choice("law")])
+        nodes = np.setdiff1d(np.unique(mesh.outer), mesh.on(1, TOP))
+        areas = mesh.face_areas(mesh.outer)[nodes]
+        candidates = Candidates(mesh.x[nodes], solid.displacement_operator(nodes), areas)
+        return SolidRingModel(SolidModel(solid), candidates, nodes, request, WIDTH / HALVES[state])
+
+
+@dataclass(frozen=True, eq=False)
+class SolidRingModel:
+    """One path of the travel, from rest.
+
+    nodes (m,): of the mesh, those of the candidates.  copies: how often the part that is solved lies in the width.
+    """
+
+    body: SolidModel
+    candidates: Candidates
+    nodes: np.ndarray
+    request: Request
+    copies: float
+
+    @property
+    def n_unknowns(self) -> int:
+        """Number of unknowns."""
+        return self.body.discretisation.n_free
+
+    def stages(self) -> Iterator[Stage]:
+        """The path from rest."""
+        yield Stage("load", self._begin, self.request.numbers("delta_mm"), self._observe)
+
+    def _begin(self, previous: ContactSolution | None) -> Begun:
+        return self.problem_at, ContactSolution.at_rest(self.n_unknowns, len(self.nodes))
+
+    def problem_at(self, delta: float) -> ContactProblem:
+        """The ring and the plate at a travel."""
+        problem = against(self.body.linearise, self.candidates, plate(self.request, delta))
+        return replace(problem, ordered=self.body.ordered)
+
+    def _observe(self, problem: ContactProblem, state: ContactSolution, delta: float) -> Observation:
+        body = self.body.discretisation
+        stretches = body.stretches(body.expand(state.u))
+        quantities = {
+            "force_N": self.copies * float(problem.nodal_forces(state.pressure).sum()),
+            "least_stretch": float(stretches.min()),
+            "largest_stretch": float(stretches.max()),
+        }
+        return Observation({"delta_mm": delta, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
+
+    def write_fields(self, path: Path, state: ContactSolution) -> None:
+        """The hexahedra of the part that is solved."""
+        solid = self.body.discretisation
+        write_solid_fields(path, solid, state.u, nodal_pressure(state, candidates_at(self.nodes, len(solid.mesh.x))))
