@@ -139,6 +139,11 @@ LADDERS = (
     ),
     _linear("scordelis-lo", "edge_deflection_mm"),
     _linear("pinched-cylinder", "deflection_mm", shear_correction="1000"),
+    # 8x8 locks in the thin one
+    *(
+        _from_second(_linear("free-hyperboloid", "w_waist_mm", name=f"free-hyperboloid-{t}", t_over_R=t))
+        for t in ("0.1", "0.001")
+    ),
     *(_linear("pagano", "w_bar", "sigma_x_bar", name=f"pagano-S{S}", S=f"{S}") for S in (10, 100)),
     *(
         _ladder(

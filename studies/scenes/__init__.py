@@ -5,6 +5,7 @@ from __future__ import annotations
 from studies.scene import Scene
 from studies.scenes.benchmarks.cantilever import Cantilever
 from studies.scenes.benchmarks.hemisphere import Hemisphere
+from studies.scenes.benchmarks.hyperboloid import FreeHyperboloid
 from studies.scenes.benchmarks.pagano import Pagano
 from studies.scenes.benchmarks.pinched_cylinder import PinchedCylinder
 from studies.scenes.benchmarks.pressurised import PressurisedCylinder, PressurisedSphere, PressurisedTorus
@@ -31,7 +32,7 @@ _ALL: tuple[Scene, ...] = (
     *(SlitAnnulus(), RolledCantilever(), PullOut(), PinchedBetweenDiaphragms(), *SEMICYLINDERS),  # nonlinear
     *(*ROOFS, ShallowSphericalCap()),
     *(PressurisedCylinder(), PressurisedSphere(), PressurisedTorus()),
-    *(ScordelisLo(), PinchedCylinder(), Pagano()),  # linear
+    *(ScordelisLo(), PinchedCylinder(), FreeHyperboloid(), Pagano()),  # linear
     *(ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel()),  # contact
     *(CrushedRing(), SolidRing()),  # an experiment
     SolidTyre(),

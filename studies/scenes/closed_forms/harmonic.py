@@ -1,4 +1,4 @@
-"""A shell of revolution under a pressure p cos(n a2): its strain energy without any element.
+"""A shell of revolution under a pressure p cos(n a2): its strain energy and deflection without any element.
 
 With v1, v3 ~ cos(n a2) and v2 ~ sin(n a2) the linear shell becomes ordinary differential equations along the meridian.
 They are solved with integrated Legendre polynomials over the whole meridian (Babuska and Szabo's hierarchic basis),
@@ -8,7 +8,9 @@ measure and the section, but no interpolation, no mode and no sampling: what dif
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -40,30 +42,33 @@ class HarmonicShell:
 
     def energy(self) -> float:
         """Strain energy 1/2 f.u [N mm] of the piece 0 <= a1 <= end, 0 <= a2 <= pi/2."""
+        amplitudes, load = self._solution
+        return float(0.5 * np.sum(load * amplitudes))
+
+    def deflection(self) -> float:
+        """Normal displacement [mm], outwards, of the mean of both faces at a1 = a2 = 0."""
+        return float(self._solution[0][0, NORMAL[0]])
+
+    @cached_property
+    def _solution(self) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitudes and their loads, both (n, 6); the first function alone is not zero at a1 = 0."""
         points, weights = legendre.leggauss(self.degree + 20)
-        value, slope = _integrated_legendre(points, self.degree)
+        value, slope = integrated_legendre(points, self.degree)
         a1 = 0.5 * self.end * (1.0 + points)
         geometry = self.surface.geometry(a1, np.zeros_like(a1))
         d_bar = 0.5 * (self.laminate.d_minus + self.laminate.d_plus)
         area = np.prod(geometry.A * (1.0 + d_bar * geometry.k), axis=-1) * weights * (0.5 * self.end * np.pi / 4)
-        D = self.laminate.stiffness()
-        free = self._free(value.shape[1])
-        K = np.zeros((free.sum(), free.sum()))
-        for B in self._strains(a1, value, slope * (2.0 / self.end)):
-            B = B.reshape(*B.shape[:2], -1)[..., free]
-            K += np.einsum("gim,gin->mn", B, np.einsum("g,ij,gjn->gin", area, D, B), optimize=True)
+        strains = self._strains(a1, value, slope * (2.0 / self.end))
         load = np.zeros((value.shape[1], 6))
         load[:, NORMAL[0]] = self.pressure * (area @ value)  # on the mean of the faces, see _strains
-        scale = 1.0 / np.sqrt(np.diag(K))
-        f = load.ravel()[free] * scale
-        return float(0.5 * f @ cho_solve(cho_factor(K * scale * scale[:, None]), f))
+        return solved(strains, self.laminate.stiffness(), area, load, self._free(value.shape[1])), load
 
     def _free(self, n: int) -> np.ndarray:
-        """Which of the (n, 6) amplitudes are unknown, flat; the first two functions are 1 at the middle and the end."""
+        """Which of the (n, 6) amplitudes are unknown; the first two functions are 1 at the middle and the end."""
         free = np.ones((n, 6), bool)
         free[0, FIRST] = False  # symmetry
         free[1] = not self.clamped
-        return free.ravel()
+        return free
 
     def _strains(self, a1: np.ndarray, value: np.ndarray, slope: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Strains (g, 11, n, 6) by the amplitudes on a2 = 0, where cos = 1, and on a2 = pi/(2n), where sin = 1.
@@ -90,7 +95,25 @@ class HarmonicShell:
         return at(even, n * odd), at(odd, -n * even)
 
 
-def _integrated_legendre(points: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
+def solved(
+    strains: Iterable[np.ndarray], D: np.ndarray, area: np.ndarray, load: np.ndarray, free: np.ndarray
+) -> np.ndarray:
+    """Amplitudes (n, k) under the load (n, k), zero where not free (n, k).
+
+    strains: (g, i, n, k) each, at points of the area (g,); D (i, i): stiffness.
+    """
+    known = free.ravel()
+    K = np.zeros((known.sum(), known.sum()))
+    for B in strains:
+        B = B.reshape(*B.shape[:2], -1)[..., known]
+        K += np.einsum("gim,gin->mn", B, np.einsum("g,ij,gjn->gin", area, D, B), optimize=True)
+    scale = 1.0 / np.sqrt(np.diag(K))
+    amplitudes = np.zeros(load.size)
+    amplitudes[known] = scale * cho_solve(cho_factor(K * scale * scale[:, None]), load.ravel()[known] * scale)
+    return amplitudes.reshape(load.shape)
+
+
+def integrated_legendre(points: np.ndarray, degree: int) -> tuple[np.ndarray, np.ndarray]:
     """Values and slopes (g, degree + 1) on [-1, 1]: (1 - x)/2, (1 + x)/2, (P_k - P_{k-2})/sqrt(4k - 2), k = 2.. ."""
     P = legendre.legvander(points, degree)
     k = np.arange(2, degree + 1)

@@ -1,0 +1,102 @@
+"""Hyperboloid of one sheet with free ends under p cos 2 phi: it bends without stretching, the hardest test of locking.
+
+The printed reference is a shell of Reissner and Mindlin, which differs from one of two faces by O(t/R): nothing in thin
+shells, 0.4 % at t/R = 0.1, and at t/R = 1, where the waist of one face has half the radius of the middle and that of
+the other three halves, 30 %. Both have one-dimensional solutions (:mod:`studies.scenes.closed_forms`), so what is
+formulation and what is mesh is known. At t/R = 1 the solid, too, is solved: two faces are 3 % off it, Mindlin's 46 %.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from formulations.geometry.surfaces import hyperboloid
+from formulations.section.laminate import Ply
+from studies.request import Request
+from studies.scene import Reference, SceneModel, Setting
+from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, ShearCorrected, area_load
+from studies.scenes.closed_forms.harmonic import HarmonicShell
+from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
+from studies.scenes.closed_forms.naghdi import NaghdiShell
+from studies.scenes.element import LINES, patch
+from studies.scenes.statics import StaticModel, normal_at
+
+E, NU, RADIUS, LOAD = 2.85e4, 0.3, 1.0, 1e4  # MPa, -, mm; p = LOAD (t/R)^3 cos 2 phi MPa
+HARMONIC, REISSNER = 2, 5 / 6
+SURFACE = hyperboloid(RADIUS, RADIUS)
+THICKNESS = Setting("t_over_R", 0.01, "thickness over the radius of the waist", low=1e-4, high=1.0)
+SHEAR, *OTHERS = SHELL_SETTINGS
+
+# Digits of a one-dimensional reduction; Lee, Bathe, Comput. Struct. 82 (2004) 945, computed to the digits of Neunteufel
+MINDLIN = {1.0: 1.3577317, 0.1: 0.18954566, 0.01: 0.15046617, 0.001: 0.1498902}
+TWO_FACES = {1.0: 0.951994037, 0.1: 0.188873629, 0.01: 0.150468689, 0.001: 0.149890247}
+SOLID = {1.0: 0.92698, 0.1: 0.188029}
+DIGITS = 7e-7  # a unit of the last digit printed: the first two are cut off, not rounded
+OF_SOLID = 1e-5
+FORMULATION = "this shell in one dimension, studies/scenes/closed_forms/harmonic.py"
+ELASTICITY = "linear elasticity in two dimensions, studies/scenes/closed_forms/harmonic_solid.py"
+PRINTED = "Reissner-Mindlin shell in one dimension, M. Neunteufel"
+
+
+def mindlin(t: float, degree: int = 140) -> NaghdiShell:
+    """The shell of Reissner and Mindlin of the thickness t [mm]."""
+    return NaghdiShell(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, REISSNER, degree)
+
+
+def two_faces(t: float, degree: int = 140) -> HarmonicShell:
+    """The shell of the suite of the thickness t [mm]."""
+    return HarmonicShell(SURFACE, _wall(t, REISSNER), HARMONIC, LOAD * t**3, RADIUS, False, degree)
+
+
+def _wall(t: float, shear_correction: float) -> ShearCorrected:
+    return ShearCorrected((Ply.isotropic(E, NU, t),), -0.5 * t, shear_correction)
+
+
+def solid(t: float, degree: int = 30, through: int = 8) -> HarmonicSolid:
+    """The body of the thickness t [mm] without the assumptions of a shell."""
+    return HarmonicSolid(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, degree, through)
+
+
+def _references() -> tuple[Reference, ...]:
+    known = (
+        ("read", PRINTED, DIGITS, MINDLIN),
+        ("computed", FORMULATION, DIGITS, TWO_FACES),
+        ("computed", ELASTICITY, OF_SOLID, SOLID),
+    )
+    return tuple(
+        Reference("w_waist_mm", value, {"t_over_R": t, "measure": "linear"}, kind, source, within)
+        for kind, source, within, values in known
+        for t, value in values.items()
+    )
+
+
+class FreeHyperboloid:
+    """An eighth: a1 = z from the waist to the free end, a2 a quarter of the circle; lines are closer at the end."""
+
+    name: str = "free-hyperboloid"
+    title: str = "Hyperboloid with free ends under p cos 2 phi (Lee, Bathe)"
+    default_mesh: tuple[int, int] = (32, 32)
+    settings: tuple[Setting, ...] = (
+        THICKNESS,
+        LOAD_FRACTION,
+        replace(LINES, default="edges"),  # a free end has a layer of the width sqrt(R t), and one of the width t in it
+        replace(SHEAR, default=REISSNER),
+        *OTHERS,
+    )
+    references: tuple[Reference, ...] = _references()
+
+    def build(self, request: Request) -> SceneModel:
+        """p on the area of the middle surface, half on each face, outwards at a2 = 0."""
+        t = request.number("t_over_R") * RADIUS
+        wall = _wall(t, request.number("shear_correction"))
+        edges = ("symmetric", "free", "symmetric", "symmetric")
+        eighth = patch(request, SURFACE, (0, RADIUS), (0, np.pi / 2), wall, edges)
+
+        def pressure(a1: np.ndarray, a2: np.ndarray) -> np.ndarray:
+            normal = SURFACE.frame(a1, a2)[..., 2, :]
+            return LOAD * t**3 * np.cos(HARMONIC * a2)[..., None] * normal
+
+        at_waist = normal_at(eighth, {"w_waist_mm": (eighth.grid.node_at(0.0, 0.0), 1)})
+        return StaticModel.of(request, eighth, at_waist, forces=area_load(eighth, pressure))
