@@ -12,6 +12,7 @@ from studies.analysis.answers import Answers
 from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
+from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.measure_errors import measure_errors
@@ -39,6 +40,9 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "epsilon_laws": ("epsilon", epsilon_laws),
     "error_statements": ("error_coverage", error_statements),
     "stated_errors": ("error_coverage", statements),
+    "ring_budget": ("crushed_ring", error_budget),
+    "ring_inputs": ("crushed_ring", input_effects),
+    "ring_states": ("crushed_ring", axial_states),
     "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
     "peer_factors": ("peers", peer_factors),
 }

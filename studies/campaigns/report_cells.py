@@ -199,6 +199,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "agreement": lambda: (*agreement(), *ROBUSTNESS),
     "models": lambda: MODELS,
     "statements": lambda: (),  # a table alone
+    "experiment": lambda: (),  # the same
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
@@ -208,6 +209,7 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep"),
     "models": ("work_precision",),
     "agreement": ("epsilon", "cycles", "false_success"),
+    "experiment": ("crushed_ring",),
 }
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),

@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.door.plugins import modules
+from studies.experiments.crushed_ring import crushed_ring_study
 from studies.experiments.epsilon import epsilon_study
 from studies.experiments.error_coverage import error_coverage
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
@@ -39,6 +40,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes_check": check_table,
     "work_precision": work_precision_study,
     "error_coverage": error_coverage,
+    "crushed_ring": crushed_ring_study,
 }
 
 

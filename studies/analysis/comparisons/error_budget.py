@@ -1,0 +1,126 @@
+"""The crushed ring, computed less measured: what the difference is made of, and whether the test contradicts it.
+
+Parts, with the sign that they have in S - D (S computed on the finest mesh, D measured), L a limit of meshes::
+
+    mesh       S - L                          what the mesh of the body leaves
+    shell      L - L(solid of its law)        what the shell's kinematics and measure leave
+    law        L(solid of its law) - L(Hencky's solid)
+    friction   -(r - 1) L(Hencky)             missing in the computation; r at mu = 0.4: a bound
+    reading    L(Hencky) less its own chord   what a curve has more than the straight line that was read of it
+    remainder  all the rest
+
+In the sense of ASME V&V 20 the statement is E = S - D beside u_val = sqrt(u_num^2 + u_input^2 + u_D^2), all standard
+uncertainties: |E| <= u_val says that the test cannot tell the model's error from none. u_num is half of what
+:func:`studies.analysis.richardson.limit_of` says; limits +-a are a/sqrt(3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.richardson import Limit, limit_of
+from studies.experiments.crushed_ring import HALF_DIGIT, INPUTS, MESHES, STATES
+from studies.scenes.contact.crushed_ring import DATA, FILE, READING
+from studies.scenes.data import read_reference
+
+PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")
+OWN_LAW, SOFTER = "solid svk", "solid hencky"  # the law of every shell, and the one that the test is compared with
+WITHIN = np.sqrt(3.0)  # limits over the standard deviation of all values between them
+COVERED = 2.0  # of a standard uncertainty: what limit_of says covers nearly all cases
+
+
+def error_budget(study: pd.DataFrame) -> pd.DataFrame:
+    """A row for each body and travel: measured_N, force_N, difference_N, PARTS [N], u_num, u_input, u_D, u_val [N].
+
+    grid: the finest mesh; limit_N, order, asymptotic: of all.  read_to: limit [N] of a reading.  within: |difference|
+    <= u_val.  Of a shell of another measure than the exact one, beside that with the same data: closer: nearer to the
+    measured force; cancelled: -shell/law, the share of the law's part that the shell's part takes back; wrong_reason:
+    closer although its own part is larger.
+    """
+    meshes = study[study["study"] == MESHES].groupby(["body", "delta_mm"], sort=False)
+    limits = {
+        (rows["body"].iloc[0], float(rows["delta_mm"].iloc[0])): limit_of(
+            rows["size"].tolist(), rows["force_N"].tolist()
+        )
+        for _, rows in meshes
+    }
+    measured = read_reference(FILE).set_index("delta_mm")
+    finest = meshes.last().reset_index()
+    inputs = input_effects(study).groupby("delta_mm")["relative"].apply(lambda each: float(np.hypot.reduce(each)))
+    rows = [
+        _parts(row, limits, measured.loc[row["delta_mm"]], inputs[row["delta_mm"]], measured.index[-1])
+        for row in finest.to_dict("records")
+    ]
+    return pd.DataFrame(_with_reasons(rows))
+
+
+def input_effects(study: pd.DataFrame) -> pd.DataFrame:
+    """A row for each input and travel: value, half: of its last digit; relative: standard uncertainty of the force."""
+    rows = []
+    for (key, delta), pair in study[study["study"] == INPUTS].groupby(["input", "delta_mm"], sort=False):
+        low, high = pair.sort_values("change")["force_N"]
+        effect = (high - low) / (high + low)
+        known = {"input": key, "value": DATA[str(key)], "half": HALF_DIGIT[str(key)], "delta_mm": delta}
+        rows.append({**known, "relative": abs(effect) / WITHIN})
+    return pd.DataFrame(rows)
+
+
+def axial_states(study: pd.DataFrame) -> pd.DataFrame:
+    """A row for each state along the axis and travel: force_N of Hencky's solid and ``off``, against plane strain."""
+    other = study[study["study"] == STATES]
+    plane = study[(study["study"] == MESHES) & (study["body"] == SOFTER)].drop_duplicates("delta_mm", keep="first")
+    strain = plane.set_index("delta_mm")["force_N"]
+    found = other[["input", "mesh", "delta_mm", "force_N", "command"]].rename(columns={"input": "state"})
+    return found.assign(off=found["force_N"].to_numpy() / strain[found["delta_mm"]].to_numpy() - 1)
+
+
+def _parts(
+    row: Mapping[Any, Any], limits: Mapping[tuple[str, float], Limit], read: pd.Series, relative: float, end: float
+) -> dict[str, Any]:
+    """One body at one travel."""
+    delta, S, D = row["delta_mm"], row["force_N"], float(read["measured_N"])
+    own, hencky = limits[row["body"], delta], limits[SOFTER, delta].value
+    of_law = limits[OWN_LAW, delta].value if row["kind"] == "shell" else own.value
+    friction = -(read["aster_friction_N"] / read["aster_N"] - 1) * hencky
+    bend = hencky - delta / end * limits[SOFTER, end].value
+    known = {"mesh": S - own.value, "shell": own.value - of_law, "law": of_law - hencky}
+    known |= {"friction": friction, "reading": bend}
+    u_num, u_input = own.uncertainty / COVERED, np.hypot(relative * S, friction / WITHIN)
+    u_D = np.hypot(READING, bend) / WITHIN
+    u_val = float(np.sqrt(u_num**2 + u_input**2 + u_D**2))
+    return {
+        **{name: row[name] for name in ("body", "kind", "of", "delta_mm", "command")},
+        "grid": row["mesh"],
+        **{"least_stretch": row["least_stretch"], "largest_stretch": row["largest_stretch"]},
+        **{"limit_N": own.value, "order": own.order, "asymptotic": own.asymptotic},
+        **{"measured_N": D, "force_N": S, "difference_N": S - D},
+        **known,
+        "remainder": hencky - D - friction - bend,
+        **{
+            "u_num": u_num,
+            "u_input": float(u_input),
+            "u_D": float(u_D),
+            "u_val": u_val,
+            "read_to": READING,
+            "within": abs(S - D) <= u_val,
+        },
+    }
+
+
+def _with_reasons(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """With what is said of measures beside the exact one."""
+    found = []
+    for row in rows:
+        said: dict[str, Any] = {"closer": False, "cancelled": np.nan, "wrong_reason": False}
+        if row["kind"] == "shell" and row["of"] != "exact":
+            name = row["body"].replace(row["of"], "exact")
+            exact = next(each for each in rows if (each["body"], each["delta_mm"]) == (name, row["delta_mm"]))
+            closer = abs(row["difference_N"]) < abs(exact["difference_N"])
+            said = {"closer": closer, "cancelled": -row["shell"] / row["law"]}
+            said["wrong_reason"] = closer and abs(row["shell"]) > abs(exact["shell"]) and said["cancelled"] > 0
+        found.append(row | said)
+    return found
