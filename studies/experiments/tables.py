@@ -18,6 +18,7 @@ from studies.experiments.locking import curved_beam, membrane_locking, shear_loc
 from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
+from studies.experiments.rotations import rotations_table
 from studies.experiments.work_precision import work_precision_study
 from studies.store.atomic import SCHEMA, write_table_once
 from studies.store.source_hash import sources_hash
@@ -26,6 +27,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "rigid_body": rigid_body_table,
     "small_motions": small_motions,
     "rotation_sweep": rotation_sweep,
+    "rotations": rotations_table,
     "thickness_locking": thickness_locking,
     "shear_locking": shear_locking,
     "curved_beam": curved_beam,

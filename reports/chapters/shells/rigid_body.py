@@ -30,7 +30,9 @@ WIDTH = 63  # letters in a line of a panel's legend, its comma included
 
 def rigid_body_page(store: Store) -> Part:
     """The whole page."""
-    return joined(INTRODUCTION, _overview(store), *_rates(store), _donnell(store), _turn(store), _everything(store))
+    successive = [_successive(store)] if store.has_table("rotations") else []  # older stores have none
+    points = joined(INTRODUCTION, _overview(store), *_rates(store), _donnell(store), _turn(store))
+    return joined(points, *successive, _everything(store))
 
 
 def _overview(store: Store) -> Part:
@@ -154,6 +156,34 @@ turn from none. Over the whole turn and all measures the largest distance from a
 {scientific(_miss(sweep.dropna(subset=["declared"])))}.""")
     words = "Strain left by a rigid rotation over a full turn, by measure, with the declared laws"
     return joined(text, picture("rigid-body-turn.svg", words, full_turn(sweep)))
+
+
+def _successive(store: Store) -> Part:
+    """Rotations about Z, Y and X, and back, of a panel of elements."""
+    data = store.table("rotations")
+    places = [("free", "back", 3), ("strained", "back", 3), ("strained", "astray", 6)]
+    home = [("free", "back", 6), ("strained", "back", 6)]
+    rows = []
+    for (measure, interpolation), own in data.groupby(["measure", "interpolation"], sort=False):
+        found = own.set_index(["body", "path", "leg"]).reindex([*places, *home])
+        changes, left = found["energy_change"].loc[places[1:]], found["off"].loc[home]
+        shown = found["strain"].loc[places[0]], found["off"].loc[places[0]], *changes, *left
+        rows.append([measure, interpolation, *(NOTHING if math.isnan(value) else _size(value) for value in shown)])
+    text = prose("""## Rotations one after another
+
+A panel of 4 by 4 elements, a piece of a cylinder, is turned by its edge in load steps about Z, Y and X, then back about
+X, Y and Z; all other nodes are found by Newton's iteration. *Free*: the first edge is held, the panel may follow
+without strain. *Strained*: the second edge is held, too, pulled and bent before the first rotation, and its energy must
+stay. *Six astray*: after the first three the panel is turned back in the order Z, Y, X, and arrives elsewhere, for
+rotations may not be exchanged; the energy must be there all the same. *Off* is the distance from where the rotation of
+the edge takes a node, over the panel's length. Every measure comes back, as its energy is a function of where it is;
+what it costs is left on the way. With components interpolated in the turning frame even an exact measure strains, by
+the second order of the mesh. A dash stands where the path ended before.""")
+    heads = ["measure", "interpolation", "free, Z Y X: strain", "free, Z Y X: off", "strained, Z Y X: energy"]
+    heads += ["strained, six astray: energy", "free, back: off", "strained, back: off"]
+    return joined(
+        text, table("Left by rotations one after another; energies as changes, over the first", heads, rows, 2)
+    )
 
 
 def _everything(store: Store) -> Part:
