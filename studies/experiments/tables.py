@@ -17,6 +17,7 @@ from studies.experiments.invariance.tyre_mirror import mirror_table
 from studies.experiments.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
 from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
+from studies.experiments.obstacle_problems.membrane import membrane_table
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.rotations import rotations_table
 from studies.experiments.work_precision import work_precision_study
@@ -35,6 +36,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "epsilon": epsilon_study,
     "cycles": cycles,
     "false_success": false_success,
+    "membrane": membrane_table,
     "symmetry": symmetry_table,
     "mirror": mirror_table,
     "extremes": extremes_table,
