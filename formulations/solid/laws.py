@@ -2,7 +2,8 @@
 
 One convention for all: E (..., 6) and S (..., 6) [MPa] in Voigt order 11, 22, 12, 33, 13, 23 along the local axes, with
 engineering shears in E; batch axes first. A law knows one ply; elements, nodes and supports do not enter here. C cannot
-tell an inverted element from a sound one: det F > 0 is for who solves to see.
+tell an inverted element from a sound one: det F > 0 is for who solves to see. Where an element is pressed so flat that
+rounding leaves an eigenvalue of C that is not positive, stress and tangent are NaN but for St. Venant-Kirchhoff.
 
 All three have the same tangent at E = 0, so they differ by the order of the strain itself: under uniaxial stress
 S_11 = E_0 (E_11 - k E_11^2 + ...) with Young's modulus E_0 and k = 0 (St. Venant-Kirchhoff), 3 (Hencky) and
@@ -82,6 +83,7 @@ class Hencky:
     def response(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Along the principal axes and back."""
         c, axes = np.linalg.eigh(np.eye(3) + 2 * tensor(strain / _ONCE))
+        c = np.where(c > 0, c, np.nan)
         log_c = np.log(c)
         spherical = 0.5 * self.lam * log_c.sum(axis=-1)[..., None]
         T = spherical + self.mu * log_c
@@ -90,11 +92,11 @@ class Hencky:
         direct = (self.lam + 2 * self.mu * np.eye(3)) / (c[..., :, None] * c[..., None, :])
         direct -= (2 * T / c**2)[..., None] * np.eye(3)
         tangent[..., _NORMAL[:, None], _NORMAL] = direct
-        # (S_a - S_b)/(c_a - c_b) without a difference, for eigenvalues may coincide: ln c_a - ln c_b = log1p(d)
+        # (S_a - S_b)/(c_a - c_b) without a difference, for eigenvalues may coincide: ln c_b - ln c_a = log1p(d), d >= 0
         a, b = c[..., _I[_SHEAR]], c[..., _J[_SHEAR]]
-        d = a / b - 1
+        d = b / a - 1
         quotient = np.divide(np.log1p(d), d, out=np.ones_like(d), where=d != 0)
-        tangent[..., _SHEAR, _SHEAR] = (self.mu * (quotient - np.log(b)) - spherical) / (a * b)
+        tangent[..., _SHEAR, _SHEAR] = (self.mu * (quotient - log_c[..., _I[_SHEAR]]) - spherical) / (a * b)
         turn = _strain_turn(axes)
         back = turn.swapaxes(-1, -2)
         return np.einsum("...qp,...p->...q", back, stress), back @ tangent @ turn
@@ -120,8 +122,10 @@ class NeoHooke:
     def response(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Both in closed form."""
         C = np.eye(3) + 2 * tensor(strain / _ONCE)
-        inverse = np.linalg.inv(C)
-        pressure = 0.5 * self.lam * np.log(np.linalg.det(C))[..., None]  # lam ln J
+        squared = np.linalg.det(C)[..., None]  # J^2
+        squared = np.where(squared > 0, squared, np.nan)
+        inverse = np.linalg.inv(np.where(squared[..., None] > 0, C, np.nan))
+        pressure = 0.5 * self.lam * np.log(squared)  # lam ln J
         flat = inverse[..., _I, _J]
         stress = self.mu * (_UNIT - flat) + pressure * flat
         i, j, k, m = _I[:, None], _J[:, None], _I, _J

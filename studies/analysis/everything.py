@@ -15,6 +15,7 @@ from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_c
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
 from studies.analysis.comparisons.ladders import convergence
+from studies.analysis.comparisons.law_strain import law_offsets, law_rules
 from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.peer_factors import peer_factors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
@@ -43,6 +44,8 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "ring_budget": ("crushed_ring", error_budget),
     "ring_inputs": ("crushed_ring", input_effects),
     "ring_states": ("crushed_ring", axial_states),
+    "law_offsets": ("law_strain", law_offsets),
+    "law_rules": ("law_strain", law_rules),
     "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
     "peer_factors": ("peers", peer_factors),
 }

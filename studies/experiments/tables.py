@@ -14,6 +14,7 @@ from studies.experiments.error_coverage import error_coverage
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
 from studies.experiments.invariance.symmetry import symmetry_table
 from studies.experiments.invariance.tyre_mirror import mirror_table
+from studies.experiments.law_strain import law_strain_study
 from studies.experiments.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
 from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
@@ -45,6 +46,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "work_precision": work_precision_study,
     "error_coverage": error_coverage,
     "crushed_ring": crushed_ring_study,
+    "law_strain": law_strain_study,
 }
 
 

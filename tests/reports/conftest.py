@@ -32,7 +32,7 @@ from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
 from support.made_up import analysed_again, linked
-from support.rings import made_up_ring
+from support.rings import made_up_laws, made_up_ring
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
@@ -303,6 +303,7 @@ def write_tables(directory: Path) -> None:
         "membrane": membrane_over_sphere(),
         "work_precision": precision_table(),
         "crushed_ring": made_up_ring(),
+        "law_strain": made_up_laws(),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

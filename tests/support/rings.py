@@ -1,10 +1,11 @@
-"""A made-up study of the crushed ring: limits are chosen, meshes leave an error of the second order."""
+"""Made-up studies of the crushed ring and of laws: limits are chosen, meshes leave an error of the second order."""
 
 from __future__ import annotations
 
 import pandas as pd
 
 from studies.experiments.crushed_ring import AXIAL, HALF_DIGIT, INPUTS, MESHES, SHELLS, SOLIDS, STATES
+from studies.experiments.law_strain import BENDING, MEMBRANE
 from studies.scenes.contact.crushed_ring import FILE
 from studies.scenes.data import read_reference
 
@@ -39,3 +40,15 @@ def made_up_ring() -> pd.DataFrame:
     names = [body.name for body in (*SOLIDS, *SHELLS)]
     by = table.assign(a=table["study"].map(order), b=table["body"].map(names.index), c=-table["size"])
     return by.sort_values(["a", "b", "c", "delta_mm"], kind="stable").drop(columns=["a", "b", "c"])
+
+
+def made_up_laws() -> pd.DataFrame:
+    """A membrane that the law changes by 2 e and a strip that it changes by e^2."""
+    rows = []
+    for name, carries, factor, power in (("balloon", MEMBRANE, 2.0, 1.0), ("strip", BENDING, 1.0, 2.0)):
+        for load, strain in ((1.0, 0.01), (2.0, 0.1)):
+            for law, change in (("svk", 0.0), ("hencky", factor), ("neo-hooke", 0.9 * factor)):
+                value = 1 / (1 + change * strain**power)
+                own = {"specimen": name, "carries": carries, "quantity": "growth", "load": load, "law": law}
+                rows.append({**own, "value": value, "strain": strain})
+    return pd.DataFrame(rows)

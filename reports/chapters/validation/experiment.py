@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
+from reports.chapters.validation.law_part import law_part
 from reports.drawing import BLACK, COLOURS, canvas, looks, svg
 from reports.formats import digits, fixed, percent, share
 from reports.markdown import Part, commands, filled, joined, listing, picture, prose, table
@@ -33,6 +34,7 @@ def experiment_page(store: Store) -> Part:
         _reasons(data),
         _statements(data, store.analysis("ring_inputs")),
         _states(store.analysis("ring_states")),
+        law_part(store),
         commands([*data["command"].drop_duplicates(), *store.analysis("ring_states")["command"].drop_duplicates()]),
     )
 
@@ -208,6 +210,6 @@ CHAPTER = Chapter(
     "An experiment",
     "forces that were measured beside computed ones, the difference split into law, shell, mesh, friction and reading.",
     experiment_page,
-    needs=("ring_budget", "ring_inputs", "ring_states"),
+    needs=("ring_budget", "ring_inputs", "ring_states", "law_offsets", "law_rules"),
     always=True,
 )

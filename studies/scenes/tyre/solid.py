@@ -16,6 +16,7 @@ from contact.obstacles.foundation import Candidates
 from contact.problem import ContactSolution
 from formulations.geometry.surfaces import torus
 from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.fields import write_solid_fields
 from studies.request import Request, Value
@@ -38,7 +39,13 @@ def _settings() -> tuple[Setting, ...]:
     own = [replace(setting, default=DEFAULTS.get(setting.key, setting.default)) for setting in kept]
     face = {"pressure_area": replace(next(s for s in own if s.key == "pressure_area"), choices=("face",))}
     through = Setting("per_ply", 1, "elements through each ply", "int", 1, 16)
-    return (*(face.get(setting.key, setting) for setting in own), through)
+    law = Setting.one_of("law", LAWS, "svk", "material law; all but svk are isotropic")
+    return (*(face.get(setting.key, setting) for setting in own), through, law)
+
+
+def _references() -> tuple[Reference, ...]:
+    computed = (reference for reference in Tyre.references if reference.kind == "computed")
+    return tuple(replace(reference, at={**reference.at, "law": "svk"}) for reference in computed)
 
 
 @dataclass(frozen=True)
@@ -50,7 +57,7 @@ class SolidTyre:
     default_mesh: tuple[int, int] = (28, 36)
     coarsest_mesh: tuple[int, int] = (14, 18)  # even numbers only
     settings: tuple[Setting, ...] = _settings()
-    references: tuple[Reference, ...] = tuple(r for r in Tyre.references if r.kind == "computed")
+    references: tuple[Reference, ...] = _references()
     models: tuple[str, ...] = ("auto", "full", "quarter")
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
@@ -87,7 +94,10 @@ class SolidTyre:
         if quarter:
             fixed[mesh.on(0, 0.0), 2] = True
             fixed[np.concatenate([mesh.on(1, 0.0), mesh.on(1, np.pi)]), 1] = True
-        solid = SolidDiscretisation.build(mesh, laminate, fixed)
+        try:
+            solid = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[settings.choice("law")])
+        except ValueError as error:
+            raise UsageError(f"law {settings.choice('law')!r}: {error}") from None
         nodes = np.setdiff1d(np.unique(mesh.outer), clamped)
         coupling = mesh.face_mass(mesh.outer)[nodes][:, nodes] if settings["coupling"] == "consistent" else None
         weights = mesh.face_areas(mesh.outer)[nodes]

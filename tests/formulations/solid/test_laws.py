@@ -225,3 +225,13 @@ def test_stretches_of_a_body_are_those_of_its_deformation(rng) -> None:
     for factors in ([0.8, 1.1, 1.3], [-0.8, 1.1, 1.3]):
         u = mesh.x @ (turn @ np.diag(factors) - np.eye(3)).T
         assert body.stretches(u) == pytest.approx(np.broadcast_to(factors, (2, 27, 3)), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["hencky", "neo-hooke"])
+def test_no_volume_has_no_stress(name) -> None:
+    """A strain that no deformation has gives NaN, without a warning; the rest of the batch is not touched."""
+    law, sound = LAWS[name](PLY), green(np.diag([1.1, 0.9, 1.0]))
+    stress, tangent = law.response(np.stack([[-0.6, 0, 0, 0, 0, 0.0], sound]))
+    assert np.isnan(stress[0]).any()
+    assert stress[1] == pytest.approx(law.response(sound)[0], rel=1e-13, abs=1e-15)
+    assert np.all(np.isfinite(tangent[1]))

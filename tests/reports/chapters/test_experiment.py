@@ -34,3 +34,9 @@ def test_parts_are_stacked_from_zero(page: Part) -> None:
     (figure,) = figures
     bars = figure.axes[1].patches
     assert sum(bar.get_height() for bar in bars if bar.get_x() > 2.5) == pytest.approx(-0.09 * 32.033 + 100 / 64**2)
+
+
+def test_small_strain_is_a_number(page: Part) -> None:
+    assert "by at most 2.0 e where a wall carries by stretching, and by at most 0.10 e where it bends" in page.text
+    assert "| balloon | membrane | 0.010 … 0.100 | 2 | 0.5 % | 1.0 |" in page.text
+    assert "| strip | growth | 2 | 0.1000 | +1.00 % | +0.90 % | 0.1 |" in page.text
