@@ -21,6 +21,7 @@ from studies.experiments.obstacle_problems.false_success import table as false_s
 from studies.experiments.obstacle_problems.membrane import membrane_table
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.rotations import rotations_table
+from studies.experiments.solids.greco_plate import greco_table
 from studies.experiments.work_precision import work_precision_study
 from studies.store.atomic import SCHEMA, write_table_once
 from studies.store.source_hash import sources_hash
@@ -38,6 +39,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "cycles": cycles,
     "false_success": false_success,
     "membrane": membrane_table,
+    "greco_plate": greco_table,
     "symmetry": symmetry_table,
     "mirror": mirror_table,
     "extremes": extremes_table,

@@ -25,7 +25,17 @@ MEASURES = tuple(f"made-up-{number}" for number in range(1, 12))
 ALGORITHMS = tuple(f"invented-{number}" for number in range(1, 10))
 KNOWN_AS = {"measure": "exact", "algorithm": "semismooth", "contact": "semismooth", "contender": "lcp"}  # by column
 EXTENDED = (  # tables in which a measure or an algorithm has rows of its own
-    *("rigid_body", "small_motions", "rotation_sweep", "rotations", "symmetry", "mirror", "false_success", "membrane"),
+    *(
+        "rigid_body",
+        "small_motions",
+        "rotation_sweep",
+        "rotations",
+        "symmetry",
+        "mirror",
+        "false_success",
+        "membrane",
+        "greco_plate",
+    ),
     *("fronts", "family_fronts", "profiles", "pairs", "solved", "measure_limits", "measure_errors"),
 )
 Names = tuple[str, ...]

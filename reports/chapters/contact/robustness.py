@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from reports.chapters.contact.agreement_cases import unusual
+from reports.chapters.contact.known_answers import known_answers
 from reports.chapters.tyre.cells import DELTA, FAR, ONE_STEP
 from reports.formats import fixed, scientific
 from reports.markdown import Part, commands, filled, joined, listing, machine, prose, table
@@ -14,8 +15,7 @@ EXACT = 1e-9  # an error below it is no error
 
 def robustness(store: Store) -> Part:
     """All of it, for the page of algorithms."""
-    known = [_membrane(store)] if store.has_table("membrane") else []  # older stores have none
-    return joined(_one_step(store), _far(store), _cycles(store), _claims(store), *known)
+    return joined(_one_step(store), _far(store), _cycles(store), _claims(store), *known_answers(store))
 
 
 def _one_step(store: Store) -> Part:
@@ -98,26 +98,6 @@ each answer that is called solved; *false* is one that it does not accept, *larg
 called, over the largest displacement. Of our own {int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are
 false; false are: {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
     return joined(text, listing("Claims of success, judged", found, heads, line, error=_error))
-
-
-def _membrane(store: Store) -> Part:
-    """A membrane over a sphere, whose contact radius is known."""
-    data = store.table("membrane")
-    finest = data[data["level"] == data.groupby(["element", "algorithm"])["level"].transform("max")]
-    text = prose(f"""## Orders where the contact radius is known
-
-A membrane over half a sphere (example 36 of MFEM): deflection, contact radius and force are closed forms. Linear
-triangles (P1), bilinear and biquadratic quadrilaterals (Q1, Q2), the obstacle kept at the nodes. Orders are fitted to
-all meshes of an algorithm: of u in the mean square (L2) and in the energy (H1), of the force, and of the radius of the
-disc with the area of the nodes in contact. Theory: 2 and 1 for linear elements, 3/2 in the energy for quadratic ones
-and no more, because the second derivative jumps on the rim. The last two jump themselves, as the rim passes between
-nodes. On one mesh the deflections of all exact algorithms differ by at most
-{scientific(float(data["apart"].max()))} of the largest one.""")
-    heads = "element | unknowns | algorithm | iterations | error of the force | of the radius"
-    heads += " | order, L2 | H1 | force | radius"
-    line = "{element} | {unknowns} | {algorithm} | {iterations:.0f} | {force:.1e} | {radius:.1e}"
-    line += " | {order_l2:.2f} | {order_h1:.2f} | {order_force:.2f} | {order_radius:.2f}"
-    return joined(text, listing("A membrane over a sphere, finest meshes", finest, heads, line))
 
 
 def _error(error: float) -> str:

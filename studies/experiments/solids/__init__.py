@@ -1,0 +1,1 @@
+"""Contact of plane elastic solids from scikit-fem with the same algorithms as shells."""

@@ -1,0 +1,95 @@
+"""The GRECO plate without friction: closed form, mirror image, an independent minimiser, and what must fail."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.sparse.linalg import spsolve
+
+from contact.catalogue import ALGORITHMS
+from contact.interchange.linearised_step import freeze
+from contact.interchange.oracle import confirm
+from contact.problem import ContactSolution, Outcome
+from contact.verify import judge
+from studies.experiments.solids.greco_plate import ELEMENTS, EXACT, LOADS, SIDE, TOP, GrecoPlate, greco_table, slip
+
+ROUNDING = 1e-10
+SOLVED = 1e-8  # pressure at the smallest weights, where algorithms end at residuals of 1e-9 of the load
+FRICTION = 0.0286  # mm, slip at x = 0 with mu = 1, the mean of six codes
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_uniform_load_is_carried_uniformly_by_every_exact_algorithm(element: str) -> None:
+    plate = GrecoPlate(element, 4)
+    for name in EXACT:
+        found = plate.solve(name)
+        assert found.outcome is Outcome.CONVERGED, name
+        np.testing.assert_allclose(found.pressure, TOP, rtol=ROUNDING, err_msg=name)
+        np.testing.assert_allclose(plate.along @ found.u, slip(plate.x), atol=ROUNDING, err_msg=name)
+        assert judge(plate.problem, found.u, found.pressure).equilibrium < ROUNDING
+
+
+def test_without_friction_the_plate_slips_by_two_fifths_more_than_with_it() -> None:
+    assert slip(0.0) == pytest.approx(1.1e8 * 1.2 / 1.3e11 * 40)
+    assert slip(0.0) / FRICTION == pytest.approx(1.42, abs=0.01)
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_pressed_bottom_is_a_plane_of_symmetry(element: str) -> None:
+    """The plate with its image below has no contact and no plane, and moves in the same way."""
+    plate, both = GrecoPlate(element, 6, "rising"), GrecoPlate(element, 6, "rising", mirrored=True)
+    found, free = plate.solve("semismooth"), spsolve(both.stiffness, both.forces[both.free])
+    assert found.active.all()
+    np.testing.assert_allclose(both.across @ free, 0, atol=ROUNDING * slip(0.0))
+    np.testing.assert_allclose(plate.along @ found.u, both.along @ free, rtol=ROUNDING)
+
+
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_lifted_corner_is_that_of_an_interior_point_method(element: str) -> None:
+    """Clarabel on the same quadratic programme: set, forces, displacements."""
+    plate = GrecoPlate(element, 8, "lifting")
+    found = plate.solve("semismooth")
+    assert 0 < np.sum(~found.active) < len(plate.x)
+    rest = np.zeros(len(plate.free)), np.zeros(len(plate.x))
+    assert confirm(freeze(plate.problem, *rest, {"scene": "greco-plate"}), found.u, found.pressure).agrees
+    held = replace(found, u=found.u.copy())
+    held.u[:] = spsolve(plate.stiffness + 1e9 * plate.across.T @ plate.across, plate.forces[plate.free])
+    assert not confirm(freeze(plate.problem, *rest, {"scene": "greco-plate"}), held.u, found.pressure).agrees
+
+
+def test_plane_carries_the_load_but_for_the_fixed_corner() -> None:
+    """Sum of forces: the corner has its own share of a pressure that is uniform there."""
+    for element in ELEMENTS:
+        plate = GrecoPlate(element, 8)
+        found = plate.solve("semismooth")
+        assert plate.forces.sum() == pytest.approx((150 - TOP) * SIDE, rel=ROUNDING)
+        corner = SIDE - plate.weights.sum()
+        assert plate.weights @ found.pressure == pytest.approx(TOP * (SIDE - corner), rel=ROUNDING)
+
+
+def test_size_of_gaps_must_be_told_where_nothing_lifts_off() -> None:
+    """Else the multiplier method measures gaps by themselves, by rounding, and never ends on the right answer."""
+    plate = GrecoPlate("Q1", 8)
+    unsized, rest = replace(plate.problem, gap_size=0.0), ContactSolution.at_rest(len(plate.free), len(plate.x))
+    found = ALGORITHMS["augmented-lagrangian"](epsilon=math.inf).solve(unsized, rest)
+    assert found.outcome is Outcome.ITERATION_LIMIT
+    np.testing.assert_allclose(found.pressure, TOP, rtol=ROUNDING)
+
+
+@pytest.mark.slow
+def test_all_algorithms_agree_and_the_lifted_corner_converges() -> None:
+    table = greco_table()
+    assert (table["outcome"] == "converged").all()
+    assert table["apart"].max() < ROUNDING
+    assert table["pressure_error"].max() < SOLVED
+    assert set(table["load"]) == set(LOADS)
+    lifting = table[(table["load"] == "lifting") & (table["algorithm"] == "semismooth")]
+    slips = {element: rows["slip_mm"].to_numpy() for element, rows in lifting.groupby("element")}
+    errors = np.abs(slips["Q1"] - slips["Q2"][-1])
+    orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
+    np.testing.assert_allclose(orders, 2, atol=0.2)
+    assert abs(slips["Q2"][-1] - slips["Q2"][-2]) < 0.1 * errors[-1]  # the limit is known well enough for that
