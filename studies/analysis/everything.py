@@ -16,6 +16,7 @@ from studies.analysis.comparisons.error_budget import axial_states, error_budget
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.law_strain import law_offsets, law_rules
+from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY, contact_orders, manufactured_orders
 from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.peer_factors import peer_factors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
@@ -48,12 +49,16 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "law_rules": ("law_strain", law_rules),
     "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
     "peer_factors": ("peers", peer_factors),
+    "manufactured_orders": ("manufactured", manufactured_orders),
+    "manufactured_contact_orders": ("manufactured_contact", contact_orders),
 }
 
 RULES = {  # thresholds that the pages state
     **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
     **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME},
     **{"fitted_from": FITTED_FROM, "core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
+    **{"near_order": NEAR, "coarse_below": BELOW},
+    **{**{name.replace("error_", "theory_"): order for name, order in THEORY.items()}},
     **{"epsilon_soft": SOFT, "epsilon_level": LEVEL, "expensive": TIMES},
 }
 

@@ -200,6 +200,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "models": lambda: MODELS,
     "statements": lambda: (),  # a table alone
     "experiment": lambda: (),  # tables alone
+    "truth": lambda: (),  # tables alone
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
@@ -210,6 +211,7 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "models": ("work_precision",),
     "agreement": ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
     "experiment": ("crushed_ring", "law_strain"),
+    "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),
 }
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),

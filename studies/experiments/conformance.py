@@ -3,7 +3,8 @@
 ``conformance(measure)`` serves a measure of the catalogue and one of your own; every entry is a number found, the
 interval it must lie in, and the law in words. Laws a measure declares not to obey must fail, by the amount it declares.
 
-The shells are small, skew laminates on a torus or an irregular plate; only the ring is a problem with a solution.
+The shells are small, skew laminates on a torus or an irregular plate; only the ring and the manufactured motion are
+problems with a solution.
 """
 
 from __future__ import annotations
@@ -22,11 +23,17 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import ShellModel
-from formulations.strains.measure import StrainMeasure
+from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from studies.analysis.richardson import correction, order_of
 from studies.experiments.rigid_body import CASES, central_difference, left_by, rotation
 from studies.experiments.specimens import ELEMENTS, Element, Swapped, layup
 from studies.scenes.benchmarks.area_loads import area_load
+from studies.scenes.manufactured.errors import errors
+from studies.scenes.manufactured.patches import PIECES, TurnedWaves, wall
+from studies.scenes.manufactured.scene import carrying, unknowns_at
+from studies.scenes.manufactured.solution import Exact
+from studies.scenes.manufactured.spectral import Patch
+from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
 
 RIGID = 1e-10  # of a strain under rigid motion against its closed form
 INVARIANCE = 1e-9  # relative
@@ -36,6 +43,8 @@ NOTICED = 1e-3  # relative: what a measure that is not objective must show
 SLOPE = (1.95, 2.05)  # of the remainder of the linearisation
 ORDER = (1.8, 4.0)  # of the deflection of a ring; 2 in the end, above where E33 of short chords still locks (l^4/h^2)
 LIMIT = 1e-3  # of the extrapolated deflection of a ring of h/R = 0.01
+FEW, SECOND = (5, 10), (1.9, 2.1)  # elements along a side, and the order of the error between them
+NEWTON, BALANCED = 12, 1e-9
 THETAS = (0.3, 1.7, math.pi, 5.0, 2 * math.pi)
 TORUS, LINES1, LINES2 = torus(3.0, 1.0), np.array([-0.3, 0.1, 0.4]), np.array([0.2, 0.5, 0.7, 1.0])
 SEED = 2004
@@ -237,6 +246,42 @@ def _ring(measure: StrainMeasure, element: Element) -> Iterator[Check]:
     yield Check("extrapolated deflection of a ring over the closed form", limit / law, 1 - LIMIT, 1 + LIMIT)
 
 
+# --- manufactured solutions ---------------------------------------------------------------------------------------
+
+
+def _manufactured(measure: StrainMeasure, element: Element) -> Iterator[Check]:
+    """Under the loads of a given motion the error of the displacement falls with the second order; a measure of the
+    catalogue has the coefficients that it states. Any other is taken at its own word for its strains.
+    """
+    found = [manufactured_error(measure, element, n) for n in FEW]
+    order = math.log(found[0] / found[1]) / math.log(FEW[1] / FEW[0])
+    yield Check("error of a manufactured solution falls with the order", order, *SECOND)
+    if isinstance(measure, QuadraticMeasure) and measure.name in STATEMENTS:
+        wrong = wrong_coefficients(measure, STATEMENTS[measure.name])
+        law = "coefficients are those that the measure states"
+        yield Check("; ".join([law, *map(str, wrong)]), len(wrong), 0, 0)
+
+
+def manufactured_error(measure: StrainMeasure, element: Element, n: int) -> float:
+    """Relative L2 error of the displacement of a manufactured solution on n x n elements; NaN where none is found."""
+    piece, laminate = PIECES["torus"], wall("skew", 0.18)
+    field = TurnedWaves(piece.surface, laminate, 0.5, 0.15, 0.04)
+    patch = Patch.over(piece.a1, piece.a2)
+    exact = Exact(piece.surface, laminate, measure, laminate.stiffness(), patch, field)
+    grid = Grid.tensor(np.linspace(*piece.a1, n + 1), np.linspace(*piece.a2, n + 1))
+    held = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
+    shell = carrying(
+        element.shell(measure, piece.surface, grid, laminate, held), exact, {0: piece.a1[1], 1: piece.a2[1]}
+    )
+    u = unknowns_at(shell.discretisation, exact)
+    for _ in range(NEWTON):
+        lin = shell.linearise(u)
+        if np.linalg.norm(lin.residual) <= BALANCED * lin.scale:
+            return errors(shell, u, exact)["error_displacement"]
+        u = u - factorise(lin.tangent).solve(lin.residual)
+    return math.nan
+
+
 LAWS: tuple[Callable[[StrainMeasure, Element], Iterator[Check]], ...] = (
     _rigid_body,
     _derivatives,
@@ -245,4 +290,5 @@ LAWS: tuple[Callable[[StrainMeasure, Element], Iterator[Check]], ...] = (
     _axes,
     _units,
     _ring,
+    _manufactured,
 )

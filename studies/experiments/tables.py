@@ -16,6 +16,7 @@ from studies.experiments.invariance.symmetry import symmetry_table
 from studies.experiments.invariance.tyre_mirror import mirror_table
 from studies.experiments.law_strain import law_strain_study
 from studies.experiments.locking import curved_beam, membrane_locking, shear_locking, thickness_locking
+from studies.experiments.manufactured import manufactured, manufactured_contact, statements
 from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
 from studies.experiments.obstacle_problems.membrane import membrane_table
@@ -49,6 +50,9 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "error_coverage": error_coverage,
     "crushed_ring": crushed_ring_study,
     "law_strain": law_strain_study,
+    "manufactured": manufactured,
+    "manufactured_contact": manufactured_contact,
+    "manufactured_statements": statements,
 }
 
 

@@ -24,6 +24,8 @@ from studies.scenes.contact.panel import Panel
 from studies.scenes.contact.plate import PlateContact
 from studies.scenes.contact.ring import Ring
 from studies.scenes.contact.strip import ClampedStrip
+from studies.scenes.manufactured.contact_scene import ManufacturedContact
+from studies.scenes.manufactured.scene import Manufactured
 from studies.scenes.tyre.scene import Tyre
 from studies.scenes.tyre.solid import SolidTyre
 
@@ -36,5 +38,6 @@ _ALL: tuple[Scene, ...] = (
     *(ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel()),  # contact
     *(CrushedRing(), SolidRing()),  # an experiment
     SolidTyre(),
+    *(Manufactured(), ManufacturedContact()),
 )
 SCENES: dict[str, Scene] = {scene.name: scene for scene in _ALL}

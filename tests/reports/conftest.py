@@ -32,6 +32,7 @@ from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
 from support.made_up import analysed_again, linked
+from support.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.rings import made_up_laws, made_up_ring
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
@@ -314,6 +315,9 @@ def write_tables(directory: Path) -> None:
         "work_precision": precision_table(),
         "crushed_ring": made_up_ring(),
         "law_strain": made_up_laws(),
+        "manufactured": made_up_manufactured(),
+        "manufactured_contact": made_up_touching(),
+        "manufactured_statements": made_up_statements(),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

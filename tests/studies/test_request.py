@@ -27,7 +27,8 @@ def test_a_request_is_hashable_and_survives_the_index(scene: str) -> None:
 def test_contact_is_a_property_of_the_scene() -> None:
     touching = {name for name, scene in SCENES.items() if has_contact(scene)}
     rings = {"ring", "crushed-ring", "crushed-ring-solid"}
-    assert {"tyre", "tyre-solid", *rings, "panel", "plate-contact", "strip-contact", "heavy-strip"} == touching
+    pieces = {"panel", "plate-contact", "strip-contact", "heavy-strip", "manufactured-contact"}
+    assert {"tyre", "tyre-solid", *rings, *pieces} == touching
     for name in SCENES:
         assert ("epsilon" in complete(name, {})[1].settings) == (name in touching)
 

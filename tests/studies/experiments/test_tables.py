@@ -69,9 +69,11 @@ def test_the_report_has_all_tables() -> None:
 
 def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
     of_the_solid = {cell.scene for cell in LISTS["solid"]()}
-    # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes
+    # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes; the
+    # errors of manufactured scenes are known, their orders a table of their own
+    others = {"panel", "manufactured", "manufactured-contact"}
     of_the_experiment = {"crushed-ring", "crushed-ring-solid"}  # on four meshes of its own
-    assert {ladder.scene for ladder in LADDERS} | of_the_solid | of_the_experiment | {"panel"} == set(SCENES)
+    assert {ladder.scene for ladder in LADDERS} | of_the_solid | of_the_experiment | others == set(SCENES)
     for ladder in LADDERS:
         first = [int(mesh.split("x")[0]) for mesh in ladder.meshes]
         assert len(first) >= 3

@@ -1,0 +1,106 @@
+"""Manufactured solutions on meshes that are refined: errors that are known, for every measure, surface and element.
+
+Each row is one solve of a scene of :mod:`studies.scenes.manufactured`; orders are fitted to them elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+import pandas as pd
+
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.section.laminate import SECTIONS
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import QuadraticMeasure
+from formulations.strains.quantities import FULL
+from studies.scenes.element import PRESETS
+from studies.scenes.manufactured.patches import PIECES
+from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
+from studies.solving import resolve, solve
+
+MESHES = (8, 16, 32)
+CONTACT_MESHES = (8, 16, 32, 64)
+SURFACES = ("cylinder", "torus", "inner-torus")  # of positive, none and negative Gaussian curvature
+CONTACT_SURFACES = ("plate", "cylinder", "torus")
+FAR = "150"  # degrees: for measures that a rotation does not strain
+OBJECTIVE = ("exact", "thin-green-lagrange", "elongation")
+FULL_GRADIENTS = tuple(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
+
+
+@dataclass(frozen=True)
+class Case:
+    """A measure on a piece of a surface with an element; ``settings``: what is not the default."""
+
+    group: str
+    measure: str
+    surface: str
+    element: str = "refined"
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def said(self) -> dict[str, str]:
+        """What tells it from the others."""
+        words = " ".join(f"{key}={value}" for key, value in self.settings.items())
+        return {"group": self.group, "measure": self.measure, "surface": self.surface} | {
+            "element": self.element,
+            "settings": words,
+        }
+
+
+def cases() -> Iterator[Case]:
+    """All measures on three surfaces with both elements; then one thing at a time."""
+    for measure, surface, element in product(MEASURES, SURFACES, PRESETS):
+        yield Case("measures", measure, surface, element)
+    for surface in PIECES:
+        if surface not in SURFACES:
+            yield Case("surfaces", "exact", surface)
+    for measure in FULL_GRADIENTS:
+        yield Case("isoparametric", measure, "torus", settings={"interpolation": "isoparametric"})
+    for measure, interpolation in product(OBJECTIVE, ("curvilinear", "isoparametric")):
+        if measure in FULL_GRADIENTS or interpolation == "curvilinear":
+            settings = {"interpolation": interpolation, "rotation_deg": FAR}
+            yield Case("large rotation", measure, "inner-torus", settings=settings)
+    for interpolation, strain, membrane in product(("curvilinear", "isoparametric"), THICKNESS_STRAINS, MEMBRANES):
+        settings = {"interpolation": interpolation, "thickness_strain": strain, "membrane": membrane}
+        yield Case("element options", "exact", "cylinder", settings=settings)
+    for section, layup in product(SECTIONS, ("skew", "isotropic")):
+        yield Case("walls", "exact", "cylinder", settings={"section": section, "layup": layup})
+
+
+def manufactured() -> pd.DataFrame:
+    """A row a case and mesh: n elements along either coordinate, what :func:`errors` measures, and the outcome."""
+    rows = [row for case in cases() for row in errors_of(case)]
+    return pd.DataFrame(rows)
+
+
+def errors_of(case: Case, meshes: tuple[int, ...] = MESHES) -> Iterator[dict[str, object]]:
+    """The rows of a case."""
+    for n in meshes:
+        settings = {"surface": case.surface, "element": case.element, **case.settings}
+        result = solve(*resolve("manufactured", settings, f"{n}x{n}", measure=case.measure))
+        yield {**case.said, "n": n, **result.quantities, "class": result.verdict}
+
+
+def manufactured_contact() -> pd.DataFrame:
+    """A row a surface, mesh and radius of contact, with the errors of pressure and edge, too."""
+    rows = []
+    for surface, n in product(CONTACT_SURFACES, CONTACT_MESHES):
+        result = solve(*resolve("manufactured-contact", {"surface": surface}, f"{n}x{n}"))
+        for step in result.steps:
+            found = {key: step[key] for key in step if key.startswith("error_") or key == "radius"}
+            rows.append({"surface": surface, "n": n, **found, "newton_iterations": step["newton_iterations"]})
+    return pd.DataFrame(rows)
+
+
+def statements() -> pd.DataFrame:
+    """A row a coefficient of a table that is not what its measure states, and one a measure without any."""
+    rows = []
+    for name, measure in MEASURES.items():
+        if not isinstance(measure, QuadraticMeasure):
+            continue
+        wrong = wrong_coefficients(measure, STATEMENTS[name])
+        rows += [{"measure": name, "wrong": str(each)} for each in wrong] or [{"measure": name, "wrong": ""}]
+    return pd.DataFrame(rows)

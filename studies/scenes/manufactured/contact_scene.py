@@ -1,0 +1,128 @@
+"""A shell on a ball with a given pressure and a given edge of contact, which moves as the path goes on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cache
+
+import numpy as np
+
+from contact.obstacles.drum_sphere import Sphere
+from contact.problem import ContactSolution
+from formulations.conditions.boundary import Supports
+from formulations.section.laminate import SECTIONS
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import MEASURES
+from studies.request import Request
+from studies.scene import EPSILON, SOLVER, Begun, Reference, SceneModel, Setting
+from studies.scenes.contact.base import ContactModel, Touch
+from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.manufactured.errors import errors
+from studies.scenes.manufactured.patches import LAYUPS, PIECES, Piece, wall
+from studies.scenes.manufactured.scene import carrying, unknowns_at
+from studies.scenes.manufactured.touching import OntoBall, Touching
+from studies.scenes.statics import loaded_shell
+
+RADII = Setting.positive("radius", (0.3, 0.5, 0.7), "radius of contact over half of the piece", 0.95, kind="floats")
+SETTINGS = (
+    RADII,
+    Setting.one_of("surface", PIECES, "cylinder", "piece of a surface"),
+    Setting.one_of("layup", LAYUPS, "skew", "two plies that are symmetric nowhere, or one isotropic one"),
+    Setting.positive("h_mm", 0.1, "thickness; the pieces are about 1 mm long and wide", 0.2),
+    Setting("ball_mm", 2.0, "radius of the ball", low=1, high=100),
+    Setting("rotation_deg", 30.0, "rotation of the whole piece about a skew axis", low=-180, high=180),
+    Setting("stretch", 0.15, "uniform elongation of the piece", low=0, high=1),
+    Setting("wave_mm", 0.04, "amplitude of the waves along the ball", low=0, high=0.2, unit="mm"),
+    Setting.one_of("section", SECTIONS, "constant-s33", "law of the section for the thickness stretch"),
+    EPSILON,
+    *ELEMENT,
+    SOLVER,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class PressedOnBall(ContactModel):
+    """The path of the radius of contact, from the exact solution at the nodes where the ball barely touches."""
+
+    exact_at: Callable[[float], Touching] = field(kw_only=True)
+
+    def _begin(self, previous: ContactSolution | None) -> Begun:
+        problem_at, start = super()._begin(previous)
+        return problem_at, replace(start, u=unknowns_at(self.shell.discretisation, self.exact_at(0.0)))
+
+
+class ManufacturedContact:
+    """A piece of a surface that a ball presses, its pressure c^2 - r^2 within the radius c of contact."""
+
+    name: str = "manufactured-contact"
+    title: str = "Shell on a ball with a given pressure and edge of contact (errors known exactly)"
+    default_mesh: tuple[int, int] = (16, 16)
+    settings: tuple[Setting, ...] = SETTINGS
+    references: tuple[Reference, ...] = ()
+
+    def build(self, request: Request) -> SceneModel:
+        """The first edge of either coordinate is held, the last one loaded."""
+        piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
+        grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
+        supports = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
+        shell = loaded_shell(
+            discretise(request, piece.surface, grid, laminate, *supports.masks), request, section=section
+        )
+        angle, ball = np.deg2rad(request.number("rotation_deg")), request.number("ball_mm")
+        motion = OntoBall(piece, laminate, angle, request.number("stretch"), request.number("wave_mm"), ball, 0.0)
+        measure, stiffness = MEASURES[request.measure], laminate.stiffness(section)
+
+        @cache
+        def exact_at(radius: float) -> Touching:
+            return Touching.on(replace(motion, radius=radius), measure, stiffness)
+
+        def body_at(radius: float) -> ShellModel:
+            return carrying(shell, exact_at(radius), {0: piece.a1[1], 1: piece.a2[1]})
+
+        def measured(radius: float, touch: Touch) -> dict[str, float]:
+            return errors(body_at(radius), touch.u, exact_at(radius)) | contact_errors(exact_at(radius), touch)
+
+        obstacle = Sphere(motion.centre, ball)
+        held = np.flatnonzero(supports.held.any(axis=1))
+        radii = request.numbers("radius")
+        return PressedOnBall(
+            shell, held, radii, lambda radius: obstacle, measured, key="radius", body_at=body_at, exact_at=exact_at
+        )
+
+
+def contact_errors(exact: Touching, touch: Touch) -> dict[str, float]:
+    """error_pressure: relative L2 norm of the nodal pressures.  error_edge, error_area: of the edge of contact.
+
+    error_edge: root mean square of its distance on the grid lines that cross it, the pressure led on to zero from the
+    last two nodes; error_area: of the area of the nodes that touch; both over the exact ones.
+    """
+    weight, stated = touch.candidates.weights, exact.pressure(touch.at)
+    off = np.sqrt(weight @ (touch.pressure - stated) ** 2 / (weight @ stated**2))
+    radius = exact.field.radius
+    crossings = edge_crossings(exact.field.piece, touch)
+    edge = np.sqrt(np.mean((crossings - radius) ** 2)) / radius if len(crossings) else np.nan
+    area = weight @ touch.active / (weight @ (stated > 0)) - 1
+    return {"error_pressure": float(off), "error_edge": float(edge), "error_area": float(abs(area))}
+
+
+def edge_crossings(piece: Piece, touch: Touch) -> np.ndarray:
+    """r (k,) where the pressure falls to zero on the grid lines, between a node that touches and one that does not."""
+    found = []
+    for axis in (0, 1):
+        for across in np.unique(touch.at[:, 1 - axis]):
+            line = np.flatnonzero(touch.at[:, 1 - axis] == across)
+            line = line[np.argsort(touch.at[line, axis])]
+            for way in (line, line[::-1]):
+                for before, last, after in zip(way, way[1:], way[2:], strict=False):
+                    if touch.active[before] and touch.active[last] and not touch.active[after]:
+                        found.append(_zero(touch, before, last, after))
+    return np.sqrt(piece.distance(np.array(found))) if found else np.zeros(0)
+
+
+def _zero(touch: Touch, before: int, last: int, after: int) -> np.ndarray:
+    """The point (2,) where the line through two pressures is zero, no further than the next node."""
+    p, q = touch.pressure[before], touch.pressure[last]
+    share = q / (p - q) * np.linalg.norm(touch.at[last] - touch.at[before]) if p > q else np.inf
+    step = touch.at[after] - touch.at[last]
+    return touch.at[last] + step * min(share / np.linalg.norm(step), 1.0)

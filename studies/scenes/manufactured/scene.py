@@ -1,0 +1,136 @@
+"""A shell that is loaded so that it moves as given: its errors are known on every mesh, for every measure.
+
+Two edges are held at their given displacements, two carry the edge loads, and the body forces act on both faces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cache, partial
+
+import numpy as np
+
+from contact.problem import ContactProblem, ContactSolution, without_contact
+from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
+from formulations.loads.lines import Traction, edge_force
+from formulations.section.laminate import SECTIONS
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import MEASURES
+from studies.request import Request
+from studies.scene import SOLVER, Begun, Observation, Reference, SceneModel, Setting, ShellSceneModel, Stage
+from studies.scenes.benchmarks.area_loads import area_load
+from studies.scenes.element import ELEMENT, discretise, even_grid
+from studies.scenes.manufactured.errors import errors
+from studies.scenes.manufactured.patches import LAYUPS, PIECES, TurnedWaves, wall
+from studies.scenes.manufactured.solution import Exact, Solution
+from studies.scenes.manufactured.spectral import Patch
+from studies.scenes.statics import loaded_shell
+
+SETTINGS = (
+    Setting.one_of("surface", PIECES, "torus", "piece of a surface"),
+    Setting.one_of("layup", LAYUPS, "skew", "two plies that are symmetric nowhere, or one isotropic one"),
+    Setting.positive("h_mm", 0.18, "thickness; the pieces are about 1 mm long and wide", 0.4),
+    Setting("rotation_deg", 30.0, "rotation of the whole piece about a skew axis", low=-180, high=180),
+    Setting("stretch", 0.15, "uniform elongation of the piece", low=0, high=1),
+    Setting("wave_mm", 0.04, "amplitude of the waves that the piece is bent into", low=0, high=0.2, unit="mm"),
+    Setting.one_of("section", SECTIONS, "constant-s33", "law of the section for the thickness stretch"),
+    *ELEMENT,
+    SOLVER,
+)
+
+
+def exact_loads(discretisation: Discretisation, exact: Solution, loaded: Mapping[int, float]) -> np.ndarray:
+    """Nodal forces (N, 6) of the body forces on both faces and of the loads on the ``loaded`` edges {axis: a_axis}."""
+    forces = np.zeros((discretisation.grid.n_nodes, 6))
+    for face, shares in enumerate(((1.0, 0.0), (0.0, 1.0))):
+        forces += area_load(discretisation, _on_face(exact.body_force, face), shares)
+        for axis, end in loaded.items():
+            traction = _on_face(partial(exact.edge_force, axis), face)
+            forces += edge_force(discretisation, axis, end, traction, shares)
+    return forces
+
+
+def _on_face(force: Callable[[np.ndarray], np.ndarray], face: int) -> Traction:
+    return lambda a1, a2: force(np.stack([a1, a2], axis=-1))[..., face, :]
+
+
+def carrying(shell: ShellModel, exact: Solution, loaded: Mapping[int, float]) -> ShellModel:
+    """The shell under the loads of a solution, its held edges where they belong."""
+    free = shell.discretisation
+    forces = free.reduce(exact_loads(free, exact, loaded))
+    return replace(shell, forces=forces, prescribed=np.where(free.map.held, _nodal(free, exact), 0.0))
+
+
+def unknowns_at(discretisation: Discretisation, exact: Solution) -> np.ndarray:
+    """The unknowns (n,) that put the nodes where they belong."""
+    held = discretisation.map.held
+    return discretisation.map.gather(np.where(held, 0.0, _nodal(discretisation, exact)))
+
+
+def _nodal(discretisation: Discretisation, exact: Solution) -> np.ndarray:
+    """The exact displacements of the nodes in their frames, (N, 6)."""
+    nodes = discretisation.grid.nodes
+    u = exact.displacement(nodes)
+    return np.einsum("nix,nfx->nif", discretisation.surface.frame(*nodes.T), u).reshape(len(nodes), -1)
+
+
+@dataclass(frozen=True, eq=False)
+class ManufacturedModel(ShellSceneModel):
+    """One path of the amount t of the motion: at t = 1 the errors are read.
+
+    shell: without loads.  exact_at(t): the solution there.  loaded: the edges that carry their loads {axis: a_axis}.
+    """
+
+    shell: ShellModel
+    exact_at: Callable[[float], Exact]
+    loaded: Mapping[int, float]
+
+    def stages(self) -> Iterator[Stage]:
+        """The path from the exact solution at the nodes."""
+        yield Stage("motion", self._begin, (1.0,), self._observe)
+
+    def problem_at(self, t: float) -> ContactProblem:
+        """Nothing to touch. Energy is not balanced: the straight way from rest with both edges where they are held
+        leads through elements that are pressed to nothing.
+        """
+        shell = carrying(self.shell, self.exact_at(t), self.loaded)
+        problem = without_contact(shell.linearise, self.n_unknowns, ordered=shell.ordered)
+        return replace(problem, others=shell.left_to_foundation, residual=shell.residual)
+
+    def _begin(self, previous: ContactSolution | None) -> Begun:
+        u = unknowns_at(self.shell.discretisation, self.exact_at(1.0))
+        return self.problem_at, replace(ContactSolution.at_rest(self.n_unknowns, 0), u=u)
+
+    def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
+        exact = self.exact_at(t)
+        found = errors(carrying(self.shell, exact, self.loaded), state.u, exact)
+        return Observation({"motion": t, **found}, found)
+
+
+class Manufactured:
+    """A piece of a surface that is stretched, bent into waves and turned."""
+
+    name: str = "manufactured"
+    title: str = "Shell with a given large motion and the loads that it needs (errors known exactly)"
+    default_mesh: tuple[int, int] = (16, 16)
+    settings: tuple[Setting, ...] = SETTINGS
+    references: tuple[Reference, ...] = ()
+
+    def build(self, request: Request) -> SceneModel:
+        """The first edge of either coordinate is held, the last one loaded."""
+        piece, laminate = PIECES[request.choice("surface")], wall(request.choice("layup"), request.number("h_mm"))
+        grid, section = even_grid(request, piece.a1, piece.a2), request.choice("section")
+        held = Supports.of_edges(grid, "clamped", "free", "clamped", "free")
+        discretisation = discretise(request, piece.surface, grid, laminate, *held.masks)
+        shell, patch = loaded_shell(discretisation, request, section=section), Patch.over(piece.a1, piece.a2)
+        measure, stiffness = MEASURES[request.measure], laminate.stiffness(section)
+        angle, stretch = np.deg2rad(request.number("rotation_deg")), request.number("stretch")
+
+        @cache
+        def exact_at(t: float) -> Exact:
+            field = TurnedWaves(piece.surface, laminate, t * angle, t * stretch, t * request.number("wave_mm"))
+            return Exact(piece.surface, laminate, measure, stiffness, patch, field)
+
+        return ManufacturedModel(shell, exact_at, {0: piece.a1[1], 1: piece.a2[1]})

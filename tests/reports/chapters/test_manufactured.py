@@ -1,0 +1,40 @@
+"""The page of manufactured solutions, from errors that are made up: it says what they say, a fault included."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from reports.chapters.validation.manufactured import CHAPTER, manufactured_page
+from reports.tables import load_store
+from studies.store.atomic import write_table
+from support.made_up import analysed_again
+from support.manufactured import made_up_manufactured, made_up_statements
+
+
+def page(store: Path, **tables: pd.DataFrame) -> str:
+    for name, table in tables.items():
+        write_table(store / "tables" / f"{name}.csv", table)
+    if tables:
+        analysed_again(store)
+    assert CHAPTER.applies(load_store(store))
+    return " ".join(manufactured_page(load_store(store)).text.split())
+
+
+def test_the_page_says_what_the_tables_say(store: Path) -> None:
+    text = page(store)
+    assert "In 10 cases (9 measures, 2 surfaces" in text
+    assert "between 2.000 and 2.000; theory says 2, and none lies further from it than 0.1" in text
+    assert "The tables of all 2 quadratic measures are what the measures state" in text
+    assert "Orders: displacement 2.0 to 2.0, pressure 1.0 to 1.0, edge 1.0 to 1.0." in text
+    assert "off by 0.4 to 0.4 elements" in text
+    assert "up to 16 iterations" in text
+    assert "Of the 0 orders of means below 1.95, 0 are higher" in text
+
+
+def test_a_lost_order_and_a_wrong_coefficient_are_said(own_store: Path) -> None:
+    wrong = made_up_statements("E11-: coefficient of l1- is 0.9, stated 1")
+    text = page(own_store, manufactured=made_up_manufactured(1.5), manufactured_statements=wrong)
+    assert "an order between 1.500 and 2.000; theory says 2, and 1 lie further" in text
+    assert "| `exact` | E11-: coefficient of l1- is 0.9, stated 1 |" in text

@@ -1,0 +1,121 @@
+"""Observed orders of manufactured solutions: every measure, surface and element, with contact, and what is planted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.quantities import STRAINS
+from studies.analysis.comparisons.manufactured_orders import CASE, THEORY, contact_orders, manufactured_orders, orders
+from studies.experiments.manufactured import (
+    MESHES,
+    Case,
+    cases,
+    errors_of,
+    manufactured,
+    manufactured_contact,
+    statements,
+)
+from studies.scenes.manufactured import statements as stated
+from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
+from studies.solving import resolve, solve
+
+WITHIN = {"order_displacement": 0.1, "order_resultants": 0.1, "order_mean_resultants": 0.2, "order_energy": 0.1}
+SAMPLE = [("exact", "inner-torus", "refined"), ("donnell", "torus", "paper"), ("elongation", "cylinder", "paper")]
+
+
+def off(table: pd.DataFrame) -> dict[str, float]:
+    """The largest distance of each order from its theory."""
+    return {name: float((table[name] - THEORY[name.replace("order_", "error_")]).abs().max()) for name in WITHIN}
+
+
+@pytest.mark.parametrize(("measure", "surface", "element"), SAMPLE)
+def test_a_sample_has_the_orders_of_theory(measure: str, surface: str, element: str) -> None:
+    rows = list(errors_of(Case("sample", measure, surface, element), (6, 12)))
+    found = manufactured_orders(pd.DataFrame(rows))
+    assert found["near"].all()
+    assert off(found)["order_resultants"] < WITHIN["order_resultants"]
+
+
+@pytest.mark.slow
+def test_all_have_the_orders_of_theory() -> None:
+    """9 measures x 3 surfaces x 2 elements, and every surface, option of the element, wall and a large rotation."""
+    data = manufactured()
+    found = manufactured_orders(data)
+    measures = found[found["group"] == "measures"]
+    assert len(measures) == 9 * 3 * 2
+    assert len(found) == sum(1 for _ in cases())
+    assert found["near"].all()
+    assert {name: value for name, value in off(found).items() if value > WITHIN[name]} == {}
+    assert statements()["wrong"].eq("").all()
+
+
+@pytest.mark.slow
+def test_contact_has_its_orders() -> None:
+    """Displacement 2; pressure and edge at least about 1 where the radius has some ten elements."""
+    data = manufactured_contact()
+    found = contact_orders(data)
+    assert found["order_displacement"].between(1.9, 2.1).all()
+    assert found["order_pressure"].min() > 0.9
+    assert found["order_edge"].median() > 0.95
+    assert found["error_edge"].max() < 0.07
+
+
+def test_contact_converges() -> None:
+    """The judge agrees, and errors fall."""
+    found = {}
+    for n in (8, 16):
+        result = solve(*resolve("manufactured-contact", {"radius": "0.5"}, f"{n}x{n}"))
+        assert result.verdict == "converged"
+        found[n] = result.quantities
+    assert 1.9 < np.log2(found[8]["error_displacement"] / found[16]["error_displacement"]) < 2.1
+    assert found[16]["error_pressure"] < 0.5 * found[8]["error_pressure"]
+    assert found[16]["error_edge"] < 0.5 * found[8]["error_edge"]
+
+
+def test_a_planted_coefficient_stops_the_convergence_and_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    """1 % on the drilling terms of Sanders' E22."""
+    sanders = MEASURES["sanders"]
+    quadratic = sanders.quadratic.copy()
+    quadratic[STRAINS.index("E22+")] *= 1.05
+    monkeypatch.setitem(MEASURES, "sanders", replace(sanders, quadratic=quadratic))
+    found = manufactured_orders(pd.DataFrame(errors_of(Case("planted", "sanders", "torus"), (6, 12, 24))))
+    assert not found["near"].any()
+    assert found["order_displacement"].iloc[0] < 1.5
+    named = {(wrong.strain, wrong.monomial) for wrong in wrong_coefficients(MEASURES["sanders"], STATEMENTS["sanders"])}
+    assert named == {("E22+", pair) for pair in ("t2+ t2+", "w1+ w1+", "w2+ w2+", "w1+ w2+")}
+
+
+def test_a_statement_that_differs_stops_the_convergence(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The loads are those of the statement, not of the table."""
+    monkeypatch.setattr(stated, "STATEMENTS", {**STATEMENTS, "von-karman": stated.sanders})
+    found = manufactured_orders(pd.DataFrame(errors_of(Case("planted", "von-karman", "torus"), (6, 12))))
+    assert not found["near"].any()
+
+
+def test_orders_are_exponents() -> None:
+    """3 n^-2 and 5 n^-1, on meshes in any order; what has not converged is not near."""
+    rows = [
+        dict(zip(CASE, ("g", name, "s", "e", ""), strict=True))
+        | {"n": n, "class": outcome}
+        | {error: (3 if order == 2 else 5) * n**-order for error, order in THEORY.items()}
+        for name, outcome in (("good", "converged"), ("bad", "wrong"))
+        for n in (32, 8, 16)
+    ]
+    found = manufactured_orders(pd.DataFrame(rows)).set_index("measure")
+    assert list(found["near"]) == [True, False]
+    np.testing.assert_allclose(found.loc["good", list(WITHIN)].astype(float), list(THEORY.values()), atol=1e-12)
+    assert found.loc["good", "change_displacement"] == pytest.approx(0)
+    assert not found["coarse"].any()
+    assert found.loc["good", "error_displacement"] == 3 / 32**2
+    kinked = pd.DataFrame({"measure": "m", "n": [1, 2, 4], "error_a": [8.0, 4.0, 1.0]})
+    assert orders(kinked, ["measure"], ["error_a"])[["order_a", "change_a"]].to_numpy().tolist() == [[2.0, 1.0]]
+
+
+def test_meshes_are_halved() -> None:
+    assert [b / a for a, b in pairwise(MESHES)] == [2, 2]

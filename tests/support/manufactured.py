@@ -1,0 +1,41 @@
+"""Made-up errors of manufactured solutions: exponents are chosen."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from formulations.strains.catalogue import MEASURES
+
+NAMES = ("displacement", "resultants", "mean_resultants", "energy")
+THEORY = (2.0, 1.0, 2.0, 1.0)
+
+
+def errors(n: int, orders: tuple[float, ...] = THEORY) -> dict[str, float]:
+    """8 n^-order of each."""
+    return {f"error_{name}": 8.0 * n**-order for name, order in zip(NAMES, orders, strict=True)}
+
+
+def made_up_manufactured(displacement: float = 2.0) -> pd.DataFrame:
+    """All measures on a torus, and the last one on a cylinder with another order of the displacement."""
+    case = {"group": "measures", "element": "refined", "settings": "", "class": "converged"}
+    pieces = [(measure, "torus", 2.0) for measure in MEASURES] + [(list(MEASURES)[-1], "cylinder", displacement)]
+    return pd.DataFrame(
+        {**case, "measure": measure, "surface": surface, "n": n, **errors(n, (order, 1.0, 2.0, 1.0))}
+        for measure, surface, order in pieces
+        for n in (8, 16, 32)
+    )
+
+
+def made_up_touching() -> pd.DataFrame:
+    """A plate at two radii: pressure and edge of the first order, the edge off by 0.4 elements."""
+    return pd.DataFrame(
+        {"surface": "plate", "radius": radius, "n": n, **errors(n)}
+        | {"error_pressure": 1 / n, "error_edge": 0.8 / n / radius, "newton_iterations": n}
+        for n in (8, 16)
+        for radius in (0.25, 0.5)
+    )
+
+
+def made_up_statements(wrong: str = "") -> pd.DataFrame:
+    """Two measures, of which the first has what is ``wrong``."""
+    return pd.DataFrame([{"measure": "exact", "wrong": wrong}, {"measure": "linear", "wrong": ""}])
