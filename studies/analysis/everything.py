@@ -29,6 +29,7 @@ from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limit
 from studies.analysis.profiles import profiles, solved
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.rows import reference_rows
+from studies.analysis.shell_limits.boundaries import boundaries, parts
 from studies.analysis.suspicious import flags
 from studies.analysis.verify import verified
 from studies.bench.scaling import FITTED_FROM, exponents
@@ -51,6 +52,8 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "peer_factors": ("peers", peer_factors),
     "manufactured_orders": ("manufactured", manufactured_orders),
     "manufactured_contact_orders": ("manufactured_contact", contact_orders),
+    "shell_boundaries": ("shell_limits", boundaries),
+    "shell_parts": ("shell_limits", parts),
 }
 
 RULES = {  # thresholds that the pages state

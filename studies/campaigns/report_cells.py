@@ -201,6 +201,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "statements": lambda: (),  # a table alone
     "experiment": lambda: (),  # tables alone
     "truth": lambda: (),  # tables alone
+    "limits": lambda: (),  # a table alone
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
@@ -212,6 +213,7 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "agreement": ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
     "experiment": ("crushed_ring", "law_strain"),
     "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),
+    "limits": ("shell_limits",),
 }
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),

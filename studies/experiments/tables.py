@@ -22,6 +22,7 @@ from studies.experiments.obstacle_problems.false_success import table as false_s
 from studies.experiments.obstacle_problems.membrane import membrane_table
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.rotations import rotations_table
+from studies.experiments.shell_limits.catalogue import shell_limits
 from studies.experiments.solids.greco_plate import greco_table
 from studies.experiments.work_precision import work_precision_study
 from studies.store.atomic import SCHEMA, write_table_once
@@ -46,6 +47,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes": extremes_table,
     "extremes_maps": axes_table,
     "extremes_check": check_table,
+    "shell_limits": shell_limits,
     "work_precision": work_precision_study,
     "error_coverage": error_coverage,
     "crushed_ring": crushed_ring_study,

@@ -34,6 +34,7 @@ from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_t
 from support.made_up import analysed_again, linked
 from support.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.rings import made_up_laws, made_up_ring
+from support.walls import made_up_walls
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}
@@ -318,6 +319,7 @@ def write_tables(directory: Path) -> None:
         "manufactured": made_up_manufactured(),
         "manufactured_contact": made_up_touching(),
         "manufactured_statements": made_up_statements(),
+        "shell_limits": made_up_walls(),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import argparse
 
-from studies.analysis.advise import advise, asked_question, lines
+from studies.analysis.advise import Question, advise, asked_question, lines
 from studies.analysis.collect import collect
+from studies.analysis.shell_limits.beyond import beyond, known_limits
 from studies.analysis.verify import verified
 from studies.commands import FAILED, OK
 from studies.commands.options import add_settings, add_store, pairs
+from studies.complete import complete
 from studies.error_control import parse_error
+from studies.request import Settings
+from studies.scene import UsageError
+from studies.scenes import SCENES
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -24,10 +29,29 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Print the advice; 1 where nothing meets the tolerance."""
+    """Print the advice; 1 where nothing meets the tolerance.
+
+    Whether a shell is enough at all is said first: that takes no campaign, so it is known of a scene without one, too.
+    """
     tolerance, given = parse_error(options.error), pairs(options.settings)
-    table = collect(options.store, options.campaign)
-    question = asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+    try:
+        question = _asked(options, given)
+    except UsageError:
+        if options.scene in SCENES:
+            _say_limit(options, complete(options.scene, given)[1].settings, tolerance)
+        raise
+    _say_limit(options, Settings(question.settings), tolerance)
     found = advise(question, tolerance)
     print("\n".join(lines(found)))
     return OK if found.best is not None else FAILED
+
+
+def _asked(options: argparse.Namespace, given: dict[str, str]) -> Question:
+    table = collect(options.store, options.campaign)
+    return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+
+
+def _say_limit(options: argparse.Namespace, settings: Settings, tolerance: float) -> None:
+    limit = beyond(options.scene, settings, options.quantity, tolerance, known_limits(options.store))
+    if limit is not None:
+        print(limit.line)

@@ -1,0 +1,208 @@
+"""Whether a scene, as it is set, lies beyond what the shell's kinematics carry, and what to solve instead.
+
+Each scene of the catalogue has a kind: the case of the table that it is, or that comes nearest to it, and its thickness
+in the terms of that case. What is said is interpolated from the table; outside its thicknesses nothing is said, but
+that a thicker wall is at least as far off as the thickest known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.shell_limits.boundaries import boundary, error_at
+from studies.experiments.shell_limits.ladder import DEFAULT, MIDDLE, REISSNER
+from studies.request import Settings
+from studies.scenes.benchmarks import (
+    cantilever,
+    hemisphere,
+    pinched_cylinder,
+    pressurised,
+    roofs,
+    scordelis_lo,
+    sze_annulus,
+    sze_moment,
+    sze_pinched,
+    sze_pullout,
+    sze_semicylinder,
+)
+from studies.scenes.contact import plate, ring, strip
+
+SHIPPED = Path(__file__).with_name("shipped.csv")
+SHIPPED_COLUMNS = ("case", "quantity", "thickness", "ratio", "variant", "error", "known_to")
+TABLE = "shell_limits"
+
+
+@dataclass(frozen=True)
+class Kind:
+    """The case that a scene is of, its thickness from its settings, and the scene of its solid, if there is one.
+
+    own: whether it is that very case, else the nearest one.  only_with: a setting without which it is the nearest, too.
+    quantities: of the case, by how those of the scene begin;
+    any other is judged by the headline of the case.
+    """
+
+    case: str
+    ratio: Callable[[Settings], float]
+    own: bool = True
+    only_with: str = ""
+    solid: str = ""
+    quantities: Mapping[str, str] | None = None
+
+
+def _of(thickness: float, length: float) -> Callable[[Settings], float]:
+    """A wall whose thickness is no setting."""
+    return lambda settings: thickness / length
+
+
+def _set(key: str, length: float) -> Callable[[Settings], float]:
+    """A wall of the thickness ``key``."""
+    return lambda settings: settings.number(key) / length
+
+
+def _tyre(settings: Settings) -> float:
+    return settings.number("plies") * settings.number("ply_thickness_mm") / settings.number("R1_mm")
+
+
+def _thick_ring(settings: Settings) -> float:
+    outer, inner = settings.number("outer_mm"), settings.number("inner_mm")
+    return 2 * (outer - inner) / (outer + inner)
+
+
+BENT, PRESSED, BEAM, ROOF = (
+    "ring made oval",
+    "strip on an obstacle",
+    "cantilever under an end force",
+    "roof under its weight",
+)
+_HINGED = {
+    f"roof-{letter}": Kind(ROOF, _of(each.thickness, roofs.RADIUS), own=False)
+    for letter, each in zip("abcdef", roofs.ROOFS, strict=True)
+}
+_SEMI = _of(sze_semicylinder.H, sze_semicylinder.RADIUS)
+KINDS: Mapping[str, Kind] = {
+    "pressurised-cylinder": Kind("inflated tube", _set("h_mm", pressurised.RADIUS)),
+    "pressurised-sphere": Kind("inflated sphere", _set("h_mm", pressurised.RADIUS)),
+    "pressurised-torus": Kind("inflated torus", _set("h_mm", pressurised.TUBE)),
+    "tyre": Kind(
+        "pressed tyre",
+        _tyre,
+        only_with="E_MPa",
+        solid="tyre-solid",
+        quantities={"force": "force", "inflated": "growth"},
+    ),
+    "ring": Kind("crushed ring", _set("h_mm", ring.RADIUS)),
+    "crushed-ring": Kind("crushed ring", _thick_ring, solid="crushed-ring-solid"),
+    "pagano": Kind("cross-ply plate", lambda settings: 1 / settings.number("S")),
+    "scordelis-lo": Kind(ROOF, _of(scordelis_lo.H, scordelis_lo.RADIUS)),
+    "cantilever": Kind(BEAM, _of(cantilever.H, cantilever.L)),
+    "sze-moment": Kind(BEAM, _of(sze_moment.H, sze_moment.L), own=False),
+    "sze-annulus": Kind(BEAM, _of(sze_annulus.H, sze_annulus.OUTER - sze_annulus.INNER), own=False),
+    "strip-contact": Kind(PRESSED, _of(strip.H, strip.A)),
+    "plate-contact": Kind(PRESSED, _of(plate.H, plate.A), own=False),
+    "panel": Kind("crushed ring", lambda settings: settings.number("h_over_R"), own=False),
+    "hemisphere": Kind(BENT, _of(hemisphere.H, hemisphere.RADIUS), own=False),
+    "pinched-cylinder": Kind(BENT, _of(pinched_cylinder.H, pinched_cylinder.RADIUS), own=False),
+    "sze-pinched": Kind(BENT, _of(sze_pinched.H, sze_pinched.RADIUS), own=False),
+    "sze-pullout": Kind(BENT, _of(sze_pullout.H, sze_pullout.RADIUS), own=False),
+    **{name: Kind(BENT, _SEMI, own=False) for name in ("semicylinder", "semicylinder-0-90-0", "semicylinder-90-0-90")},
+    **_HINGED,
+}
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """A scene at a thickness where the error of the shell's kinematics exceeds what is asked for.
+
+    ratio: its thickness, in terms of ``thickness``.  error: there.  at_least: it is thicker than any that is known.
+    boundary: thickness at which the error passes the tolerance, 0 where it does from the thinnest on.  own: whether
+    that is known of the very case, not of the nearest.
+    """
+
+    scene: str
+    kind: Kind
+    quantity: str
+    variant: str
+    thickness: str
+    ratio: float
+    tolerance: float
+    error: float
+    boundary: float
+    at_least: bool
+    own: bool
+
+    @property
+    def line(self) -> str:
+        """For a terminal."""
+        known = self.kind.case if self.own else f"the nearest kind known, {self.kind.case}"
+        option = "" if self.variant == DEFAULT else f", {self.variant}"
+        size = f"{'at least ' if self.at_least else ''}{100 * self.error:.2g} %"
+        passed = f"passed at {self.boundary:.2g}" if self.boundary else "passed in the thinnest wall known"
+        told = f"shell not enough: at {self.thickness} = {self.ratio:.3g} its kinematics are {size} off a solid"
+        told += f" ({self.quantity} of {known}{option}); {100 * self.tolerance:.3g} % is {passed}"
+        solved = (
+            f"footprint solve {self.kind.solid}, as it is set"
+            if self.kind.solid
+            else "a solid, of which there is no scene"
+        )
+        return f"{told}; solve instead: {solved}"
+
+
+def beyond(
+    scene: str, settings: Settings, quantity: str | None, tolerance: float, table: pd.DataFrame
+) -> Beyond | None:
+    """What is beyond the tolerance, or None: within it, or nothing is known of such a scene or wall.
+
+    table: rows of SHIPPED_COLUMNS. Options of the shell that the scene sets and the table knows count: the law through
+    the thickness, the shear correction, the pressure's area; of several the one that is farthest off. An error must
+    exceed the tolerance by more than it is known to.
+    """
+    kind = KINDS.get(scene)
+    if kind is None or not (table["case"] == kind.case).any():
+        return None
+    case = table[table["case"] == kind.case]
+    named = (own for start, own in (kind.quantities or {}).items() if (quantity or start).startswith(start))
+    judged = str(next(named, case["quantity"].iloc[0]))
+    of_case = case[case["quantity"] == judged].sort_values("ratio")
+    asked = [name for name in _options(settings) if (of_case["variant"] == name).any()]
+    own_case = kind.own and (not kind.only_with or kind.only_with in settings)
+    found = []
+    for variant in asked or [DEFAULT]:
+        own = of_case[of_case["variant"] == variant]
+        x, errors, known = (own[name].to_numpy(float) for name in ("ratio", "error", "known_to"))
+        ratio = kind.ratio(settings)
+        error = error_at(x, errors, ratio)
+        if error - float(np.interp(ratio, x, known)) > tolerance:  # nothing is that is not known: NaN is not beyond
+            named_at = (scene, kind, judged, variant, str(own["thickness"].iloc[0]), ratio, tolerance)
+            found.append(Beyond(*named_at, error, boundary(x, errors, tolerance), ratio > x[-1] * (1 + 1e-9), own_case))
+    return max(found, key=lambda each: each.error, default=None)
+
+
+def _options(settings: Settings) -> tuple[str, ...]:
+    """The variants of the table that these settings ask for."""
+    asked = []
+    if settings.get("pressure_area") == "mid":
+        asked.append(MIDDLE.name)
+    if "section" in settings:
+        asked.append(f"section {settings['section']}")
+    if abs(float(str(settings.get("shear_correction", 1.0))) - REISSNER.shear_correction) < 0.01:
+        asked.append(REISSNER.name)
+    return tuple(asked)
+
+
+def known_limits(store: Path) -> pd.DataFrame:
+    """The table of a store, or the one that is shipped where it has none."""
+    own = store / "tables" / f"{TABLE}.csv"
+    return pd.read_csv(own if own.exists() else SHIPPED)
+
+
+def shipped(table: pd.DataFrame) -> pd.DataFrame:
+    """What is shipped of a table: no costs, which are of one machine, and six digits."""
+    kept = table[list(SHIPPED_COLUMNS)].copy()
+    for name in ("error", "known_to"):
+        kept[name] = kept[name].map(lambda value: float(f"{value:.6g}"))
+    return kept

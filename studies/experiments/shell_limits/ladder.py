@@ -1,0 +1,161 @@
+"""A shell and a solid on meshes that get finer: their limits, how well they are known, and what an answer costs.
+
+    error = shell's limit/judge - 1,   known to = what the finest meshes are off their limits, both bodies together
+
+The judge is the closed form of elasticity where there is one, else the solid's limit; the other one stands beside it.
+Limits are Richardson's with the formal order of the body, from its two finest meshes. Costs are those of the coarsest
+mesh within :data:`GOOD` of the body's own limit: building, assembling and solving, in seconds of processor time.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Any
+
+from formulations.section.laminate import SECTIONS
+from studies.experiments.shell_limits.bodies import Answer
+
+GOOD = 0.005  # of a mesh whose cost is stated
+REPEATS, LONG = 3, 1.0  # of a solution, unless it takes longer [s]
+DEFAULT = "default"
+COLUMNS = (
+    *("case", "scene", "quantity", "thickness", "ratio", "variant", "shell", "solid", "exact", "error", "known_to"),
+    *("solid_against_exact", "shell_mesh", "solid_mesh", "shell_unknowns", "shell_seconds"),
+    *("solid_unknowns", "solid_seconds", "fails"),
+)
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Options of the shell that may move its limit: the law through the thickness, the shear, the pressure's area."""
+
+    name: str = DEFAULT
+    section: str = SECTIONS[0]
+    shear_correction: float = 1.0
+    area: str = "face"
+
+
+NONSYMMETRIC, FULL_3D = (Variant(f"section {name}", section=name) for name in SECTIONS[1:])
+REISSNER = Variant("shear correction 5/6", shear_correction=5 / 6)
+MIDDLE = Variant("pressure area mid", area="mid")
+USUAL = Variant()
+STRAIGHT = "solid, displacement linear through the wall"
+
+
+@dataclass(frozen=True)
+class Case:
+    """One kind of scene over its thickness; ``ratio`` is h over what ``thickness`` says.
+
+    shell(ratio, n, variant), solid(ratio, n): the bodies with n elements along, their answers by quantity.
+    exact(ratio): of elasticity, where a closed form exists.  orders: of the shell and of the solid, formal.
+    straight: the solid whose displacement is held linear through the wall, as the shell's: of the kinematics alone.
+    fails: which part of the shell's kinematics the error comes from.
+    """
+
+    name: str
+    scene: str
+    thickness: str
+    ratios: Sequence[float]
+    shell: Callable[[float, int, Variant], Answer]
+    solid: Callable[[float, int], Answer]
+    shell_meshes: Sequence[int]
+    solid_meshes: Sequence[int]
+    fails: str
+    exact: Callable[[float], Mapping[str, float]] | None = None
+    orders: tuple[float, float] = (2.0, 4.0)
+    variants: tuple[Variant, ...] = ()
+    straight: Callable[[float, int], Answer] | None = None
+
+
+@dataclass
+class Ladder:
+    """Answers of one body on its meshes, coarse to fine; each is solved once, and again only to be timed."""
+
+    solve: Callable[[int], Answer]
+    meshes: Sequence[int]
+    order: float
+    answers: list[Answer] = field(default_factory=list)
+    seconds: list[float] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        for n in self.meshes:
+            self.seconds.append(self._timed(n))
+
+    def _timed(self, n: int) -> float:
+        start = time.process_time()
+        answer = self.solve(n)
+        spent = time.process_time() - start
+        if len(self.answers) < len(self.meshes):
+            self.answers.append(answer)
+        return spent
+
+    def limit(self, quantity: str) -> float:
+        """Richardson's of the two finest meshes."""
+        coarse, fine = (answer.values[quantity] for answer in self.answers[-2:])
+        ratio = self.meshes[-1] / self.meshes[-2]
+        return fine + (fine - coarse) / (ratio**self.order - 1)
+
+    def left(self, quantity: str) -> float:
+        """What the finest mesh is off the limit, relative."""
+        return abs(self.answers[-1].values[quantity] / self.limit(quantity) - 1)
+
+    def cost(self, quantity: str) -> tuple[float, float]:
+        """Unknowns and median seconds of the coarsest mesh that is good, and all finer ones too; NaN where none is."""
+        limit = self.limit(quantity)
+        good = [abs(answer.values[quantity] / limit - 1) <= GOOD for answer in self.answers]
+        first = next((i for i in range(len(good)) if all(good[i:])), None)
+        if first is None:
+            return math.nan, math.nan
+        spent = [self.seconds[first]]
+        if spent[0] < LONG:
+            spent += [self._timed(self.meshes[first]) for _ in range(REPEATS - 1)]
+        return self.answers[first].unknowns, statistics.median(spent)
+
+
+def rows_of(case: Case) -> Iterator[dict[str, Any]]:
+    """A row of COLUMNS for every ratio, quantity and variant."""
+    for ratio in case.ratios:
+        solid = Ladder(partial(case.solid, ratio), case.solid_meshes, case.orders[1])
+        known = case.exact(ratio) if case.exact else {}
+        for name, shell in _others(case, ratio):
+            for quantity in shell.answers[0].values:
+                yield {
+                    **{"case": case.name, "scene": case.scene, "quantity": quantity, "thickness": case.thickness},
+                    **{"ratio": ratio, "variant": name, "fails": case.fails},
+                    **_compared(shell, solid, quantity, known.get(quantity)),
+                    **(_costs(shell, solid, quantity) if name == DEFAULT else {}),
+                }
+
+
+def _others(case: Case, ratio: float) -> Iterator[tuple[str, Ladder]]:
+    """What is compared with the solid, by the name of its variant: the shell with each option, the straight solid."""
+    for variant in (USUAL, *case.variants):
+        yield variant.name, Ladder(partial(_of_variant, case, ratio, variant), case.shell_meshes, case.orders[0])
+    if case.straight is not None:
+        yield STRAIGHT, Ladder(partial(case.straight, ratio), case.solid_meshes, case.orders[1])
+
+
+def _of_variant(case: Case, ratio: float, variant: Variant, n: int) -> Answer:
+    return case.shell(ratio, n, variant)
+
+
+def _compared(shell: Ladder, solid: Ladder, quantity: str, exact: float | None) -> dict[str, float]:
+    found, body = shell.limit(quantity), solid.limit(quantity)
+    judge = body if exact is None else exact
+    mesh = {"shell_mesh": shell.left(quantity), "solid_mesh": solid.left(quantity)}
+    return {
+        **{"shell": found, "solid": body, "exact": math.nan if exact is None else exact, "error": found / judge - 1},
+        **mesh,
+        "known_to": mesh["shell_mesh"] + (mesh["solid_mesh"] if exact is None else 0.0),
+        "solid_against_exact": math.nan if exact is None else body / exact - 1,
+    }
+
+
+def _costs(shell: Ladder, solid: Ladder, quantity: str) -> dict[str, float]:
+    names = ("shell_unknowns", "shell_seconds", "solid_unknowns", "solid_seconds")
+    return dict(zip(names, (*shell.cost(quantity), *solid.cost(quantity)), strict=True))

@@ -1,0 +1,42 @@
+"""The page "When is a shell not enough", from a table that is made up."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from reports.chapters.limits.shell_limits import errors, limits_page
+from reports.tables import StoreError, load_store
+from studies.experiments.shell_limits.ladder import DEFAULT
+from support.walls import made_up_walls
+
+
+def test_the_page_begins_with_the_first_and_the_last_boundary(store: Path) -> None:
+    text = limits_page(load_store(store)).text
+    assert "1 % of error in 2 of 3 scenes, first at h/R = 0.10 (bad) and last at h/R = 0.32 (better)" in text
+    assert "and 5 % in 1; not within what was solved: best." in text
+    assert "| bad | w | h/R | 0.10 | 0.22 | 2.0 | closed form | 0.00 % |" in text
+    assert "| best | not up to 0.5 |" in text
+    assert "*better*: why it is better." in text
+    assert "| bad | 7 |" in text
+
+
+def test_without_its_table_there_is_no_page(own_store: Path) -> None:
+    (own_store / "tables" / "shell_boundaries.csv").unlink()
+    with pytest.raises(StoreError, match=r"shell_boundaries\.csv"):
+        limits_page(load_store(own_store))
+
+
+def test_the_picture_has_a_line_a_scene_and_both_levels() -> None:
+    points = made_up_walls()
+    usual = points[points["variant"] == DEFAULT].drop_duplicates("case")
+    figure = errors.__wrapped__(points, usual)  # type: ignore[attr-defined]
+    assert isinstance(figure, Figure)
+    (axes,) = figure.axes
+    bad, better, best, *levels = axes.get_lines()
+    assert [line.get_label() for line in (bad, better, best)] == ["bad", "better", "best"]
+    assert bad.get_ydata() == pytest.approx([1e-4, 9e-4, 1e-2, 0.25])
+    assert len(best.get_ydata()) == 0  # nothing that is told from zero
+    assert [float(line.get_ydata()[0]) for line in levels] == [0.01, 0.05]
