@@ -12,18 +12,30 @@ from decimal import Decimal
 
 import pandas as pd
 
-from studies.analysis.rows import reference_rows
+from studies.algorithm_settings import own_keys
+from studies.analysis.rows import keys, reference_rows
 from studies.analysis.verify import CLAIMED, limits, siblings
+from studies.request import text_of
 
 FLAG_COLUMNS = ("flag", "scene", "subject", "cases", "of", "size", "cause", "label")
 STANDS_STILL = 0.5  # of the error of the finest mesh: so much must be the wall for the error to count as standing
+ALIKE = {
+    "scene",
+    "contact",
+    "newton",
+    "solver",
+    "tolerance",
+    "model",
+    "steps",
+    *own_keys(),
+}  # another way to one answer
 FEW_DIGITS = (4, 6)  # with so many a reference looks exact and is not; with less it is a round number
 
 
 def flags(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.DataFrame:
-    """All flags with FLAG_COLUMNS: inert settings and walls; no row when there is nothing to say."""
+    """All flags with FLAG_COLUMNS: inert tolerances and inputs, walls; no row when there is nothing to say."""
     known = reference_rows(table) if references is None else references
-    parts = [inert(table, "tolerance"), walls(table, known)]
+    parts = [inert(table, "tolerance"), inert_inputs(table), walls(table, known)]
     return pd.concat([part for part in parts if len(part)] or [pd.DataFrame(columns=list(FLAG_COLUMNS))])
 
 
@@ -47,6 +59,26 @@ def inert(table: pd.DataFrame, setting: str) -> pd.DataFrame:
             most = rows["iterations"].max()
             cause = "one iteration: nothing to stop" if most <= 1 else "not read, or never what stops"
             found.append((f"inert {setting}", scene, subject, len(rows), len(rows), most, cause, rows["label"].iloc[0]))
+    return pd.DataFrame(found, columns=list(FLAG_COLUMNS))
+
+
+def inert_inputs(table: pd.DataFrame) -> pd.DataFrame:
+    """Inputs of scenes that change no quantity in any group of converged rows that differ in them only, to the bit.
+
+    Not those that are to change nothing: ALIKE. subject: the input; cases, of: groups without any effect; size: the
+    most values in one of them.
+    """
+    solved = table[table["outcome"] == "converged"]
+    numbers, found = [str(name) for name in solved if str(name).startswith("q.")], []
+    for scene, rows in solved.groupby("scene", sort=False):
+        names = dict.fromkeys(name for request in rows["request"] for name in request.values if name not in ALIKE)
+        for name in names:
+            values = rows["request"].map(lambda request, name=name: text_of(request.values.get(name)))
+            groups = [own for _, own in rows.groupby(keys(rows, name), sort=False) if values[own.index].nunique() > 1]
+            if groups and all(bool((own[numbers].nunique(dropna=False) <= 1).all()) for own in groups):
+                most = max(values[own.index].nunique() for own in groups)
+                first = groups[0]["label"].iloc[0]
+                found.append(("inert input", scene, name, len(groups), len(groups), most, "no quantity changes", first))
     return pd.DataFrame(found, columns=list(FLAG_COLUMNS))
 
 

@@ -191,11 +191,12 @@ def explained(row: pd.Series | Mapping[Any, Any]) -> str:
 def _flags(store: Store) -> Part:
     """What is suspicious."""
     data = store.analysis("flags")
-    inert, walls = data[data["flag"] != "wall"], data[data["flag"] == "wall"]
+    inert, inputs, walls = (data[data["flag"] == flag] for flag in ("inert tolerance", "inert input", "wall"))
     lost = walls["cause"].eq("formulation") & ~walls["subject"].str.endswith(" by exact")
     text = prose("""## What is suspicious
 
-A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early. An error that
+A tolerance that changes neither a result nor a counter is not read, or there was nothing to stop early. An input of a
+scene that was varied and changes no quantity to the last bit is not read, or does not belong there. An error that
 stands still while the mesh goes on converging has met a wall: digits of the reference, its uncertainty, or the
 formulation itself.""")
     without = "scene | algorithm | without effect | most iterations | cause"
@@ -207,6 +208,10 @@ formulation itself.""")
     parts = ["Every tolerance has an effect somewhere."]
     if len(inert):
         parts = [listing("Tolerances without effect", inert, without, inert_line, words=2)]
+    if len(inputs):
+        heads = "scene | input | without effect | values"
+        input_line = "`{scene}` | {subject} | {cases:.0f} of {of:.0f} | {size:.0f}"
+        parts.append(listing("Inputs without effect", inputs, heads, input_line, words=2))
     if not lost.all():
         parts.append(listing("Walls", walls[~lost], wall, line, words=2))
     if lost.any():

@@ -19,8 +19,9 @@ from contact.algorithms.semismooth import Semismooth
 from formulations.element.strain_operator import CORNER_MASS
 from formulations.geometry.grid import CORNERS
 from formulations.recovery import energy_products, recovery_errors, refined
-from studies.request import Request
+from studies.request import Request, Settings
 from studies.scene import UsageError
+from studies.scenes.tyre import press_path
 from studies.scenes.tyre.grid_lines import LineSize, tyre_lines
 from studies.scenes.tyre.model import TyreModel
 from studies.walk import Visited, walk
@@ -49,7 +50,9 @@ class TyreSizes:
             raise UsageError(
                 "an adapted mesh follows the contact: delta_mm = 0 has none, take grading=patch or uniform"
             )
-        settings = request.settings.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
+        by_arc = {setting.key for setting in press_path.SETTINGS}  # two travels are all that is wanted of the path
+        by_travel = Settings({key: value for key, value in request.settings.items() if key not in by_arc})
+        settings = by_travel.with_values(delta_mm=((1 - SECANT) * deltas[-1], deltas[-1]))
         coarse = replace(request, settings=settings, mesh=COARSE, model="full")
         lines = tyre_lines(COARSE, request.number("clamp_deg"))
         found: list[TyreSizes] = []

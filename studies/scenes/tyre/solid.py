@@ -22,6 +22,7 @@ from studies.fields import write_solid_fields
 from studies.request import Request, Value
 from studies.scene import Reference, Setting, UsageError, candidates_at, nodal_pressure
 from studies.scenes.element import ELEMENT
+from studies.scenes.tyre import press_path
 from studies.scenes.tyre.foundation import foundation
 from studies.scenes.tyre.grid_lines import tyre_lines
 from studies.scenes.tyre.parts import mirrored, part_of
@@ -31,7 +32,10 @@ from studies.scenes.tyre.wall import ORTHOTROPIC, checked_wall, inflation
 
 DEFAULTS: dict[str, Value] = {"load": "follower", "pressure_area": "face", "plies": 1, "ply_thickness_mm": 4.8}
 ISOTROPIC: dict[str, Value] = {"E_MPa": 20.0, "nu": 0.45}
-NOT_OF_A_SOLID = {"section", "grading", "sector_deg", *(setting.key for setting in ELEMENT)}
+NOT_OF_A_SOLID = {
+    *("section", "grading", "sector_deg", "rim"),
+    *(setting.key for setting in (*press_path.SETTINGS, *ELEMENT)),
+}
 
 
 def _settings() -> tuple[Setting, ...]:

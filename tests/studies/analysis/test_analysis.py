@@ -16,7 +16,7 @@ from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
 from studies.analysis.held_out import held_out, summary
 from studies.analysis.profiles import field, flip_check, pairs_of, problems, profiles, solved, within
 from studies.analysis.rows import ladders
-from studies.analysis.suspicious import flags, inert, printed, walls
+from studies.analysis.suspicious import flags, inert, inert_inputs, printed, walls
 from studies.analysis.verify import verified
 from studies.complete import complete
 from studies.scene import UsageError
@@ -158,6 +158,17 @@ def test_an_ignored_tolerance_is_flagged_and_one_that_is_read_is_not() -> None:
     assert found.loc["lcp mixed", "cause"] == "not read, or never what stops"
     assert found.loc["semismooth mixed", "scene"] == "hemisphere"
     assert found.loc["semismooth mixed", "cause"] == "one iteration: nothing to stop"
+
+
+def test_an_input_that_was_varied_in_vain_is_flagged_by_its_name() -> None:
+    """Planted: a load that is read by nobody. Measures that differ and another way to one answer are no flags."""
+    read = pd.concat([cells(measures={"exact": 0.0, "linear": 1e-3}), cells(contacts={"lcp": 1.0})])
+    heavier = cells(setting="load_fraction=0.5", truth=0.7 * EXACT)
+    assert inert_inputs(pd.concat([read, heavier], ignore_index=True)).empty
+    ignored = cells(setting="load_fraction=0.5")
+    (found,) = inert_inputs(pd.concat([read, ignored], ignore_index=True)).to_dict("records")
+    assert (found["flag"], found["scene"], found["subject"]) == ("inert input", "cantilever", "load_fraction")
+    assert (found["cases"], found["of"], found["size"]) == (4, 4, 2)
 
 
 def test_a_reference_of_five_digits_is_a_wall() -> None:

@@ -1,0 +1,93 @@
+"""Every setting of every scene has an effect, or its reason to have none is known; planted ones are found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from studies.complete import complete
+from studies.guard.inert import FAILS, NONE, REFUSED, algorithm_effects, effects, inert_settings
+from studies.request import Request
+from studies.scene import SceneModel, Setting, UsageError
+from studies.scenes import SCENES
+from studies.scenes.benchmarks.cantilever import Cantilever
+
+# the membrane is relaxed by curvature, and these have none
+FLAT = ("cantilever", "sze-annulus", "sze-moment", "pagano", "strip-contact", "heavy-strip", "plate-contact")
+QUICK = ("cantilever", "free-hyperboloid", "ring", "roof-a", "pressurised-cylinder")
+
+
+def found(*names: str) -> set[tuple[str, str]]:
+    rows = inert_settings(names)
+    assert not rows["effect"].str.startswith(FAILS).any(), rows
+    return set(zip(rows["scene"], rows["setting"], strict=True))
+
+
+def test_settings_of_some_scenes_all_have_an_effect() -> None:
+    assert found(*QUICK) == {("cantilever", "membrane")}
+
+
+@pytest.mark.slow
+def test_settings_of_all_scenes_have_an_effect_or_belong_to_curved_ones() -> None:
+    assert found(*SCENES) == {(name, "membrane") for name in FLAT}
+
+
+@dataclass(frozen=True)
+class Planted(Cantilever):
+    """With a friction that nobody reads, and a thickness that somebody does."""
+
+    name: str = "planted"
+    settings: tuple[Setting, ...] = (
+        *Cantilever.settings,
+        Setting("mu", 0.0, "friction", low=0, high=1),
+        Setting.one_of("side", ("left", "right"), "left", "where it is hit"),
+        Setting.positive("seen", 1.0, "what it is multiplied by when it is read"),
+    )
+
+    def build(self, request: Request) -> SceneModel:
+        model = super().build(request)
+        scale = request.number("seen")
+        read = model.measure_at
+        object.__setattr__(model, "measure_at", lambda *at: {key: scale * x for key, x in read(*at).items()})
+        return model
+
+
+def test_planted_inputs_that_nobody_reads_are_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(SCENES, "planted", Planted())
+    by_setting = effects("planted").set_index("setting")["effect"]
+    assert by_setting["mu"] == by_setting["side"] == NONE
+    assert by_setting["seen"].startswith("observed")
+    assert by_setting["load_fraction"].startswith("path")
+    assert found("planted") == {("planted", "membrane"), ("planted", "mu"), ("planted", "side")}
+
+
+def test_what_another_choice_wakes_up_is_asleep_before() -> None:
+    before = effects("panel").set_index("setting")["effect"]
+    assert before["gamma_deg"] == before["ball_mm"] == NONE
+    assert effects("panel", {"foundation": "ball"}).set_index("setting")["effect"]["ball_mm"].startswith("problem")
+    assert effects("panel", {"E_ratio": 10.0}).set_index("setting")["effect"]["gamma_deg"].startswith("problem")
+
+
+def test_a_solid_refuses_what_it_would_ignore() -> None:
+    for key, value in (("path", "arc"), ("arc_points", 10), ("rim", "pressure")):
+        with pytest.raises(UsageError, match=f"tyre-solid has no setting '{key}'"):
+            complete("tyre-solid", {key: value})
+
+
+@pytest.mark.slow
+def test_an_adapted_mesh_follows_the_travel_also_where_the_path_is_an_arc() -> None:
+    settings = {"path": "arc", "grading": "adapted", "delta_mm": 10.0}
+    scene, request = complete("tyre", settings, (12, 10))
+    by_travel = complete("tyre", {**settings, "path": "travel"}, (12, 10))[1]
+    assert scene.lines(request)[0] == pytest.approx(scene.lines(by_travel)[0])
+
+
+@pytest.mark.slow
+def test_parameters_of_algorithms_without_effect_are_known() -> None:
+    """A pressed node has no gap and an open one no pressure, so semismooth's c decides nothing; and qp ends exactly."""
+    rows = algorithm_effects()
+    assert set(rows["contact"]) == set(ALGORITHMS)
+    idle = rows["effect"].str.startswith((NONE, REFUSED)).groupby([rows["contact"], rows["setting"]]).all()
+    assert {key for key, none in idle.items() if none} == {("semismooth", "c"), ("qp", "eps"), ("lcp", "method")}
