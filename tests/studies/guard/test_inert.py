@@ -63,6 +63,7 @@ def test_planted_inputs_that_nobody_reads_are_found(monkeypatch: pytest.MonkeyPa
     assert found("planted") == {("planted", "membrane"), ("planted", "mu"), ("planted", "side")}
 
 
+@pytest.mark.slow
 def test_what_another_choice_wakes_up_is_asleep_before() -> None:
     before = effects("panel").set_index("setting")["effect"]
     assert before["gamma_deg"] == before["ball_mm"] == NONE

@@ -57,7 +57,7 @@ def test_shear_correction_enters_the_printed_value() -> None:
     assert abs(replace(mindlin(1.0), kappa=1.0).deflection() / MINDLIN[1.0] - 1) > 10 * MUST
 
 
-@pytest.mark.parametrize("t", TWO_FACES)
+@pytest.mark.parametrize("t", [t if t == 0.01 else pytest.param(t, marks=pytest.mark.slow) for t in TWO_FACES])
 def test_values_of_this_shell_and_of_the_solid(t: float) -> None:
     assert two_faces(t).deflection() == pytest.approx(TWO_FACES[t], rel=DIGITS)
     if t in SOLID:
@@ -108,7 +108,7 @@ def _hexahedra(t: float, n: int) -> float:
 
 
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("t", [0.01, 0.001])
+@pytest.mark.parametrize("t", [pytest.param(0.01, marks=pytest.mark.slow), 0.001])
 def test_element_meets_the_printed_values_of_thin_shells(t: float, family: str) -> None:
     assert waist(t, 32, family) == pytest.approx(MINDLIN[t], rel=MUST)
 
