@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import product
+from itertools import chain, product
 
 import pandas as pd
 
@@ -22,9 +22,8 @@ from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficient
 from studies.solving import resolve, solve
 
 MESHES = (8, 16, 32)
-CONTACT_MESHES = (8, 16, 32, 64)
 SURFACES = ("cylinder", "torus", "inner-torus")  # of positive, none and negative Gaussian curvature
-CONTACT_SURFACES = ("plate", "cylinder", "torus")
+CONTACT_SURFACES, FINEST_ON = ("plate", "cylinder", "torus"), "cylinder"
 FAR = "150"  # degrees: for measures that a rotation does not strain
 OBJECTIVE = ("exact", "thin-green-lagrange", "elongation")
 FULL_GRADIENTS = tuple(name for name, measure in MEASURES.items() if measure.kinematics == FULL)
@@ -85,13 +84,19 @@ def errors_of(case: Case, meshes: tuple[int, ...] = MESHES) -> Iterator[dict[str
 
 
 def manufactured_contact() -> pd.DataFrame:
-    """A row a surface, mesh and radius of contact, with the errors of pressure and edge, too."""
+    """A row a measure, surface, mesh and radius of contact, with the errors of pressure and edge, too.
+
+    All measures on one surface, the exact one on three of them, and there on one mesh more.
+    """
     rows = []
-    for surface, n in product(CONTACT_SURFACES, CONTACT_MESHES):
-        result = solve(*resolve("manufactured-contact", {"surface": surface}, f"{n}x{n}"))
+    own = product(("exact",), CONTACT_SURFACES, MESHES)
+    others = product((name for name in MEASURES if name != "exact"), (FINEST_ON,), MESHES)
+    for measure, surface, n in chain(own, [("exact", FINEST_ON, 2 * MESHES[-1])], others):
+        result = solve(*resolve("manufactured-contact", {"surface": surface}, f"{n}x{n}", measure=measure))
+        case = {"measure": measure, "surface": surface, "n": n, "class": result.verdict}
         for step in result.steps:
             found = {key: step[key] for key in step if key.startswith("error_") or key == "radius"}
-            rows.append({"surface": surface, "n": n, **found, "newton_iterations": step["newton_iterations"]})
+            rows.append({**case, **found, "newton_iterations": step["newton_iterations"]})
     return pd.DataFrame(rows)
 
 

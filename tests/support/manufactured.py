@@ -29,8 +29,8 @@ def made_up_manufactured(displacement: float = 2.0) -> pd.DataFrame:
 def made_up_touching() -> pd.DataFrame:
     """A plate at two radii: pressure and edge of the first order, the edge off by 0.4 elements."""
     return pd.DataFrame(
-        {"surface": "plate", "radius": radius, "n": n, **errors(n)}
-        | {"error_pressure": 1 / n, "error_edge": 0.8 / n / radius, "newton_iterations": n}
+        {"measure": "exact", "surface": "plate", "radius": radius, "n": n, **errors(n)}
+        | {"error_pressure": 1 / n, "error_edge": 0.8 / n / radius, "newton_iterations": n, "class": "converged"}
         for n in (8, 16)
         for radius in (0.25, 0.5)
     )

@@ -64,19 +64,17 @@ def manufactured_orders(data: pd.DataFrame) -> pd.DataFrame:
 
 
 def contact_orders(data: pd.DataFrame) -> pd.DataFrame:
-    """The orders with contact, for every surface and radius of contact; edge and pressure from the coarsest mesh on.
+    """The orders with contact, for every measure, surface and radius.
 
-    The edge lies anywhere within an element, so that its error jumps from mesh to mesh: its orders are slopes of
-    straight lines through all meshes, in logarithms. edge_elements: its error over the size of the finest elements.
+    The edge lies anywhere within an element, so that errors jump from mesh to mesh: orders of displacement, pressure
+    and edge are slopes of straight lines through all meshes, in logarithms. edge_elements: the error of the edge over
+    the size of the finest elements.
     """
-    smooth = [*THEORY]
-    found = orders(data, ("surface", "radius"), smooth)
-    for name in ("error_pressure", "error_edge"):
-        slopes = [
-            -np.polyfit(np.log(group["n"]), np.log(group[name]), 1)[0]
-            for _, group in data.groupby(["surface", "radius"], sort=False)
-        ]
-        finest = data[data["n"] == data["n"].max()].set_index(["surface", "radius"])[name]
-        found[name.replace("error_", "order_")] = slopes
-        found[name] = [float(finest.loc[key]) for key in zip(found["surface"], found["radius"], strict=True)]
+    case = ["measure", "surface", "radius"]
+    found = orders(data, case, tuple(THEORY))
+    groups = [own.sort_values("n") for _, own in data.groupby(case, sort=False)]
+    for name in ("error_displacement", "error_pressure", "error_edge"):
+        slopes = [-np.polyfit(np.log(own["n"]), np.log(own[name]), 1)[0] for own in groups]
+        finest = [float(own[name].iloc[-1]) for own in groups]
+        found = found.assign(**{name.replace("error_", "order_"): slopes, name: finest})
     return found.assign(edge_elements=found["error_edge"] * found["radius"] * found["n"] / 2)

@@ -32,7 +32,7 @@ SETTINGS = (
     Setting.positive("h_mm", 0.1, "thickness; the pieces are about 1 mm long and wide", 0.2),
     Setting("ball_mm", 2.0, "radius of the ball", low=1, high=100),
     Setting("rotation_deg", 30.0, "rotation of the whole piece about a skew axis", low=-180, high=180),
-    Setting("stretch", 0.15, "uniform elongation of the piece", low=0, high=1),
+    Setting("stretch", 0.25, "uniform elongation of the piece; with less some measures fold", low=0, high=1),
     Setting("wave_mm", 0.04, "amplitude of the waves along the ball", low=0, high=0.2, unit="mm"),
     Setting.one_of("section", SECTIONS, "constant-s33", "law of the section for the thickness stretch"),
     EPSILON,

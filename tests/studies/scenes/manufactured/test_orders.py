@@ -57,25 +57,30 @@ def test_all_have_the_orders_of_theory() -> None:
 
 @pytest.mark.slow
 def test_contact_has_its_orders() -> None:
-    """Displacement 2; pressure and edge at least about 1 where the radius has some ten elements."""
+    """Displacement 2; pressure and edge 1, the edge off by half an element."""
     data = manufactured_contact()
     found = contact_orders(data)
-    assert found["order_displacement"].between(1.9, 2.1).all()
-    assert found["order_pressure"].min() > 0.9
+    assert set(found["measure"]) == set(MEASURES)
+    assert data["class"].eq("converged").all()
+    exact = found[found["measure"] == "exact"]
+    assert exact["order_displacement"].between(1.9, 2.1).all()
+    assert found["order_displacement"].median() > 1.9
+    assert found["order_pressure"].median() > 0.95
     assert found["order_edge"].median() > 0.95
-    assert found["error_edge"].max() < 0.07
+    assert found["edge_elements"].max() < 0.6
 
 
 def test_contact_converges() -> None:
     """The judge agrees, and errors fall."""
     found = {}
-    for n in (8, 16):
+    for n in (8, 24):
         result = solve(*resolve("manufactured-contact", {"radius": "0.5"}, f"{n}x{n}"))
         assert result.verdict == "converged"
         found[n] = result.quantities
-    assert 1.9 < np.log2(found[8]["error_displacement"] / found[16]["error_displacement"]) < 2.1
-    assert found[16]["error_pressure"] < 0.5 * found[8]["error_pressure"]
-    assert found[16]["error_edge"] < 0.5 * found[8]["error_edge"]
+    coarse, fine = found[8], found[24]
+    assert 1.9 < np.log(coarse["error_displacement"] / fine["error_displacement"]) / np.log(3) < 2.1
+    assert fine["error_pressure"] < 0.5 * coarse["error_pressure"]
+    assert fine["error_edge"] < 0.5 * coarse["error_edge"]
 
 
 def test_a_planted_coefficient_stops_the_convergence_and_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
