@@ -48,7 +48,7 @@ class Touch:
 
 @dataclass(frozen=True, eq=False)
 class ContactModel(ShellSceneModel):
-    """One path of the parameter ``key``, from rest; every node that is not ``held`` may touch.
+    """One path of the parameter ``key``, from rest; every node that is neither ``held`` nor hangs may touch.
 
     plane_at(t): the foundation.  measure_at(t, touch): what is read, {name_unit: value}.  body_at(t): the shell under
     its loads, t times those it has unless given.  lying: everything touches without pressure at rest.
@@ -65,8 +65,8 @@ class ContactModel(ShellSceneModel):
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """Grid nodes (m,) of the candidates."""
-        return np.setdiff1d(np.arange(self.shell.discretisation.grid.n_nodes), self.held)
+        """Grid nodes (m,) of the candidates; a node that hangs on an edge moves with its ends, which have its area."""
+        return np.setdiff1d(self.shell.discretisation.grid.free_nodes, self.held)
 
     @cached_property
     def candidates(self) -> Candidates:
