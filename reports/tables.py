@@ -24,7 +24,10 @@ ANSWER_KEYS = ("outcome", "quantities", "steps", "cuts", "counters", "timing_s",
 RESULT_KEYS = (*REQUEST_KEYS, *ENDING_KEYS, *ANSWER_KEYS)
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
 CELL_KEYS = ("label", "id", "scene", "command", "options", "settings", "files", "request", "reason")
-CLASSES = ("converged", "wrong", "not-converged", "cap-hit", "time", "memory", "crash", "unsupported", "missing")
+CLASSES = (
+    *("converged", "unstable", "wrong", "not-converged", "cap-hit"),
+    *("time", "memory", "crash", "unsupported", "missing"),
+)
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
 TYRES = ("tyre", "tyre-solid")
 SOLVED_KEYS = ("kkt", "failures", "newton_iterations", "substeps")

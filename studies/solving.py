@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from contact.continuation.arc_length import Trace
+from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
+from contact.continuation.stability import stability
 from contact.diagnosis import diagnose
 from contact.events import EventKind, events
 from contact.interchange.linearised_step import FrozenStep, freeze
@@ -34,7 +36,8 @@ HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "adde
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
-CLASSES = (CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
+CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
+SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
 resolve = complete
 
 
@@ -43,7 +46,8 @@ class Result:
     """What a solve has found; ``last`` is the last converged state, from which the fields are written.
 
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
-    the scene cannot be; nothing was solved beyond that.
+    the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
+    is not stable, but for the points of a traced curve, which is followed through such states on purpose.
     """
 
     request: Request
@@ -52,6 +56,7 @@ class Result:
     cause: Outcome = Outcome.CONVERGED
     reason: str = ""
     unsupported: str = ""
+    unstable: list[str] = field(default_factory=list)
     quantities: dict[str, float] = field(default_factory=dict)
     loads: list[Step] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
@@ -72,7 +77,7 @@ class Result:
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
             "class": self.verdict,
-            "reason": self.unsupported or self.reason or self.outcome.value,
+            "reason": self.unsupported or self.reason or "; ".join(self.unstable[:1]) or self.outcome.value,
             "quantities": self.quantities,
             "steps": self.steps,
             "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
@@ -92,7 +97,9 @@ class Result:
         if self.unsupported:
             return UNSUPPORTED
         if self.outcome.converged:
-            return WRONG if any(step.certificate["failures"] for step in self.loads) else CONVERGED
+            if any(step.certificate["failures"] for step in self.loads):
+                return WRONG
+            return UNSTABLE if self.unstable else CONVERGED
         return CAP_HIT if Outcome.ITERATION_LIMIT in (self.outcome, self.cause) else NOT_CONVERGED
 
     def table(self, name: str) -> Table:
@@ -157,6 +164,8 @@ def _run_stages(
             if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
                 tolerance = result.request.number("tolerance")
                 judged = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)
+                if judged["stability"]["word"] == UNSTABLE:
+                    result.unstable.append(f"{stage.name} at {point.requested:g}: {judged['stability']['sentence']}")
             _record(result, seen, judged, {**counts, "substeps": point.substeps})
 
 
@@ -215,6 +224,7 @@ def certificate(
 ) -> dict[str, Any]:
     """What the judge says of a state, by the law of its epsilon: failures by name and their diagnosis, kkt, balances.
 
+    stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
     """
@@ -224,6 +234,7 @@ def certificate(
         verdict = replace(verdict, **gap_residuals(problem, state.u, state.pressure, epsilon))
     found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
+    found["stability"] = stability(problem, state, epsilon).record
     return found
 
 

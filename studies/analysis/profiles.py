@@ -14,6 +14,7 @@ import pandas as pd
 
 from studies.algorithm_settings import settings_of
 from studies.request import Request
+from studies.solving import SOLVED
 
 AXES = ("contact", "newton", "measure", "element")  # whose levels compete, where there are two
 SOLVERS = ("contact", "newton")  # they solve the same problem; others are compared by the cost to reach an error
@@ -42,7 +43,7 @@ def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
     """
     if axis in SOLVERS:
         rows = _put(fronts, axis)
-        price = rows[f"cost.{cost}"].astype(float).where(rows["outcome"] == "converged", np.inf)
+        price = rows[f"cost.{cost}"].astype(float).where(rows["outcome"].isin(SOLVED), np.inf)
         keys = ["scene", "problem"]
         return rows.assign(cost=price).pivot_table(index=keys, columns=axis, values="cost", aggfunc="min", sort=False)
     main = fronts[fronts["main"] & (fronts["flag"] != "unsupported")].dropna(subset=[axis])
@@ -80,13 +81,14 @@ def solved(fronts: pd.DataFrame) -> pd.DataFrame:
     found = []
     for axis in SOLVERS:
         rows = _put(fronts, axis)
-        rows = rows.assign(failed=rows["outcome"] != "converged").sort_values("failed", kind="stable")
+        rows = rows.assign(failed=~rows["outcome"].isin(SOLVED)).sort_values("failed", kind="stable")
         rows = rows.drop_duplicates([axis, "scene", "problem"]).sort_index()
         for name, own in rows.groupby(axis, sort=False):
             for scene, cells in [("", own), *own.groupby("scene", sort=False)]:
                 ended = cells["outcome"].value_counts()
-                failed = ", ".join(f"{count} {word}" for word, count in ended.items() if word != "converged")
-                found.append((axis, name, scene, len(cells), int(ended.get("converged", 0)), failed))
+                failed = ", ".join(f"{count} {word}" for word, count in ended.items() if word not in SOLVED)
+                good = int(cells["outcome"].isin(SOLVED).sum())
+                found.append((axis, name, scene, len(cells), good, failed))
     return pd.DataFrame(found, columns=list(SOLVED_COLUMNS))
 
 

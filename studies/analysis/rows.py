@@ -11,6 +11,7 @@ import pandas as pd
 from studies.request import Value
 from studies.scene import Reference
 from studies.scenes import SCENES
+from studies.solving import SOLVED
 
 STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
 REFINED = 1.3  # between two meshes of a ladder at the least, as Roache and ASME V&V 20 ask for: else an order is noise
@@ -23,11 +24,11 @@ def keys(table: pd.DataFrame, *without: str) -> pd.Series:
 
 
 def ladders(table: pd.DataFrame, fewest: int = 3) -> Iterator[pd.DataFrame]:
-    """Converged rows that differ in the mesh only, coarse to fine, with their sizes in the column ``size``.
+    """Solved rows that differ in the mesh only, coarse to fine, with their sizes in the column ``size``.
 
     Meshes that are hardly coarser than the next are left out.
     """
-    solved = table[table["outcome"] == "converged"]
+    solved = table[table["outcome"].isin(SOLVED)]
     if solved.empty:
         return
     for _, rows in solved.groupby(keys(solved, "mesh"), sort=False):
@@ -81,7 +82,7 @@ def reference_rows(table: pd.DataFrame) -> pd.DataFrame:
     """
     found = [
         (row["label"], quantity, each.value, each.uncertainty, each.kind, each.source)
-        for row in table[table["outcome"] == "converged"].to_dict("records")
+        for row in table[table["outcome"].isin(SOLVED)].to_dict("records")
         for quantity, each in _applicable(row).items()
     ]
     rows = pd.DataFrame(found, columns=["label", "quantity", "value", "uncertainty", "kind", "source"])

@@ -16,6 +16,7 @@ from studies.algorithm_settings import own_keys
 from studies.analysis.rows import keys, reference_rows
 from studies.analysis.verify import CLAIMED, limits, siblings
 from studies.request import text_of
+from studies.solving import SOLVED
 
 FLAG_COLUMNS = ("flag", "scene", "subject", "cases", "of", "size", "cause", "label")
 STANDS_STILL = 0.5  # of the error of the finest mesh: so much must be the wall for the error to count as standing
@@ -68,7 +69,7 @@ def inert_inputs(table: pd.DataFrame) -> pd.DataFrame:
     Not those that are to change nothing: ALIKE. subject: the input; cases, of: groups without any effect; size: the
     most values in one of them.
     """
-    solved = table[table["outcome"] == "converged"]
+    solved = table[table["outcome"].isin(SOLVED)]
     numbers, found = [str(name) for name in solved if str(name).startswith("q.")], []
     for scene, rows in solved.groupby("scene", sort=False):
         names = dict.fromkeys(name for request in rows["request"] for name in request.values if name not in ALIKE)

@@ -26,8 +26,9 @@ from studies.analysis.richardson import limit_of
 from studies.analysis.rows import STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
+from studies.solving import SOLVED, WRONG
 
-CLAIMED = ("converged", "wrong")  # outcomes with a value that somebody might believe
+CLAIMED = (*SOLVED, WRONG)  # outcomes with a value that somebody might believe
 HOW = ("mesh", "lines", "contact", "newton", "steps", "model", "sector_deg", "tolerance", "solver", "epsilon")
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
 COLUMNS = (

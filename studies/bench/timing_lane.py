@@ -26,7 +26,7 @@ from studies.door.plugins import used
 from studies.pool.process import Child
 from studies.pool.task import Limits, Task
 from studies.scene import UsageError
-from studies.solving import CONVERGED
+from studies.solving import SOLVED
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
 from studies.store.provenance import provenance
@@ -118,7 +118,7 @@ def time_campaign(
     archive = Archive(store)
     rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(plan(campaign)) if only(row.cell.label)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
-    right = {label: record for label, record in records.items() if record and record["class"] == CONVERGED}
+    right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
     if not right:
         raise UsageError(f"{store} has no converged cell of {campaign.name!r} to time: footprint run comes first")
     child = Child()

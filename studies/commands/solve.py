@@ -14,7 +14,8 @@ from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.request import Request, UsageError
 from studies.scene import Scene
-from studies.solving import Result, solve
+from studies.solving import UNSTABLE, Result, solve
+from studies.step import Step
 from studies.store.atomic import write_by
 from studies.store.tables import Table
 
@@ -114,14 +115,23 @@ def _progress() -> Iterator[Callable[[str], None]]:
 def _print_table(result: Result) -> None:
     """The loads that were reached, one line each, what fits a terminal."""
     if result.loads:
-        rows = [
-            step.seen | {key: step.counters[key] for key in COUNTED if key in step.counters} for step in result.loads
-        ]
-        _print_columns(Table.of_rows(rows))
+        _print_columns(Table.of_rows([_row(step) for step in result.loads]))
     if result.request.model_reason:
         print(f"model {result.request.model}: {result.request.model_reason}")
     counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
-    print(f"{result.as_json()['outcome']}: {counters}")
+    unstable = ", unstable" if result.verdict == UNSTABLE else ""
+    print(f"{result.as_json()['outcome']}{unstable}: {counters}")
+    for sentence in result.unstable:
+        print(sentence)
+
+
+def _row(step: Step) -> dict[str, object]:
+    """What is seen at a load, what it took, and how many eigenvalues are negative, - where they are not counted."""
+    row = step.seen | {key: step.counters[key] for key in COUNTED if key in step.counters}
+    if "stability" in step.certificate:
+        negative = step.certificate["stability"]["negative"]
+        row["negative"] = "-" if negative is None else negative
+    return row
 
 
 def _print_rounds(result: Result) -> None:

@@ -47,11 +47,13 @@ class Run:
 
     @property
     def certificate(self) -> pd.DataFrame:
-        """A row for each requested load: residuals and balances as recomputed from the problem, and what fails."""
-        found = [step.certificate for step in self.result.loads]
-        return pd.DataFrame(
-            [{**each["kkt"], **each["balances"], "failures": ", ".join(each["failures"])} for each in found]
-        )
+        """A row for each requested load: residuals and balances as recomputed, what fails, and stability."""
+        rows = []
+        for step in self.result.loads:
+            told = step.certificate
+            said = {"failures": ", ".join(told["failures"]), "stability": told["stability"]["word"]}
+            rows.append({**told["kkt"], **told["balances"], **said})
+        return pd.DataFrame(rows)
 
     @property
     def quantities(self) -> dict[str, float]:

@@ -15,7 +15,7 @@ import pandas as pd
 from studies.campaigns.cell import Cell
 from studies.complete import complete
 from studies.scenes.contact.crushed_ring import DATA
-from studies.solving import solve
+from studies.solving import SOLVED, solve
 
 SHELL, SOLID = "crushed-ring", "crushed-ring-solid"
 NO_NU = {"nu": "0", "E_MPa": repr(DATA["E_MPa"] / (1 - DATA["nu"] ** 2))}  # the other way to plane strain
@@ -82,7 +82,7 @@ def crushed_ring_study(
 def _solved(body: Body, cell: Cell, study: str, n: int, key: str = "", change: float = np.nan) -> list[dict[str, Any]]:
     """A row a travel."""
     result = solve(*complete(cell.scene, cell.settings, **cell.options))
-    if result.verdict != "converged":
+    if result.verdict not in SOLVED:
         raise RuntimeError(f"{cell.command}: {result.verdict}, {result.reason}")
     own = {"study": study, "body": body.name, "kind": body.kind, "of": body.of, "input": key, "change": change}
     own |= {"mesh": cell.options["mesh"], "size": 1 / n}

@@ -31,10 +31,10 @@ from studies.guard.baseline import (
     record_update,
 )
 from studies.scene import UsageError
+from studies.solving import CONVERGED, SOLVED
 from studies.store.atomic import write_table
 
 UNFINISHED = ("missing", "time", "memory", "crash")  # outcomes of the machine, not of the source
-SOLVED = "converged"
 FEWEST = 3  # meshes of an observed order
 
 
@@ -75,7 +75,7 @@ def measured(table: pd.DataFrame) -> pd.DataFrame:
     for row in table.to_dict("records"):
         label = str(row["label"])
         rows += [(label, COMMAND, str(row[COMMAND])), (label, OUTCOME, str(row[OUTCOME]))]
-        if row[OUTCOME] == SOLVED:
+        if row[OUTCOME] in SOLVED:
             values = {name: float(row[name]) for name in numbers} | derived[label]
             rows += [(label, name, _text(value)) for name, value in values.items() if not math.isnan(value)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -102,7 +102,7 @@ def compared(before: pd.DataFrame, now: pd.DataFrame, bounds: tuple[Bound, ...])
         elif label not in old:
             found.append(Finding(label, "", "new", "", new[label][OUTCOME]))
         elif old[label][OUTCOME] != new[label][OUTCOME]:
-            what = "worse" if old[label][OUTCOME] == SOLVED else "changed"
+            what = "worse" if old[label][OUTCOME] == CONVERGED else "changed"
             found.append(Finding(label, OUTCOME, what, old[label][OUTCOME], new[label][OUTCOME], "the same"))
         else:
             found += _compare_cell(label, old[label], new[label], bounds)

@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import pandas as pd
 
 from studies.guard.baseline import OUTCOME, Bound
-from studies.guard.compare import SOLVED, UNFINISHED, Finding, compared, measured, shortened
+from studies.guard.compare import UNFINISHED, Finding, compared, measured, shortened
+from studies.solving import CONVERGED
 
 MOST = 20  # rows a table: a comment is read, an archive is not
 VALUES = ("cell", "value", "A", "B", "allowed")
@@ -45,10 +46,10 @@ def comment(
 def ran(table: pd.DataFrame) -> str:
     """How much of a campaign has an answer, and how the rest ended."""
     outcomes = table[OUTCOME]
-    rest = outcomes[~outcomes.isin((SOLVED,))].value_counts()
+    rest = outcomes[~outcomes.isin((CONVERGED,))].value_counts()
     done = int((~outcomes.isin(UNFINISHED)).sum())
     others = "".join(f", {n} {outcome}" for outcome, n in rest.items())
-    return f"{done} of {len(table)} cells ran, {int((outcomes == SOLVED).sum())} {SOLVED}{others}"
+    return f"{done} of {len(table)} cells ran, {int((outcomes == CONVERGED).sum())} {CONVERGED}{others}"
 
 
 def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
+from scipy.linalg import null_space
 
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactSolution
-from studies.solving import certificate, resolve, solve
+from contact.problem import ContactProblem, ContactSolution
+from studies.solving import CONVERGED, UNSTABLE, certificate, resolve, solve
+from studies.walk import walk
 
-KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding"}
+KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding", "stability"}
 MESH = "12x12"
 
 
@@ -82,3 +85,52 @@ def test_a_state_of_rest_is_certified_against_an_open_foundation(tyre) -> None:
     problem, state, _ = tyre
     rest = ContactSolution.at_rest(len(state.u), len(state.pressure))
     assert "equilibrium" in certificate(problem, rest)["failures"]
+
+
+def free_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: float) -> np.ndarray:
+    """Of the tangent on the null space of the gaps of the set, or with the springs of an epsilon; dense."""
+    K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure).toarray()
+    G = problem.gap_jacobian(state.u)[state.active].toarray()
+    if math.isinf(epsilon):
+        Z = null_space(G)
+        return np.linalg.eigvalsh(Z.T @ K @ Z)
+    return np.linalg.eigvalsh(K + epsilon * G.T @ np.diag(problem.weights[state.active]) @ G)
+
+
+@pytest.mark.parametrize(
+    ("contact", "epsilon", "measure", "mesh", "negative"),
+    [
+        ("semismooth", math.inf, "thin-green-lagrange", "8x8", 2),
+        ("regularised", 1e4, "thin-green-lagrange", "8x8", 2),
+        ("semismooth", math.inf, "elongation", "8x8", 1),
+        ("semismooth", math.inf, "exact", "10x10", 0),
+    ],
+)
+def test_a_pressed_tyre_is_stable_or_not_as_dense_eigenvalues_say(contact, epsilon, measure, mesh, negative) -> None:
+    scene, request = resolve("tyre", {"delta_mm": "20"}, mesh, measure=measure, contact=contact)
+    *_, last = walk(scene.build(request).stages(), ALGORITHMS[contact](epsilon=epsilon))
+    values = free_eigenvalues(last.problem, last.point.solution, epsilon)
+    told = certificate(last.problem, last.point.solution, epsilon)["stability"]
+    assert told["negative"] == negative == int(np.sum(values < 0))
+    assert told["word"] == ("unstable" if negative else "stable")
+
+
+def test_an_unstable_equilibrium_is_a_class_of_its_own() -> None:
+    found = solve(*resolve("tyre", {"delta_mm": "10,20"}, "8x8", measure="thin-green-lagrange"))
+    assert found.outcome.converged
+    assert found.verdict == UNSTABLE
+    assert [step["failures"] for step in found.steps] == [[], []]
+    assert found.as_json()["class"] == "unstable"
+    assert found.as_json()["reason"].startswith("press at 10: unstable: 2 negative eigenvalues of the tangent")
+    assert len(found.unstable) == 2
+
+
+def test_points_of_a_traced_curve_say_their_count_and_are_no_such_class() -> None:
+    """The roof snaps: its curve passes unstable points on purpose, from the limit point to the other."""
+    found = solve(*resolve("roof-b", {}, "4x4"))
+    counts = [step["stability"]["negative"] for step in found.steps]
+    limits = [i for i, step in enumerate(found.steps) if step["limit_point"]]
+    assert found.verdict == CONVERGED
+    assert len(limits) == 2
+    assert set(counts[: limits[0]]) == set(counts[limits[1] + 1 :]) == {0}
+    assert set(counts[limits[0] + 1 : limits[1]]) == {1}

@@ -75,6 +75,17 @@ def test_result_has_the_documented_keys(solved: Path) -> None:
     assert all("_" in name for name in result["quantities"])
 
 
+def test_an_unstable_equilibrium_has_converged_and_is_called_unstable(tmp_path: Path, capsys) -> None:
+    asked = ["solve", "tyre", "--measure", "thin-green-lagrange", "--mesh", "8x8", "--set", "delta_mm=20"]
+    assert main([*asked, "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "\nconverged, unstable: " in printed
+    assert "press at 20: unstable: 2 negative eigenvalues" in printed
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert (result["outcome"], result["class"]) == ("converged", "unstable")
+    assert result["steps"][0]["stability"]["negative"] == 2
+
+
 def test_every_default_of_the_paper_is_resolved(solved: Path) -> None:
     settings = json.loads((solved / "result.json").read_text())["settings"]
     expected = {"gamma_deg": 52, "p0_MPa": 0.15, "load": "dead", "pressure_area": "mid", "coupling": "lumped"}

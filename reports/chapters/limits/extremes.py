@@ -23,6 +23,7 @@ from reports.tables import Store
 LOOKS: dict[str, tuple[str, str, str]] = {  # class: colour, hatch, marker of a point that was solved
     "converged": ("#CCE5F2", "", "."),
     "converged, nothing touches": ("#F5F5F5", "..", "."),
+    "converged, unstable": ("#009E73", "||", "v"),
     "wrong": ("#D55E00", "xx", "X"),
     "end of the path": ("#F0E442", "//", "^"),
     "not converged": ("#CC79A7", "\\\\", "x"),
@@ -34,8 +35,9 @@ INTRODUCTION = prose("""# Extremes
 
 Where does solving stop? Each map takes two settings to their extremes and shows what comes of it. Every point is a
 small solve of its own, by `semismooth` unless the map says otherwise, followed by the judge of contact. Colours and
-hatches are classes of outcomes: *converged*; converged though *nothing touches*; *wrong*, which is what the algorithm
-calls converged and the judge does not certify; the *end of the path*, where the tangent tells of a limit point or a
+hatches are classes of outcomes: *converged*; converged though *nothing touches*; *converged, unstable*, where the
+tangent has negative eigenvalues on the motions that contact leaves free; *wrong*, which is what the algorithm calls
+converged and the judge does not certify; the *end of the path*, where the tangent tells of a limit point or a
 bifurcation; *not converged* without such a reason; *refused*, by the range of a setting or by the algorithm; and
 *crashed*. Lines and small numbers are the cost in Newton iterations, all load steps and rejected attempts included. A
 step is cut to a sixteenth of the load and no further.""")

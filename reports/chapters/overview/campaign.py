@@ -9,6 +9,7 @@ from reports.formats import NOTHING, code, scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.tables import Cell, Store
 
+GOOD = ("converged", "unstable")
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
 
 
@@ -51,7 +52,7 @@ def _outcomes(store: Store) -> str:
             groups.setdefault(key, []).append(each)
     rows = []
     for (scene, contact, tolerance), group in groups.items():
-        counters = [each.result["counters"] for each in group if each.result and each.ended == "converged"]
+        counters = [each.result["counters"] for each in group if each.result and each.ended in GOOD]
         *sums, flops = (sum(each.get(name, 0) for each in counters) for name in COUNTERS)
         tol = scientific(float(tolerance), 0) if tolerance else NOTHING
         counts = len(group), len(counters), len(group) - len(counters)

@@ -108,7 +108,7 @@ from, its advice meets the tolerance in {share(met, 0)} [{share(low, 0)},
 
 def _trust(store: Store) -> str:
     counts = Counter(each.ended for each in store.planned)
-    judged = counts["converged"] + counts["wrong"]
+    judged = counts["converged"] + counts["unstable"] + counts["wrong"]
     text = f"""**What can I trust?** {completeness_line(store)}. A judge that trusts no algorithm recomputes the
 residuals and balances of every answer: of {judged} that claim convergence it refuses {counts["wrong"]}."""
     if store.has_analysis("verified"):

@@ -12,6 +12,7 @@ from reports.tables import CLASSES, Cell, Store
 
 WORDS = {  # of each class, for people
     "converged": "and the judge agrees",
+    "unstable": "converged, and the judge agrees, to an equilibrium with negative eigenvalues of the tangent",
     "wrong": "said to have converged, and the judge does not agree",
     "not-converged": "the iteration, or the path, came to an end before the load",
     "cap-hit": "a limit of iterations was reached",
@@ -21,7 +22,7 @@ WORDS = {  # of each class, for people
     "unsupported": "refused, with a reason",
     "missing": "not solved yet",
 }
-SOLVED = ("converged", "wrong", "not-converged", "cap-hit")
+SOLVED = ("converged", "unstable", "wrong", "not-converged", "cap-hit")
 
 
 def completeness_line(store: Store) -> str:

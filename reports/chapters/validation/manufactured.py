@@ -96,7 +96,7 @@ def _contact(store: Store) -> Part:
     spans = {name: orders[f"order_{name}"] for name in ("displacement", "pressure", "edge")}
     of = {name: f"{fixed(s.median(), 1)} ({fixed(s.min(), 1)} to {fixed(s.max(), 1)})" for name, s in spans.items()}
     away, least = orders["edge_elements"], orders.sort_values("order_displacement").iloc[0]
-    unsolved = sorted(set(data[data["class"] != "converged"]["measure"]))
+    unsolved = sorted(set(data[~data["class"].isin(("converged", "unstable"))]["measure"]))
     text = prose(f"""## With contact
 
 A piece is led onto a ball: inside a curve its outer face lies on the ball under a pressure that falls to zero on the

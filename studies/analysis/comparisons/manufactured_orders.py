@@ -11,6 +11,8 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
+from studies.solving import SOLVED
+
 THEORY: Mapping[str, float] = {  # of bilinear displacements with the strains of the mixed element
     "error_displacement": 2.0,
     "error_resultants": 1.0,
@@ -56,7 +58,7 @@ def manufactured_orders(data: pd.DataFrame) -> pd.DataFrame:
     """
     named = data.assign(settings=data["settings"].astype(object).where(data["settings"].notna(), ""))
     found = orders(named, CASE, tuple(THEORY))
-    solved = [bool(np.all(own["class"] == "converged")) for _, own in named.groupby(list(CASE), sort=False)]
+    solved = [bool(own["class"].isin(SOLVED).all()) for _, own in named.groupby(list(CASE), sort=False)]
     off = (found["order_displacement"] - THEORY["error_displacement"]).abs()
     coarse = found["order_mean_resultants"] < THEORY[MEANS] - BELOW
     rising = coarse & (found["change_mean_resultants"] > 0)

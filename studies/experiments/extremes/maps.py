@@ -10,6 +10,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,13 +24,15 @@ from studies.complete import complete
 from studies.experiments.extremes.bisection import Located, distance, locate
 from studies.request import Request
 from studies.scene import SceneModel, UsageError
+from studies.solving import UNSTABLE as NOT_STABLE
 from studies.solving import certificate
 from studies.walk import walk
 
 CUT = 2.0**-4  # of a load step
-CONVERGED, UNTOUCHED, WRONG = "converged", "converged, nothing touches", "wrong"
-END, FAILED, REFUSED, CRASHED = "end of the path", "not converged", "refused", "crashed"
-CLASSES = (CONVERGED, UNTOUCHED, WRONG, END, FAILED, REFUSED, CRASHED)
+CONVERGED, UNTOUCHED, UNSTABLE = "converged", "converged, nothing touches", "converged, unstable"
+WRONG, END, FAILED, REFUSED = "wrong", "end of the path", "not converged", "refused"
+CRASHED = "crashed"
+CLASSES = (CONVERGED, UNTOUCHED, UNSTABLE, WRONG, END, FAILED, REFUSED, CRASHED)
 ENDS = (PathEnd.LIMIT_POINT, PathEnd.BIFURCATION)  # the tangent's word that there is nothing to follow
 
 
@@ -136,6 +139,7 @@ def _followed(model: SceneModel, request: Request) -> Found:
     algorithm = configured(request.contact, request.settings)
     spent = {"newton_iterations": 0.0, "factorisations": 0.0}
     failures: list[str] = []
+    stable: dict[str, Any] = {}
     for visited in walk(model.stages(), algorithm, request.steps, smallest=CUT):
         point = visited.point
         spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
@@ -143,10 +147,13 @@ def _followed(model: SceneModel, request: Request) -> Found:
             refused = f"{request.contact} does not apply: " if point.outcome is Outcome.REFUSED else ""
             return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None, spent)
         tolerance = request.number("tolerance")
-        failures += certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)["failures"]
+        told = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)
+        failures, stable = failures + told["failures"], told["stability"]
         if failures and visited.ends_stage:
-            told = ", ".join(dict.fromkeys(failures))
-            return Found(WRONG, f"the judge finds {told} beyond its bounds", *map(int, spent.values()))
+            names = ", ".join(dict.fromkeys(failures))
+            return Found(WRONG, f"the judge finds {names} beyond its bounds", *map(int, spent.values()))
+    if stable["word"] == NOT_STABLE:
+        return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}", *map(int, spent.values()))
     touched = visited.state.active.any()
     return Found(CONVERGED if touched else UNTOUCHED, "", *map(int, spent.values()))
 
