@@ -72,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             gc.enable()
         return int(options.run(options))
     except (UsageError, OSError) as error:
-        print(f"footprint: {error}", file=sys.stderr)
+        print(f"footprint: {_line(error)}", file=sys.stderr)
         return WRONG_USE
     except KeyboardInterrupt:
         print("footprint: interrupted; what was finished is kept", file=sys.stderr)
@@ -80,6 +80,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     finally:
         if arguments is None:  # the process ends here: without this it takes a tenth of a small solve to tidy up first
             gc.freeze()
+
+
+def _line(error: Exception) -> str:
+    """What an error says; of one of the system the file first, and no number."""
+    if isinstance(error, OSError) and error.filename is not None and error.strerror:
+        return f"{error.filename}: {error.strerror}"
+    return str(error)
 
 
 def _load_plugins(words: Sequence[str]) -> None:

@@ -17,10 +17,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import SuperLU
 
 from contact.interchange.linearised_step import FrozenStep
-from contact.solvers.sparse import asymmetry, checked_solve, factorise, negative_pivots, symmetric
+from contact.solvers.sparse import (
+    SingularMatrixError,
+    asymmetry,
+    checked_solve,
+    factorise,
+    negative_pivots,
+    superlu,
+    symmetric,
+)
 
 TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
 EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding
@@ -78,9 +86,9 @@ def minimise(step: FrozenStep, epsilon: float = np.inf) -> tuple[np.ndarray, np.
     if reason is not None:
         raise OracleError(reason)
     try:
-        factor = splu(step.K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        factor = superlu(step.K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
         return _settle(step, epsilon, factor, _interior(step, epsilon, factor.solve(-step.r)))
-    except (RuntimeError, np.linalg.LinAlgError) as error:
+    except (SingularMatrixError, RuntimeError, np.linalg.LinAlgError) as error:
         raise OracleError(f"the oracle failed: {error}") from None
 
 

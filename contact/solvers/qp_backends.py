@@ -53,7 +53,7 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
     try:
         found = call(programme, eps, polish)
         largest = np.max(np.abs(np.append(found.x, found.y)), initial=0.0)
-    except (KeyboardInterrupt, SystemExit):
+    except (KeyboardInterrupt, SystemExit, MemoryError):
         raise
     except BaseException as error:  # whatever compiled code raises; a panic of Rust is not even an Exception
         return replace(nothing, status=f"refused: {error!r}")
@@ -69,7 +69,13 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
     above = np.full(len(programme.b), np.inf)
     upper = sparse.triu(programme.P, format="csc")
     limits = {"eps_abs": eps, "eps_rel": eps, "max_iter": 4000 if eps >= 1e-3 else 20_000}
-    solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=False, **limits)
+    try:
+        solver.setup(upper, programme.q, programme.A, programme.b, above, verbose=False, polishing=False, **limits)
+    except osqp.OSQPException as error:
+        codes = osqp.SolverError  # nothing else keeps its own LDL from being set up
+        if error.args[0] in (codes.OSQP_MEM_ALLOC_ERROR, codes.OSQP_LINSYS_SOLVER_INIT_ERROR):
+            raise MemoryError(f"OSQP: {codes(error.args[0]).name}") from error
+        raise
     if programme.guess is not None:
         x, y = programme.guess
         solver.warm_start(x=x, y=-y)

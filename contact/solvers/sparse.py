@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from scipy import sparse
@@ -46,9 +46,16 @@ class Factor(Protocol):
 def _superlu(A: sparse.csc_matrix, ordered: bool) -> Factor:
     order: Literal["NATURAL", "MMD_AT_PLUS_A"] = "NATURAL" if ordered else "MMD_AT_PLUS_A"
     # 1e-3 serves definite, saddle-point and non-symmetric tangents alike: same speed as 0, errors of 1e-14
+    return superlu(A, permc_spec=order, diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+
+
+def superlu(A: sparse.csc_matrix, **options: Any) -> SuperLU:
+    """The factors of scipy's splu. Raises SingularMatrixError, and MemoryError, which SuperLU has two ways to say."""
     try:
-        return splu(A, permc_spec=order, diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+        return splu(A, **options)
     except RuntimeError as error:
+        if "alloc" in str(error).lower():
+            raise MemoryError(str(error)) from error
         raise SingularMatrixError(str(error)) from error
 
 
@@ -183,8 +190,8 @@ def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None, *, order
     if isinstance(factor, Multifrontal):
         return factor.negative
     try:
-        factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
-    except RuntimeError:
+        factor = superlu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    except SingularMatrixError:
         return 1
     if not np.array_equal(factor.perm_r, factor.perm_c):
         return 1  # a zero on the diagonal has forced an exchange: indefinite or singular

@@ -48,8 +48,8 @@ def sizes(rows: pd.DataFrame) -> pd.Series:
 
 def mesh_ranks(rows: pd.DataFrame) -> pd.Series:
     """The number of the mesh among those of its scene, 0 the coarsest."""
-    sides = rows["mesh"].str.split("x", expand=True).astype(float)
-    return (sides[0] * sides[1]).groupby(rows["scene"]).rank(method="dense").astype(int) - 1
+    elements = rows["mesh"].map(lambda mesh: math.prod(map(int, mesh.split("x")))).astype(int)
+    return elements.groupby(rows["scene"]).rank(method="dense").astype(int) - 1
 
 
 def _apart(sizes: Sequence[float]) -> list[bool]:

@@ -63,8 +63,7 @@ def run(
     rows = plan(campaign)
     with archive.claimed():
         try:
-            _write_plan(archive, campaign, rows)
-            tasks = [*_tables(campaign), *_missing(archive, campaign, rows, say)]
+            tasks = _begun(archive, campaign, rows, say)
             done, summary = len(rows) - len(tasks), Summary(len(rows))
             progress(done, len(rows), "")
             for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
@@ -91,6 +90,15 @@ def classes(archive: Archive, rows: list[Row]) -> Counter[str]:
         ended = archive.record(row.id) or archive.failure(row.id)
         found[ended["class"] if ended else "missing"] += 1
     return found
+
+
+def _begun(archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None]) -> list[Task]:
+    """Write the plan; what is left to do of it. Raises StoreFullError."""
+    try:
+        _write_plan(archive, campaign, rows)
+        return [*_tables(campaign), *_missing(archive, campaign, rows, say)]
+    except OSError as error:
+        raise StoreFullError(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from None
 
 
 def _write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:

@@ -18,7 +18,7 @@ from scipy.sparse.linalg import LinearOperator, onenormest
 from contact.algorithms.semismooth import Semismooth
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise, superlu
 from studies.campaigns.cell import Cell
 from studies.complete import complete
 from studies.walk import walk
@@ -127,8 +127,8 @@ def condition(A: sparse.csc_matrix) -> float:
     """
     n = A.shape[0]
     try:
-        factor = sparse.linalg.splu(A)
-    except RuntimeError:
+        factor = superlu(A)
+    except SingularMatrixError:
         return float("inf")
     back = partial(factor.solve, trans="T")
     inverse = LinearOperator((n, n), matvec=factor.solve, rmatvec=back, dtype=np.dtype(float))

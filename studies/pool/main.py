@@ -1,12 +1,14 @@
-"""The process that solves cells, one after another, and that may be killed: ``python -m studies.pool.main FD``.
+"""The process that solves cells, one after another, and that may be killed: ``python -m studies.pool.main FD ALIVE``.
 
-FD is its end of a pipe, on which orders come and answers go. It ends when the other side does. Its memory is limited by
-the kernel, for each task anew: beyond that, allocations fail.
+FD is its end of a pipe, on which orders come and answers go. ALIVE is a pipe on which nothing comes: it closes when the
+other side ends, however that ends, and then this process ends at once with all that it has started. Its memory is
+limited by the kernel, for each task anew: beyond that, allocations fail.
 """
 
 from __future__ import annotations
 
 import errno
+import fcntl
 import json
 import os
 import queue
@@ -24,11 +26,12 @@ from studies.pool.task import Limits, Order, Task
 
 READY = "ready"
 LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does
-NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)
+NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)  # they come without the name of a file, too
 
 
 def main() -> None:
     """Answer until the other side is gone."""
+    _end_with(int(sys.argv[2]))
     pipe, orders = Connection(int(sys.argv[1])), queue.SimpleQueue[Order]()
     threading.Thread(target=_listen, args=(pipe, orders), daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the other side decides
@@ -39,6 +42,17 @@ def main() -> None:
         pipe.send(answer)
         if answer["class"] == "memory":
             os._exit(0)  # what is left of the memory is in pieces
+
+
+def _end_with(alive: int) -> None:
+    """Have the kernel end this process and its group when a pipe closes, even in the middle of compiled code.
+
+    A thread that waits for it needs the lock of the interpreter, which a factorisation may hold for hours. Without
+    signals of input (O_ASYNC), and where nobody heeds them by default (macOS), that thread is all there is.
+    """
+    if sys.platform == "linux":
+        fcntl.fcntl(alive, fcntl.F_SETOWN, -os.getpgrp())
+        fcntl.fcntl(alive, fcntl.F_SETFL, fcntl.fcntl(alive, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 def _warm() -> None:
@@ -65,17 +79,36 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
     _limit(limits.time_s, limits.memory_MB)
     try:
         return {"class": "", "text": DO[task.kind](task, folder)}
-    except MemoryError as error:
-        said = f": {error}" if str(error) else ""
-        return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB{said}"}
     except Exception as error:
-        if isinstance(error, OSError) and error.errno in NO_SPACE:
+        if _is_of_memory(error):
+            said = f": {error}" if str(error) else ""
+            return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB{said}"}
+        if isinstance(error, OSError) and _is_of_store(error, folder):
             return {"class": "disk", "reason": error.strerror}
         where = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(where.filename).name}:{where.lineno}"
         return {"class": "crash", "reason": f"{type(error).__name__} at {place}: {' '.join(str(error).split())}"}
     finally:
         _limit(None, None)
+
+
+def _is_of_memory(error: BaseException | None) -> bool:
+    """True of an allocation that failed, of a library that finds no room to be loaded, and of what comes of either."""
+    while error is not None:
+        if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
+            return True
+        if isinstance(error, ImportError) and os.strerror(errno.ENOMEM) in str(error):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def _is_of_store(error: OSError, folder: Path | None) -> bool:
+    """True where the folder of a task, or one that it lies in, is what takes nothing: full, read-only, no folder."""
+    if error.errno in NO_SPACE:
+        return True
+    name = Path(str(error.filename))
+    return folder is not None and (folder.is_relative_to(name) or name.is_relative_to(folder))
 
 
 def _limit(time_s: float | None, memory_MB: float | None) -> None:

@@ -5,16 +5,18 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 import weakref
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from studies.pool.main import READY
 from studies.pool.task import Limits, Order, Task
@@ -22,6 +24,8 @@ from studies.store.layout import Archive
 from studies.store.source_hash import ROOT
 
 STARTUP_S = 120.0
+LAST_WORDS = 300  # characters of the last line that a process has printed before it died
+OUT_OF_MEMORY = re.compile(r"memory|alloc", re.IGNORECASE)  # what compiled code says before it aborts
 TABLES_TAKE = 4  # times as long as a cell may
 # workers of dask set it: memory that is given back at once is touched anew, which takes three times as long
 NOT_PASSED_ON = ("MALLOC_TRIM_THRESHOLD_",)
@@ -32,76 +36,116 @@ class StoreFullError(OSError):
     """The store takes nothing any more."""
 
 
+@dataclass(frozen=True, eq=False)
+class _Running:
+    """A process of :mod:`studies.pool.main`; ``alive`` closes with this side, which ends the process, too."""
+
+    process: subprocess.Popen[bytes]
+    pipe: Connection[Order, Any]
+    alive: IO[bytes]
+    printed: IO[bytes]
+
+    @classmethod
+    def begun(cls) -> _Running:
+        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+        environment = {name: value for name, value in os.environ.items() if name not in NOT_PASSED_ON}
+        (pipe, theirs), (ends, alive), printed = Pipe(), os.pipe(), tempfile.TemporaryFile()  # noqa: SIM115  kept
+        process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "studies.pool.main", str(theirs.fileno()), str(ends)],
+            pass_fds=[theirs.fileno(), ends],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=printed,
+            env={**environment, **ONE_THREAD, "PYTHONPATH": path},
+            process_group=0,
+        )
+        theirs.close()
+        os.close(ends)
+        return cls(process, pipe, os.fdopen(alive, "wb"), printed)
+
+    def ready(self) -> bool:
+        try:
+            return self.pipe.poll(STARTUP_S) and self.pipe.recv() == READY
+        except (EOFError, OSError):
+            return False
+
+    def send(self, order: Order) -> None:
+        """Hand on a task; what was printed before it is forgotten."""
+        self.printed.seek(0)
+        self.printed.truncate()
+        self.pipe.send(order)
+
+    def last_words(self) -> str:
+        """The last line that was printed."""
+        self.printed.seek(0)
+        lines = self.printed.read().decode(errors="replace").split("\n")
+        return next((" ".join(line.split())[:LAST_WORDS] for line in reversed(lines) if line.strip()), "")
+
+    def buried(self) -> None:
+        """Wait for the end of a process that was killed."""
+        self.process.wait()
+        for each in (self.pipe, self.alive, self.printed):
+            each.close()
+
+
 class Child:
     """One warm process of :mod:`studies.pool.main`, started when it is needed and again after it was killed."""
 
     def __init__(self, stopped: threading.Event | None = None) -> None:
-        self._started: tuple[subprocess.Popen[bytes], Connection[Order, Any]] | None = None
+        self._running: _Running | None = None
         self._stopped = stopped or threading.Event()  # nothing is begun any more
 
     def ask(self, task: Task, limits: Limits, folder: Path | None = None) -> dict[str, Any]:
         """What came of a task; of a process that was killed, or died, {"class", "reason"}."""
-        process, pipe = self._started or self._start()
+        running = self._running or self._start()
         try:
-            if self._stopped.is_set() or self._started is None:
+            if self._stopped.is_set() or self._running is None:
                 self.end()
                 return {"class": "crash", "reason": "the process that solves cells does not start"}
-            pipe.send((task, limits, folder))
+            running.send((task, limits, folder))
             late = {"class": "time", "reason": f"killed after {limits.time_s:g} s"}
-            answer = pipe.recv() if pipe.poll(limits.time_s) else late
+            answer = running.pipe.recv() if running.pipe.poll(limits.time_s) else late
         except (EOFError, OSError):
-            return {"class": "crash", "reason": self._why(process)}
+            return self._death(running, limits)
         if answer["class"] in ("time", "memory"):
             self.end()
         return answer
 
     def kill(self) -> None:
         """Kill the process, and whatever it has started; from any thread. Who waits for its answer sees its end."""
-        if self._started is not None:
+        if self._running is not None:
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(self._started[0].pid, signal.SIGKILL)
+                os.killpg(self._running.process.pid, signal.SIGKILL)
 
     def end(self) -> None:
         """Kill the process and forget it."""
         self.kill()
-        if self._started is not None:
-            (process, pipe), self._started = self._started, None
-            process.wait()
-            pipe.close()
+        if self._running is not None:
+            running, self._running = self._running, None
+            running.buried()
 
-    def _start(self) -> tuple[subprocess.Popen[bytes], Connection[Order, Any]]:
-        """A new process and this end of its pipe, kept once it is ready."""
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-        environment = {name: value for name, value in os.environ.items() if name not in NOT_PASSED_ON}
-        pipe, theirs = Pipe()
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "studies.pool.main", str(theirs.fileno())],
-            pass_fds=[theirs.fileno()],
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            env={**environment, **ONE_THREAD, "PYTHONPATH": path},
-            process_group=0,
-        )
-        theirs.close()
-        self._started = process, pipe
-        try:
-            ready = pipe.poll(STARTUP_S) and pipe.recv() == READY
-        except (EOFError, OSError):
-            ready = False
-        if not ready:
+    def _start(self) -> _Running:
+        """A new process, kept once it is ready."""
+        running = self._running = _Running.begun()
+        if not running.ready():
             self.end()
-        return process, pipe
+        return running
 
-    def _why(self, process: subprocess.Popen[bytes]) -> str:
-        """How the process has ended; it is forgotten."""
+    def _death(self, running: _Running, limits: Limits) -> dict[str, str]:
+        """How a process has died; it is forgotten. Compiled code that aborts may have said that it was for memory."""
         try:
-            code = process.wait(10)
+            code = running.process.wait(10)
         except subprocess.TimeoutExpired:
             code = 0
+        words = running.last_words()
         self.end()
+        how = f"the process ended by itself, exit code {code}"
         if code < 0:
-            return f"killed by {signal.Signals(-code).name}"
-        return f"the process ended by itself, exit code {code}"
+            how = f"killed by {signal.Signals(-code).name}"
+        reason = f"{how}: {words}" if words else how
+        if code and OUT_OF_MEMORY.search(words):
+            return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB: {reason}"}
+        return {"class": "crash", "reason": reason}
 
 
 class Children:

@@ -118,10 +118,14 @@ class Archive:
         What a killed run was writing is swept away: it never had a name.
         """
         self._refuse_others()
-        self.root.mkdir(parents=True, exist_ok=True)
         import fcntl  # as killing a cell, not there on every system; reading a store does without
 
-        with (self.root / ".lock").open("a+", encoding="utf-8") as lock:
+        try:
+            self.root.mkdir(parents=True, exist_ok=True)
+            lock = (self.root / ".lock").open("a+", encoding="utf-8")
+        except OSError as error:
+            raise UsageError(f"--store {self.root} cannot be written to: {error.strerror}") from None
+        with lock:
             try:
                 fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -146,11 +150,16 @@ class Archive:
 
 
 def _read(path: Path, keys: tuple[str, ...], cell_id: str | None = None) -> dict[str, Any] | None:
-    """A JSON file with these keys, this schema and this id; None when it is not there. Raises DamagedError."""
+    """A JSON file with these keys, this schema and this id; None when it is not there. Raises DamagedError.
+
+    What may not be read is not damaged: PermissionError.
+    """
     try:
         data = json.loads(path.read_bytes())
     except FileNotFoundError:
         return None
+    except PermissionError:
+        raise
     except (OSError, ValueError) as error:
         raise DamagedError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
     if not isinstance(data, dict):

@@ -131,6 +131,8 @@ def attempt(cell: Cell) -> Found:
             return _followed(scene.build(request), request)
         except UsageError as error:
             return Found(REFUSED, str(error))
+        except MemoryError:
+            raise  # of the process that makes the map
         except Exception as error:  # a crash is a finding of these maps, whatever it is
             return Found(CRASHED, f"{type(error).__name__}: {error}")
 

@@ -2,33 +2,23 @@
 
 from __future__ import annotations
 
-import errno
 import gc
-import json
-import math
-import os
-import random
 import shutil
-import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from studies import scenes
 from studies.analysis.collect import collect
 from studies.campaigns.file import find
-from studies.campaigns.run import Summary, run
+from studies.campaigns.run import run
 from studies.cli import main
 from studies.pool.task import Limits
 from studies.scene import UsageError
-from studies.store import layout as archive
-from studies.store.atomic import PART
 from studies.store.layout import Archive
+from support.small_campaign import SMALL, again, content, small
 
 PLANTED = '''
 import os, signal, time
@@ -68,69 +58,6 @@ class Planted(Cantilever):
 
 SCENES["planted"] = Planted()
 '''
-SMALL = """
-title = "small"
-[[cross]]
-name = "small"
-contacts = ["semismooth", "qp"]
-tolerances = [1e-9]
-[cross.scenes.cantilever]
-meshes = ["2x1", "4x1"]
-[cross.scenes.strip-contact]
-meshes = ["4x1", "8x1"]
-set = { load_fraction = "5" }
-"""
-APART = ("timing_s", "provenance")
-KILLS = 20
-
-
-def small(folder: Path) -> Path:
-    path = folder / "small.toml"
-    path.write_text(SMALL)
-    return path
-
-
-def content(store: Path) -> dict[str, Any]:
-    """Everything in a store apart from timings and provenance."""
-    found: dict[str, Any] = {}
-    for path in sorted(each for each in store.rglob("*") if each.is_file() and each.name != ".lock"):
-        name = path.relative_to(store).as_posix()
-        found[name] = path.read_bytes()
-        if name.startswith("cells/") and name.endswith(".json"):
-            record = json.loads(found[name])
-            found[name] = {key: value for key, value in record.items() if key not in APART}
-    return found
-
-
-@pytest.fixture(autouse=True)
-def scenes_of_a_test_end_with_it() -> Iterator[None]:
-    """The catalogue as it was, whatever the modules of a campaign have put into it."""
-    before = dict(scenes.SCENES)
-    yield
-    for name in scenes.SCENES.keys() - before.keys():
-        del scenes.SCENES[name]
-        sys.modules.pop("planted_cells", None)
-
-
-@pytest.fixture(scope="module")
-def solved(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The small campaign, solved one by one."""
-    folder = tmp_path_factory.mktemp("solved")
-    summary = run(find(str(small(folder))), folder / "store")
-    assert summary.classes == {"converged": 6}
-    return folder / "store"
-
-
-@pytest.fixture
-def own(solved: Path, tmp_path: Path) -> Path:
-    """A copy that a test may damage."""
-    return Path(shutil.copytree(solved, tmp_path / "store"))
-
-
-def again(folder: Path, store: Path, **options: Any) -> Summary:
-    return run(find(str(small(folder))), store, **options)
-
-
 # --- outcomes -----------------------------------------------------------------------------------------------------
 
 
@@ -200,63 +127,6 @@ def test_combinations_that_make_no_sense_are_rows_with_their_reason(tmp_path: Pa
 # --- kills and damage ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-def test_killed_at_any_moment_and_resumed_it_is_the_same_store(solved: Path, tmp_path: Path) -> None:
-    """From the first import to the last cell; whenever it gets to its end before, it begins again from nothing."""
-    path, store, rng = small(tmp_path), tmp_path / "store", random.Random(2004)
-    command = [sys.executable, "-m", "studies.cli", "run", str(path), "--store", str(store), "--engine", "local:2"]
-    began = time.monotonic()
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    whole = time.monotonic() - began  # on this machine, as busy as it is
-    shutil.rmtree(store)
-    killed, moments = 0, set()
-    while killed < KILLS:
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        # after a time, or after so many records: however busy the machine is, some kills find some of them there
-        until = time.monotonic() + rng.uniform(0.1, 1.0) * whole
-        enough = rng.choice([math.inf, rng.randint(1, len(content(solved)))])
-        while process.poll() is None:
-            there = len(list((store / "cells").glob("*.json")))
-            if there >= enough or (enough == math.inf and time.monotonic() > until):
-                process.send_signal(signal.SIGKILL)
-                process.wait()
-                killed += process.returncode != 0
-            time.sleep(0.005)
-        written = (store / "cells").glob("*.json")  # but for what was being written when the kill came
-        records = [record for record in written if not record.name.startswith(PART)]
-        assert all(json.loads(record.read_text())["class"] == "converged" for record in records)
-        moments.add(len(records))
-        if process.returncode == 0:
-            shutil.rmtree(store)
-    assert len(moments) > 2, moments  # with nothing done, with something, with more
-    again(tmp_path, store)
-    assert content(store) == content(solved)
-
-
-@pytest.mark.slow
-def test_nothing_outlives_a_campaign_that_is_killed(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "studies.cli", "run", "tyre", "--store", str(tmp_path), "--engine", "local:2"]
-    campaign = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    children = Path(f"/proc/{campaign.pid}/task")
-    if not children.exists():
-        campaign.kill()
-        pytest.skip("no /proc to look at processes")
-    workers: list[Path] = []
-    until = time.monotonic() + 60
-    while len(workers) < 2 and time.monotonic() < until:
-        found = [pid for file in children.glob("*/children") for pid in file.read_text().split()]
-        workers = [Path(f"/proc/{pid}") for pid in found]
-        time.sleep(0.1)
-    time.sleep(1.0)
-    campaign.kill()
-    campaign.wait()
-    until = time.monotonic() + 30
-    while any(each.exists() for each in workers) and time.monotonic() < until:
-        time.sleep(0.1)
-    assert len(workers) == 2
-    assert not any(each.exists() for each in workers)
-
-
 @pytest.mark.parametrize(
     "damage", ["half", *(pytest.param(text, marks=pytest.mark.slow) for text in ("other", "", '{"schema": 1}', "[]"))]
 )
@@ -289,34 +159,6 @@ def test_a_store_of_another_schema_is_refused_and_not_touched(
         f"footprint: {own} has schema 1, this program writes 2: choose another --store\n"
     )
     assert content(own) == before
-
-
-@pytest.mark.slow
-def test_a_full_disk_is_one_line_and_what_was_finished_is_kept(
-    solved: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    store, left = tmp_path / "store", [3]
-    write = archive.write_text
-
-    def filling(path: Path, text: str) -> None:
-        if path.parent.name == "cells":
-            left[0] -= 1
-            if left[0] < 0:
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
-        write(path, text)
-
-    for engine in ("serial", "local:2"):
-        with monkeypatch.context() as patch:
-            patch.setattr(archive, "write_text", filling)
-            assert main(["run", str(small(tmp_path)), "--store", str(store), "--engine", engine]) == 2
-        said = capsys.readouterr().err
-        assert said == (
-            f"footprint: {store} takes no more: No space left on device; what is finished is kept, run again to go on\n"
-        )
-        assert len(list((store / "cells").iterdir())) == 3
-    assert list(store.rglob(".part-*")) == []
-    assert again(tmp_path, store).solved == 3
-    assert content(store) == content(solved)
 
 
 def test_two_runs_of_one_store_are_one_and_a_refusal(
