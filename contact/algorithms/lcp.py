@@ -41,7 +41,8 @@ class Lcp(NewtonAlgorithm):
     operator G K^-1 G^T (compliance, mm/N) of all that are expected to press or pushed in by the free step, one solution
     a candidate; K alone must be regular then: a body that only the foundation holds has no compliance.
     method: ``lemke`` (exact pivoting, any P-matrix), ``active-set`` (fast, any P-matrix), ``nnls`` (symmetric positive
-    definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling).
+    definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling; where
+    the travel of the foundation is an unknown, in arc length, the active set takes its place).
     Consistent coupling is solved in full.
     Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
     """
@@ -66,7 +67,8 @@ class Lcp(NewtonAlgorithm):
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
         step = _condensed if self.system == "condensed" else _full
-        return iterate(self.run(problem), start, partial(step, self.method), self.max_iterations)
+        method = "active-set" if self.method == "nnls" and problem.driven else self.method
+        return iterate(self.run(problem), start, partial(step, method), self.max_iterations)
 
 
 def _condensed(method: str, run: NewtonRun, at: Iterate) -> Step:
@@ -95,7 +97,8 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
     K = problem.stiffness(at.lin, at.u, at.pressure)
     lumped = problem.coupling is None
     # the multiplier: nodal forces, which keep the matrix symmetric, or pressures where a matrix makes forces of them
-    push = sparse.csc_matrix(G.T if problem.coupling is None else G.T @ problem.coupling)
+    acting = problem.push(at.u)
+    push = sparse.csc_matrix(acting.T if problem.coupling is None else acting.T @ problem.coupling)
     per_pressure = problem.weights if lumped else np.ones_like(problem.weights)
     factor = run.factorise(K)
     free_du = run.solution(factor, K, -at.lin.residual)
@@ -133,7 +136,7 @@ def _closed(
     if len(nodes) == 0:
         return du
     rows = G[nodes]
-    (pivot, slope), du = holding(rows, nodes), du.copy()
+    (pivot, slope), du = holding(run.problem.push(at.u)[nodes], nodes), du.copy()
     du[pivot] -= (at.gap[nodes] + pressure[nodes] / run.epsilon + rows @ du) / slope
     return du
 

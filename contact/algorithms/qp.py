@@ -40,7 +40,8 @@ class Qp(NewtonAlgorithm):
     contact set is used: exact linear steps start from it and correct it where it is wrong, so that a false "solved"
     costs time but no digit. The history says when the solver did not claim success and how often it was corrected.
     A tangent that is not convex is shifted until it is, for finding the set only; the history says that, too.
-    A tangent that is not symmetric has no energy: refused.
+    A tangent that is not symmetric has no energy: refused. So has a body with the travel of its foundation for an
+    unknown (arc length), though it is symmetric: there the set is found by exact steps alone, and the history says so.
     Source: Stellato et al., Math. Program. Comput. 12 (2020) 637-672; its false "solved": osqp#790, osqp#273.
     """
 
@@ -65,7 +66,7 @@ class Qp(NewtonAlgorithm):
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start``; the outcome is REFUSED where the tangent is not symmetric."""
         step = self._condensed if self.system == "condensed" else self._full
-        return iterate(self.run(problem), start, step, self.max_iterations)
+        return iterate(self.run(problem), start, _settled if problem.driven else step, self.max_iterations)
 
     def _condensed(self, run: NewtonRun, at: Iterate) -> Step:
         _must_be_symmetric(run.problem.stiffness(at.lin, at.u, at.pressure))
@@ -126,6 +127,13 @@ class Qp(NewtonAlgorithm):
             if not (found.claimed and pushed_in.any()):
                 return Answer(x, y, found.claimed, found.status)
             near |= pushed_in
+
+
+def _settled(run: NewtonRun, at: Iterate) -> Step:
+    """The step of a body whose foundation moves as an unknown."""
+    step = settle_set(run, at, at.active)
+    told = Event(EventKind.SUBSTITUTE, "the travel is an unknown, no programme has it: set found by exact steps")
+    return replace(step, event=told + step.event if step.event else told)
 
 
 def _must_be_symmetric(K: sparse.csc_matrix) -> None:

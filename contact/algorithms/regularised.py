@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
-from contact.newton.loop import Step, iterate
+from contact.newton.loop import Step, came_back, iterate, settle_set
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
@@ -20,6 +20,7 @@ class Regularised(NewtonAlgorithm):
 
     epsilon [MPa/mm]: stiffness of the foundation, the paper's 1e4; the penetration is p/epsilon. The pressure of an
     iterate comes from its linear step, not from epsilon times a rounded gap: no digit is lost at 1e14.
+    A set that comes back after another one is a cycle: the linearised problem is settled there, see semismooth.
     Source: Grigolyuk et al. (2004), eqs 14-16; Simo, Wriggers, Taylor, Comput. Methods Appl. Mech. Eng. 50 (1985)
     163-180.
     """
@@ -41,5 +42,7 @@ class Regularised(NewtonAlgorithm):
 
 
 def _on_penetrated(run: NewtonRun, at: Iterate) -> Step:
+    if came_back(at):
+        return settle_set(run, at, at.active)
     du, pressure = run.step(at.lin, at.u, at.pressure, at.active)
     return Step(du, pressure, at.active)

@@ -20,11 +20,13 @@ class Semismooth(NewtonAlgorithm):
     are non-zero, that is in the first iteration of a step: after a full step one of them vanishes at every node.
     settle: the set is updated on the same linearisation until at most this fraction of it changes. At 1 every set gets
     a linearisation of its own, the textbook's method: far from the solution it chases sets that mean nothing and is
-    lost on fine meshes (tyre 84x80, 20 mm in one step); at 0 it solves each linearised problem to the end. Below 1 a
-    cycle is answered by swapping only the first misplaced node (Murty), and the history says so.
+    lost on fine meshes (tyre 84x80, 20 mm in one step); at 0 it solves each linearised problem to the end.
+    Swapping all violators may cycle, on a symmetric positive definite matrix of three unknowns already (Curtis, Han,
+    Robinson, Comput. Optim. Appl. 60 (2015) 311-341). A set that comes back is answered by solving the linearised
+    problem by principal pivots, finite for every P-matrix, and the history says so.
     max_iterations: those that only release nodes do not count. With an M-matrix (membranes, strings) that is all that
-    happens once the first step has closed too much: finite, but one row of elements at a time at epsilon = infinity, so
-    that their number grows with the mesh.
+    happens once the first step has closed too much: finite, no more than there are candidates, but one row of elements
+    at a time at epsilon = infinity, so that their number grows with the mesh.
     Source: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888.
     """
 

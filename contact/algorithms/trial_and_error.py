@@ -8,7 +8,8 @@ from typing import ClassVar
 import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
-from contact.newton.loop import CYCLE, first_of
+from contact.events import Event, EventKind
+from contact.newton.loop import CYCLE, StepError, first_of, only_released, settle_exactly
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
@@ -20,8 +21,12 @@ class TrialAndError(NewtonAlgorithm):
     """Guess a set, solve, release nodes under tension, add nodes that penetrate, repeat.
 
     epsilon [MPa/mm]: the paper's regularisation, 1e4; infinity enforces exactly.
-    Swapping all violators at once can cycle. A set seen before switches to swapping only the first violator (Murty's
-    least-index rule, finite for every P-matrix), and the history says so.
+    Swapping all violators at once can cycle: on a symmetric positive definite matrix of three unknowns already (Curtis,
+    Han, Robinson, Comput. Optim. Appl. 60 (2015) 311-341). The paper has no answer to that. Ours: at a set seen before,
+    the problem linearised at its equilibrium is solved by principal pivots, and its set is the next guess. With linear
+    mechanics, and a P-matrix, that is the answer; else, where a set comes back again, the first violator alone is
+    swapped (Murty's least index), until one comes back to that, too. The history says so.
+    max_sets: those that only release nodes do not count; between two others there are no more of them than candidates.
     Sources: Grigolyuk et al. (2004), eqs 14-16; Murty, Linear Algebra Appl. 5 (1972) 65-108.
     """
 
@@ -35,9 +40,9 @@ class TrialAndError(NewtonAlgorithm):
         u, pressure, before = start.u, start.pressure, start.active
         active = before | (problem.gap(u) < 0)
         seen: set[bytes] = set()
-        one_at_a_time = False
+        counted, cycles = 0, 0
         at: Iterate | None = None
-        for _ in range(self.max_sets):
+        while counted < self.max_sets and cycles < 3:
             pressed = np.where(active, pressure, 0.0)
             at, outcome = self._equilibrium(run, run.at(run.linearise(u, None), u, pressed, active, at), before)
             if not outcome.converged:
@@ -47,13 +52,21 @@ class TrialAndError(NewtonAlgorithm):
             if not violated.any():
                 return run.finish(at, Outcome.CONVERGED)
             u, pressure, before = at.u, at.pressure, active
-            if not one_at_a_time and active.tobytes() in seen:
-                one_at_a_time = True
-                run.tally.tell(CYCLE)
+            again = active.tobytes() in seen
+            if again:
+                cycles += 1
+                seen.clear()
             seen.add(active.tobytes())
-            active = active ^ (first_of(violated) if one_at_a_time else violated)
+            if again and cycles == 1:
+                active, event = _settled(run, at)
+                run.tally.tell(event)
+            else:
+                if again and cycles == 2:
+                    run.tally.tell(CYCLE)
+                active = active ^ (first_of(violated) if cycles > 1 else violated)
+            counted += not only_released(before, active)
         assert at is not None  # there is at least one set
-        ended = Outcome.CYCLING if one_at_a_time else Outcome.ITERATION_LIMIT
+        ended = Outcome.CYCLING if cycles else Outcome.ITERATION_LIMIT
         return run.finish(replace(at, active=active), ended)
 
     def _equilibrium(self, run: NewtonRun, at: Iterate, before: np.ndarray) -> tuple[Iterate, Outcome]:
@@ -75,3 +88,12 @@ class TrialAndError(NewtonAlgorithm):
                 return at, Outcome.SINGULAR
             at = run.advance(at, du, pressure, at.active)
         return at, Outcome.ITERATION_LIMIT
+
+
+def _settled(run: NewtonRun, at: Iterate) -> tuple[np.ndarray, Event]:
+    """The set (m,) that solves the linearised problem at an equilibrium, or the same one where that has no end."""
+    try:
+        step = settle_exactly(run, at, run.linear(at.lin, at.u, at.pressure, at.active), at.active)
+    except (SingularMatrixError, StepError) as error:
+        return at.active, Event(EventKind.CYCLE, str(error))
+    return step.active, step.event or CYCLE

@@ -18,11 +18,14 @@ from contact.newton.condensed import Condensed
 from contact.newton.state import Iterate
 from contact.newton.step import LinearStep, NewtonRun
 from contact.problem import ContactSolution, Outcome
+from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit
 from contact.solvers.sparse import SingularMatrixError
 
 FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
 MOST_UPDATES = 60  # on one linearisation, and beyond one an iteration in all of a solve; releases are not counted
+LAST_ATTEMPTS = 4  # linearised problems solved to the end once so many updates have not settled the set
 CYCLE = Event(EventKind.CYCLE, "cycle detected: from here on only the first violating node is swapped")
+PIVOTS = Event(EventKind.CYCLE, "cycle detected, or no end in sight: the linearised problem was solved by pivots")
 
 
 class StepError(ArithmeticError):
@@ -55,10 +58,12 @@ def iterate(
 ) -> ContactSolution:
     """From ``start`` until the set repeats and the forces balance; c [MPa/mm] weighs pressure against gap.
 
-    Iterations that only release nodes do not count against ``max_iterations``.
+    Iterations that only release nodes, and none that an earlier one has released, do not count against
+    ``max_iterations``. Between two others there are no more of them than candidates.
     """
     at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
     noted, counted, updates, begun = at.active, 0, 0, set[bytes]()
+    released: np.ndarray | None = None  # what is left of the set since the last iteration that counts
     event: Event | None = None
     while True:
         expected = at.active ^ run.misplaced(at, c)
@@ -71,9 +76,13 @@ def iterate(
             return run.finish(at, Outcome.CONVERGED)
         if settled and run.stuck(at):
             return run.finish(at, Outcome.ROUNDING)
-        counted += not _only_released(at.active, expected)
+        if only_released(at.active, expected) and (released is None or only_released(released, expected)):
+            released = expected
+        else:
+            counted, released = counted + 1, None
         if counted > max_iterations:
-            return run.finish(at, Outcome.ITERATION_LIMIT)
+            endless = event is not None and EventKind.FAILED in event.kind
+            return run.finish(at, Outcome.CYCLING if endless else Outcome.ITERATION_LIMIT)
         again = expected.tobytes() in begun
         begun.add(expected.tobytes())
         try:
@@ -88,14 +97,24 @@ def iterate(
 def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most: int = MOST_UPDATES) -> Step:
     """The step on the set that the linearised problem keeps, up to the fraction ``settle`` of it.
 
-    Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there.
-    A path that has no next state would go on like that for hundreds of factorisations: ``most`` updates end it.
+    Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there. Where
+    every set has a linearisation of its own (``settle`` 1) only a set that comes back after another one is a cycle.
+    After ``most`` updates a few linearised problems are solved to the end. A path that has no next state would go on
+    like that for hundreds of factorisations: it is given up then.
     Raises StepError, SingularMatrixError.
     """
-    if at.updates > most:
+    if at.updates > 2 * most:
         raise StepError(Outcome.ITERATION_LIMIT, f"the set was updated {at.updates} times beyond one an iteration")
-    again = settle < 1 and at.again
-    return settle_set(run, at, at.active, 0.0 if again else settle, c, last=again, most=most)
+    if at.updates > most:
+        step = settle_exactly(run, at, run.linear(at.lin, at.u, at.pressure, at.active), at.active, c)
+        return replace(step, updates=step.updates + most // LAST_ATTEMPTS)
+    again = at.again and (settle < 1 or came_back(at))
+    return settle_set(run, at, at.active, 0.0 if again else settle, c, last=again)
+
+
+def came_back(at: Iterate) -> bool:
+    """Whether the expected set has been that of an earlier step, but not of the last one."""
+    return at.again and at.stepped is not None and not np.array_equal(at.active, at.stepped)
 
 
 def settle_set(
@@ -106,55 +125,103 @@ def settle_set(
     c: float = 1.0,
     *,
     last: bool = True,
-    most: int = MOST_UPDATES,
     linear: LinearStep | None = None,
 ) -> Step:
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
     linear: the linearisation, where it is factorised already.
-    If this is the ``last`` linearisation to decide the set, a cycle is answered by swapping only the first misplaced
-    node: finite for a P-matrix. Otherwise, and after very many updates, the step is returned as it is: a tangent far
-    from equilibrium may have no consistent set, and another one is not far.
+    If this is the ``last`` linearisation to decide the set, a cycle, or very many updates, are answered by solving its
+    problem to the end (:func:`settle_exactly`). Otherwise, and where it has none, the step is returned as it is: a
+    tangent far from equilibrium may have no consistent set, and another one is not far.
     Raises SingularMatrixError.
     """
     linear, seen = linear or run.linear(at.lin, at.u, at.pressure, active), set[bytes]()
-    event: Event | None = None
-    most, updates = most if last else min(most, FEW_UPDATES), 0
+    most, updates = MOST_UPDATES if last else FEW_UPDATES, 0
     while True:
         wrong = _misplaced(run, at, linear, active, c)
         after = active ^ wrong
         seen.add(active.tobytes())
-        cycling = event is not None or after.tobytes() in seen
         enough = wrong.sum() <= settle * (active | after).sum()
-        if enough or updates == most or (cycling and not last):
-            return Step(*linear.step(active), active, event, updates)
+        cycling = after.tobytes() in seen or updates == most
+        if enough or (cycling and not last):
+            return Step(*linear.step(active), active, updates=updates)
         if cycling:
-            event, after = CYCLE, active ^ first_of(wrong)
-        updates += not _only_released(active, after)
+            try:
+                return replace(settle_exactly(run, at, linear, active, c), updates=updates)
+            except StepError as error:
+                return Step(
+                    *linear.step(active), active, Event(EventKind.CYCLE | EventKind.FAILED, str(error)), updates
+                )
+        updates += not only_released(active, after)
         active = after
+
+
+def settle_exactly(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float = 1.0) -> Step:
+    """The step that solves the linearised problem, from the set ``active`` (m,): finite for every P-matrix.
+
+    Condensed on the misplaced candidates, it is a dense complementarity problem for block pivots with a safeguard, and
+    for Lemke's where those give up. An indefinite tangent makes none: the problem may have no solution, and both end
+    without one. Raises StepError then.
+    A linearisation that is factorised anew on every set swaps the first misplaced node alone (Murty), up to
+    MOST_UPDATES times beyond releases.
+    Sources: Júdice, Pires, Comput. Oper. Res. 21 (1994) 587-596; Cottle, Pang, Stone, The Linear Complementarity
+    Problem (1992), section 4.4; Murty, Linear Algebra Appl. 5 (1972) 65-108.
+    """
+    if not isinstance(linear, Condensed):
+        return _one_at_a_time(run, at, linear, active, c)
+    try:
+        return replace(decide_set(run, at, linear, _by_pivots, active), event=PIVOTS)
+    except LcpError as error:
+        told = f"cycle detected, and pivots do not end on the linearised problem: {error}"
+        raise StepError(Outcome.CYCLING, told) from None
+
+
+def _one_at_a_time(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float) -> Step:
+    """Murty's least index on one linearisation."""
+    updates = 0
+    while True:
+        wrong = _misplaced(run, at, linear, active, c)
+        if updates == MOST_UPDATES or not wrong.any():
+            return Step(*linear.step(active), active, CYCLE, updates)
+        after = active ^ first_of(wrong)
+        updates += not only_released(active, after)
+        active = after
+
+
+def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
+    """Who leaves the state that it has in the base set; raises LcpError."""
+    size = unit(M)
+    M, q = size[:, None] * M * size, size * q
+    try:
+        return np.asarray(active_set(M, q).z > 0)
+    except LcpError:
+        return np.asarray(lemke(M, q).z > 0)
 
 
 Decide = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # M (c, c), q (c,), base (c,) -> (c,) bool
 
 
-def decide_set(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -> Step:
+def decide_set(
+    run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide, active: np.ndarray | None = None
+) -> Step:
     """The step on the set that ``decide`` makes of the misplaced candidates, joined by others until there are none.
 
     decide: of candidates that the linear complementarity problem w = M z + q is about, those with z > 0: their state is
     not the one that they have in the set of ``linear``. A candidate that was decided is decided again with every later
-    one, never alone.
+    one, never alone.  active (m,): the set to begin with, by default that of ``linear``.
     Raises what decide and the linearisation raise.
     """
-    decided, active = np.zeros(len(at.gap), bool), linear.base
-    while True:
-        wrong = _misplaced(run, at, linear, active) & ~decided
-        if not wrong.any():
-            return Step(*linear.step(active), active)
+    active = linear.base if active is None else active
+    wrong = _misplaced(run, at, linear, active)
+    decided = active ^ linear.base
+    while wrong.any():
         decided |= wrong
         nodes = np.flatnonzero(decided)
         changed = decide(*linear.block(nodes), linear.base[nodes])
         active = linear.base.copy()
         active[nodes[changed]] ^= True
+        wrong = _misplaced(run, at, linear, active) & ~decided
+    return Step(*linear.step(active), active)
 
 
 def _misplaced(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float = 1.0) -> np.ndarray:
@@ -170,5 +237,6 @@ def first_of(wrong: np.ndarray) -> np.ndarray:
     return only
 
 
-def _only_released(before: np.ndarray, after: np.ndarray) -> bool:
+def only_released(before: np.ndarray, after: np.ndarray) -> bool:
+    """Whether some have left the set and none has joined it."""
     return bool(np.any(before & ~after) and not np.any(after & ~before))

@@ -68,8 +68,12 @@ def _cycles(store: Store) -> Part:
     text = prose("""## Cycles
 
 The textbook's active set swaps all violators at once, with both bounds of an unknown as one set; on published problems
-it comes back to a set it has had. Here every bound is a candidate of its own, which alone settles the two-sided ones;
-where sets still repeat, the algorithm says so and swaps only the first violator from then on (Murty's rule).""")
+it comes back to a set it has had. No rule that swaps all violators can be shown to end: the smallest counterexample
+has three unknowns and a symmetric positive definite matrix (3x3; Curtis, Han and Robinson, 2015). Here every bound is a
+candidate of its own, which alone settles the two-sided ones. Where a set comes back, the algorithm says so and solves
+the linearised problem on the misplaced candidates by principal pivots: finite for every P-matrix (Cottle, Pang and
+Stone, 1992), that is wherever the tangent is definite on the motions that contact leaves free, and contact lumped. An
+indefinite tangent has no such theorem, and the linearised problem perhaps no solution.""")
     rows = [
         [line["problem"], _period(line["plain_period"]), *(line[way] for way in ways)]
         for line in found.to_dict("records")

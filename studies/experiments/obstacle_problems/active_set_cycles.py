@@ -14,10 +14,11 @@ from contact.events import EventKind, events
 from contact.problem import ContactSolution
 from studies.experiments.obstacle_problems.collection import Bounded, classic, obstacle, torsion
 
-WAYS = {
+WAYS: dict[str, tuple[str, dict[str, float]]] = {
     "trial-and-error": ("trial-and-error", {}),
     "semismooth, settle 1": ("semismooth", {"settle": 1.0}),
     "semismooth": ("semismooth", {}),
+    "regularised": ("regularised", {"epsilon": 1e8}),
 }
 
 
@@ -75,7 +76,7 @@ def cycles() -> pd.DataFrame:
     for body in problems():
         row: dict[str, object] = {"problem": body.name, "plain_period": plain_period(body)}
         for way, (name, settings) in WAYS.items():
-            found = ALGORITHMS[name](epsilon=math.inf, **settings).solve(body.problem(), _begin(body))
+            found = ALGORITHMS[name](**{"epsilon": math.inf} | settings).solve(body.problem(), _begin(body))
             noticed = events(found.history, EventKind.CYCLE)
             row[way] = found.outcome.word + (", cycle detected" if noticed else "")
         rows.append(row)

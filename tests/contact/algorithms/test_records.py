@@ -11,7 +11,7 @@ from scipy.optimize import nnls
 
 from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
-from contact.problem import ContactProblem, Outcome
+from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
 from support.contact_problems import EXACT, Quadratic, applicable, random_quadratic, solve_from_rest
 
@@ -74,16 +74,42 @@ def test_a_cycle_is_solved_or_reported(name) -> None:
         assert set(verdict.failures()) & {"penetration", "tension"}
 
 
-def test_semismooth_cycles_unless_it_settles_its_set() -> None:
-    """Must fail beside must pass: the textbook's method goes round until its limit; settled, it notices and ends."""
-    data = cycling()
-    textbook = solve_from_rest("semismooth", data.problem(), 3, settle=1.0)
-    assert textbook.outcome is Outcome.ITERATION_LIMIT
-    sizes = [row["contact_nodes"] for row in textbook.history]
-    assert sizes[3:6] == sizes[6:9]
-    settled = solve_from_rest("semismooth", data.problem(), 3)
-    assert settled.outcome is Outcome.CONVERGED
-    assert events(settled.history, EventKind.CYCLE)
+def many_cycles(copies: int = 60) -> Quadratic:
+    """So many of the example side by side: each must be got out of its own cycle."""
+    n = 3 * copies
+    K, f = np.kron(np.eye(copies), CYCLING_M), np.tile(-CYCLING_C, copies)
+    return Quadratic(K, f, np.eye(n), np.zeros(n), np.ones(n))
+
+
+@pytest.mark.parametrize("settle", [0.0, 0.05, 1.0])
+def test_semismooth_ends_however_it_settles(settle) -> None:
+    """A linearisation for every set is the textbook's method, and goes round without the answer to a set come back."""
+    solution = solve_from_rest("semismooth", many_cycles(1).problem(), 3, settle=settle)
+    assert solution.outcome is Outcome.CONVERGED
+    assert events(solution.history, EventKind.CYCLE)
+
+
+@pytest.mark.parametrize(("name", "epsilon"), applicable(math.inf, 1e8))
+@pytest.mark.parametrize("full", [False, True])
+def test_sixty_cycles_end_within_twenty_factorisations(name, epsilon, full) -> None:
+    """Single swaps would take one set or more for each of them: what settles them must settle them together."""
+    data = many_cycles()
+    start = ContactSolution(np.zeros(180), np.zeros(180), np.full(180, full), Outcome.CONVERGED)
+    solution = ALGORITHMS[name](epsilon=epsilon).solve(data.problem(), start)
+    assert solution.outcome is Outcome.CONVERGED
+    assert solution.counters["factorisations"] <= 20
+    factor = np.linalg.cholesky(CYCLING_M)
+    x, _ = nnls(factor.T, -np.linalg.solve(factor, CYCLING_C))
+    soft = 0 if math.isinf(epsilon) else 10 / epsilon
+    np.testing.assert_allclose(solution.u, np.tile(x, 60), rtol=0, atol=ORACLE + soft)
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name != "qp")) for name in EXACT])
+def test_a_matrix_that_is_no_p_matrix_ends_with_a_reason(name) -> None:
+    """-x - 1 = p has no p >= 0 with x >= 0: no sequence of sets ends, and each must be given up, releases or not."""
+    data = Quadratic(np.array([[-1.0, 0.0], [0.0, 1.0]]), np.array([1.0, 0.0]), np.eye(2), np.zeros(2), np.ones(2))
+    solution = solve_from_rest(name, data.problem(), 2, max_iterations=10)
+    assert solution.outcome in (Outcome.CYCLING, Outcome.UNSOLVED)
 
 
 # --- records ------------------------------------------------------------------------------------------------------
