@@ -32,6 +32,7 @@ COMMANDS = {
     "check": "compare a fresh campaign with the committed baseline",
     "compare": "two stores side by side, as a comment for a review",
     "extremes": "solve and judge one point of a map of extremes",
+    "fuzz": "solve one random case again and hold it against its laws",
     "bench": "what all that a solve does costs, its growth, the harness, and peers",
 }
 ON_A_STORE = {"run", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign

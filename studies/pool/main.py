@@ -150,13 +150,20 @@ def _table(task: Task, folder: Path | None) -> str:
     return ""
 
 
+def _fuzz(task: Task, folder: Path | None) -> str:
+    from studies.fuzz.record import record_of
+
+    return record_of(task.id)
+
+
 def _canary(task: Task, folder: Path | None) -> str:
     from studies.bench.canary import canary
 
     return json.dumps({"seconds": canary()})
 
 
-DO: dict[str, Callable[[Task, Path | None], str]] = {"cell": _record, "table": _table, "canary": _canary}
+Do = Callable[[Task, Path | None], str]
+DO: dict[str, Do] = {"cell": _record, "table": _table, "canary": _canary, "fuzz": _fuzz}
 
 
 if __name__ == "__main__":

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from studies.pool.main import READY
-from studies.pool.task import Limits, Order, Task
+from studies.pool.task import KEPT, Limits, Order, Task
 from studies.store.layout import Archive
 from studies.store.source_hash import ROOT
 
@@ -191,13 +191,13 @@ class Children:
         try:
             if answer["class"]:
                 archive.note_failure(task.id, {"label": task.label, **answer})
-            elif task.kind == "cell":
+            elif task.kind in KEPT:
                 archive.keep(task.id, answer["text"])
             else:
                 archive.failure_path(task.id).unlink(missing_ok=True)
         except OSError as error:
             raise StoreFullError(error.strerror or str(error)) from error
-        return str(answer["class"] or (json.loads(answer["text"])["class"] if task.kind == "cell" else ""))
+        return str(answer["class"] or (json.loads(answer["text"])["class"] if task.kind in KEPT else ""))
 
 
 def _end(children: list[Child]) -> None:

@@ -16,9 +16,12 @@ class Limits:
     memory_MB: float = 8192.0
 
 
+KEPT = ("cell", "fuzz")  # kinds of tasks whose answers are records
+
+
 @dataclass(frozen=True)
 class Task:
-    """A cell, a table of the whole store, or the canary, to be done; everything a worker elsewhere has to know.
+    """A cell, a table of the whole store, a random case, or the canary, to be done; all that a worker has to know.
 
     use: the files of plug-ins that are loaded before.
     """

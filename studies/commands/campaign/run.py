@@ -7,24 +7,35 @@ import sys
 
 from studies.campaigns.file import find
 from studies.campaigns.run import run as run_campaign
-from studies.commands import OK
+from studies.commands import FAILED, OK
 from studies.commands.options import add_store, positive, progress_bar
+from studies.fuzz import campaign as fuzz
+from studies.fuzz.examine import BROKEN
 from studies.pool.task import Limits
+from studies.scene import UsageError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The campaign, its store, the engine and the limits of a cell."""
-    parser.add_argument("campaign", help="a name of its own, or a .toml file")
+    parser.add_argument("campaign", help=f"a name of its own, or a .toml file; {fuzz.NAME}: random cases")
     add_store(parser)
     parser.add_argument("--engine", default="serial", help="serial, local:N or dask:ADDRESS; default serial")
     parser.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
-    parser.add_argument("--time-limit", type=float, default=900.0, metavar="S", help="of one cell, default 900")
-    parser.add_argument("--memory-limit", type=float, default=8192.0, metavar="MB", help="of one cell, default 8192")
+    usual, short = Limits(), fuzz.LIMITS
+    told = f"of one cell, default {usual.time_s:g}; of a random case {short.time_s:g}"
+    parser.add_argument("--time-limit", type=float, metavar="S", help=told)
+    told = f"of one cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
+    parser.add_argument("--memory-limit", type=float, metavar="MB", help=told)
+    parser.add_argument("--cases", type=int, metavar="N", help=f"of {fuzz.NAME}, default {fuzz.CASES}")
 
 
 def run(options: argparse.Namespace) -> int:
     """Solve what is missing and print a line of what became of it."""
-    limits = Limits(positive("time-limit", options.time_limit), positive("memory-limit", options.memory_limit))
+    if options.campaign == fuzz.NAME:
+        return _run_fuzz(options)
+    if options.cases is not None:
+        raise UsageError(f"--cases is of {fuzz.NAME}, not of {options.campaign}")
+    limits = _limits(options, Limits())
     campaign = find(options.campaign)
     with progress_bar(campaign.name) as advance:
         summary = run_campaign(
@@ -38,3 +49,23 @@ def run(options: argparse.Namespace) -> int:
         )
     print(f"{campaign.name}: {summary.line}")
     return OK
+
+
+def _limits(options: argparse.Namespace, usual: Limits) -> Limits:
+    """Those that are given, and else the usual ones."""
+    time_s = usual.time_s if options.time_limit is None else options.time_limit
+    memory_MB = usual.memory_MB if options.memory_limit is None else options.memory_limit
+    return Limits(positive("time-limit", time_s), positive("memory-limit", memory_MB))
+
+
+def _run_fuzz(options: argparse.Namespace) -> int:
+    """Examine the missing random cases; a broken law is a failed check."""
+    limits = _limits(options, fuzz.LIMITS)
+    cases = fuzz.CASES if options.cases is None else options.cases
+    with progress_bar(fuzz.NAME) as advance:
+        summary = fuzz.run(options.store, cases, options.engine, limits, advance, resume=options.resume)
+    print(f"{fuzz.NAME}: {summary.line}")
+    for row in summary.rows:
+        if row["verdict"] == BROKEN:
+            print(f"footprint fuzz --seed {row['seed']}: {row['law']}: {row['said']}")
+    return FAILED if summary.broken else OK

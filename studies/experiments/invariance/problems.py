@@ -96,7 +96,7 @@ class Panel:
     """A surface that looks along ``normal`` at its middle, and what it is pressed with: a ball or a plane.
 
     surface(length): in units of which a length is ``length``.  lines: of the grid.  lengths: whether a1, a2 are
-    lengths, and not angles.
+    lengths, and not angles.  radius, travel: of the ball, and how far the foundation comes, in lengths.
     """
 
     surface: Callable[[float], Surface]
@@ -105,6 +105,8 @@ class Panel:
     normal: tuple[float, float, float]
     ball: bool = False
     element: Element = ELEMENTS[0]
+    radius: float = BALL
+    travel: float = TRAVEL
 
     def posed(self, measure: StrainMeasure, way: Way = FIRST) -> Posed:
         """The contact problem by a measure."""
@@ -133,7 +135,7 @@ class Panel:
         front = float(np.max(places[1] @ np.array(self.normal)))
 
         def problem_at(t: float) -> ContactProblem:
-            foundation = self._foundation(front - t * TRAVEL * way.length, way.length, motion)
+            foundation = self._foundation(front - t * self.travel * way.length, way.length, motion)
             return against(shell.linearise, candidates, foundation)
 
         def seen(state: ContactSolution) -> Seen:
@@ -161,7 +163,7 @@ class Panel:
         """With its foremost point ``front`` along the normal, moved."""
         n = np.array(self.normal)
         if self.ball:
-            return Sphere(motion((front + BALL * length) * n), BALL * length)
+            return Sphere(motion((front + self.radius * length) * n), self.radius * length)
         turned = motion.R @ n
         return RigidPlane(turned / np.linalg.norm(turned), front + float(turned @ motion.c))
 

@@ -155,12 +155,12 @@ def _answer(
 def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[dict[str, object]]:
     """A torus posed in other ways, and panels moved as a whole, together with all that holds and presses them."""
     first = TORUS.posed(measure)
-    one = _solved(first, algorithm)
-    yield _against("solved a second time", one, _solved(first, algorithm))
+    one = solved(first, algorithm)
+    yield against("solved a second time", one, solved(first, algorithm))
     for check, way in WAYS.items():
-        yield _against(check, one, _solved(TORUS.posed(measure, way), algorithm))
-    yield _against("nodes renumbered", one, _solved(renumbered(first, np.random.default_rng(SEED)), algorithm))
-    yield _against(f"{SPLIT} load steps for one", one, _solved(first, algorithm, SPLIT))
+        yield against(check, one, solved(TORUS.posed(measure, way), algorithm))
+    yield against("nodes renumbered", one, solved(renumbered(first, np.random.default_rng(SEED)), algorithm))
+    yield against(f"{SPLIT} load steps for one", one, solved(first, algorithm, SPLIT))
     for check, panel, motion, why in (
         ("plate moved and turned", PLATE, OBLIQUE, _turned_plate(measure)),
         ("cylinder turned about its axis", CYLINDER, ABOUT_Z, _turned_cylinder(measure)),
@@ -169,20 +169,22 @@ def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[dic
         if not panel.element.suits(measure):
             continue
         ways = (FIRST, Way(motion=motion))
-        still, moved = (_solved(panel.posed(measure, way), algorithm) for way in ways)
-        yield _against(check, still, moved, why)
+        still, moved = (solved(panel.posed(measure, way), algorithm) for way in ways)
+        yield against(check, still, moved, why)
 
 
 ISOPARAMETRIC = replace(TORUS, element=Element("isoparametric"))
 
 
-def _solved(posed: Posed, algorithm: ContactAlgorithm, steps: int = 1) -> Answer:
+def solved(posed: Posed, algorithm: ContactAlgorithm, steps: int = 1) -> Answer:
+    """The answer of an algorithm to a problem as it is posed."""
     own, problem = posed.algorithm(algorithm), posed.problem_at(1.0)
     state, outcome = posed.solved(algorithm, steps)
     return _answer(problem, state, outcome, own, posed.seen)
 
 
-def _against(check: str, one: Answer, other: Answer, by_design: str = "") -> dict[str, object]:
+def against(check: str, one: Answer, other: Answer, by_design: str = "") -> dict[str, object]:
+    """The row of a check: deviation, yardsticks, class and reason."""
     return _row(check, one, other, difference(one.seen, other.seen), by_design)
 
 

@@ -1,0 +1,183 @@
+"""One solve of a case: within a number of evaluations, and what became of it in a word.
+
+Whatever a solve raises is a finding, and so is an end that does not say in one line why.
+"""
+
+from __future__ import annotations
+
+import traceback
+import warnings
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.continuation.critical_points import PathEnd
+from contact.problem import ContactProblem, Linearise, Linearised, Outcome
+from studies.fuzz.cases import Asked
+from studies.request import Request
+from studies.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
+from studies.solving import WRONG, Result, solve
+
+MOST = 8_000  # linearisations of one solve
+CONVERGED, REFUSED, ENDED = "converged", "refused", "ended"
+
+
+class Broken(Exception):  # noqa: N818  it is no error of the solve, but its verdict
+    """A law is broken; law: its name."""
+
+    def __init__(self, law: str, text: str) -> None:
+        super().__init__(" ".join(text.split()))
+        self.law = law
+
+
+@dataclass(frozen=True)
+class Passed:
+    """A case that keeps its laws: what it came to, what it was compared with, and what came of that."""
+
+    word: str
+    law: str = ""
+    said: str = ""
+
+
+def watched(problem: ContactProblem, left: list[int] | None = None) -> ContactProblem:
+    """The problem, which ends what linearises it without end; left: how often it may, shared with others."""
+    left = [MOST] if left is None else left
+    only, travel = problem.only, problem.travel
+    return replace(
+        problem,
+        linearise=_counted(problem.linearise, left),
+        only=None if only is None else lambda chosen: watched(only(chosen), left),
+        travel=None if travel is None else lambda: watched(travel(), left),
+    )
+
+
+def _counted(linearise: Linearise, left: list[int]) -> Linearise:
+    def counted(u: np.ndarray, memory: object) -> Linearised:
+        left[0] -= 1
+        if left[0] < 0:
+            raise Broken("ends", f"no end after {MOST} linearisations")
+        return linearise(u, memory)
+
+    return counted
+
+
+@dataclass
+class Watched:
+    """A scene whose problems are watched; otherwise the scene."""
+
+    scene: Scene
+    left: list[int] = field(default_factory=lambda: [MOST])
+
+    def build(self, request: Request) -> SceneModel:
+        """The model, watched."""
+        model: Any = _Model(self.scene.build(request), self._stage)
+        return model
+
+    def _stage(self, stage: Stage) -> Stage:
+        def begin(previous: Any) -> Begun:
+            problem_at, start = stage.begin(previous)
+            return lambda t: watched(problem_at(t), self.left), start
+
+        more: dict[str, Any] = (
+            {"linearise": _counted(stage.linearise, self.left)} if isinstance(stage, ArcStage) else {}
+        )
+        return replace(stage, begin=begin, **more)
+
+
+class _Model:
+    """A model with its stages changed."""
+
+    def __init__(self, model: SceneModel, change: Callable[[Stage], Stage]) -> None:
+        self._model, self._change = model, change
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._model, name)
+
+    def stages(self) -> Iterator[Stage]:
+        return map(self._change, self._model.stages())
+
+
+@dataclass(frozen=True, eq=False)
+class Attempt:
+    """What one request came to: kind is CONVERGED, REFUSED or ENDED, reason why it is not the first."""
+
+    asked: Asked
+    kind: str
+    reason: str = ""
+    result: Result | None = None
+
+    @property
+    def found(self) -> Result:
+        """The result of what was solved."""
+        assert self.result is not None
+        return self.result
+
+    @cached_property
+    def word(self) -> str:
+        """Kind and, of an end, its cause in a word."""
+        return self.kind if self.kind != ENDED else f"{ENDED}: {cause(self.found)}"
+
+
+def cause(result: Result) -> str:
+    """Why a path ended before its last point, by what it says of itself and not by its sentence."""
+    point = None if result.end is None else result.end.point
+    if point is not None and point.end is not None and point.end.kind is not PathEnd.NEITHER:
+        return point.end.kind.value
+    last = result.cause if result.outcome is Outcome.STEP_LIMIT else result.outcome
+    return last.word
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Overflows on the way to an end are no news."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        yield
+
+
+def attempt(asked: Asked, seed: int) -> Attempt:
+    """Solve and judge; raises Broken where a law for one solve is broken."""
+    with quiet():
+        try:
+            scene, request = asked.request(seed)
+            model: Any = Watched(scene)
+            result = solve(model, request)
+            result.as_json()
+            for name in result.tables:
+                result.table(name)
+        except UsageError as error:
+            return Attempt(asked, REFUSED, one_line(str(error)))
+        except Broken:
+            raise
+        except Exception as error:
+            raise Broken("no traceback", place(error)) from error
+    if result.unsupported:
+        return Attempt(asked, REFUSED, one_line(result.unsupported), result)
+    if not result.outcome.converged:
+        return Attempt(asked, ENDED, one_line(result.reason), result)
+    if result.verdict == WRONG:
+        failed = {name for step in result.loads for name in step.certificate["failures"]}
+        told = next(step.certificate for step in result.loads if step.certificate["failures"])
+        numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
+        raise Broken(
+            "certified", f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
+        )
+    return Attempt(asked, CONVERGED, "", result)
+
+
+def one_line(text: str) -> str:
+    """The reason; raises Broken unless it is one line that says something."""
+    if not text.strip() or "\n" in text:
+        raise Broken("one clear line", f"an end says {text!r}")
+    return text
+
+
+def place(error: Exception) -> str:
+    """The exception, and where in our own sources it was raised."""
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if "site-packages" not in f.filename]
+    return f"{type(error).__name__} at {Path(frames[-1].filename).name}:{frames[-1].lineno}: {error}"

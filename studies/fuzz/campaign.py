@@ -1,0 +1,110 @@
+"""``footprint run fuzz``: cases by number, each in the child process of the pool, kept in the store, and their tables.
+
+A case that is in the store is not solved again, as long as the sources are the same. A child that is killed, or dies,
+is a finding like any other: a hang, or a death.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report
+from studies.fuzz.record import NAME as NAME
+from studies.fuzz.record import task_id
+from studies.pool.engine import engine as engine_of
+from studies.pool.process import StoreFullError
+from studies.pool.task import Limits, Task
+from studies.scene import UsageError
+from studies.solving import CRASH, MEMORY, TIME
+from studies.store.atomic import write_table
+from studies.store.layout import Archive, DamagedError
+
+CASES, MOST = 5000, 1_000_000
+LIMITS = Limits(time_s=60.0, memory_MB=2048.0)  # a case takes well under a second
+STOPPED = {TIME: "ends", MEMORY: "memory", CRASH: "the process lives"}  # the law that a failure of the child breaks
+VERDICTS = (PASSED, EXPLAINED, UNCOMPARED, BROKEN)
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass
+class Summary:
+    """How a run has ended: the lines of all cases, and how many were solved now."""
+
+    rows: Sequence[Mapping[str, Any]]
+    solved: int
+
+    @property
+    def broken(self) -> int:
+        """How many cases break a law."""
+        return sum(row["verdict"] == BROKEN for row in self.rows)
+
+    @property
+    def line(self) -> str:
+        """One line."""
+        counts = Counter(row["verdict"] for row in self.rows)
+        told = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if counts[name])
+        return f"{len(self.rows)} cases: {told or 'none'}; {self.solved} solved now"
+
+
+def run(
+    store: Path,
+    cases: int = CASES,
+    engine: str = "serial",
+    limits: Limits = LIMITS,
+    progress: Progress = lambda done, planned, label: None,
+    *,
+    resume: bool = False,
+) -> Summary:
+    """The cases 0 to ``cases`` - 1 that are missing, and the tables fuzz and fuzz_cases.
+
+    Raises UsageError, and StoreFullError with everything finished kept. resume: refuse to begin.
+    """
+    if not 1 <= cases <= MOST:
+        raise UsageError(f"cases = {cases} must be a whole number in [1, {MOST}]")
+    archive, work = Archive(store), engine_of(engine)
+    names = [task_id(seed) for seed in range(cases)]
+    if resume and not any(archive.record_path(name).exists() for name in names):
+        raise UsageError(f"--resume: {store} has no case of {NAME!r} of these sources yet; leave --resume out")
+    with archive.claimed():
+        try:
+            tasks = [Task(NAME, name) for name in names if not _there(archive, name)]
+            progress(cases - len(tasks), cases, NAME)
+            for count, (task, _) in enumerate(work(tasks, store, limits), start=cases - len(tasks) + 1):
+                progress(count, cases, task.label)
+            rows = [_row(archive, name, seed) for seed, name in enumerate(names)]
+            write_table(archive.tables / "fuzz.csv", table_of(rows))
+        except StoreFullError as error:
+            raise StoreFullError(
+                f"{store} takes no more: {error}; what is finished is kept, run again to go on"
+            ) from None
+    return Summary(rows, len(tasks))
+
+
+def _there(archive: Archive, name: str) -> bool:
+    try:
+        return archive.record(name) is not None
+    except DamagedError:
+        archive.set_aside(name)
+        return False
+
+
+def _row(archive: Archive, name: str, seed: int) -> dict[str, Any]:
+    """The line of a case; of one whose child was killed or died, what is known."""
+    record = archive.record(name)
+    if record is not None:
+        return {**record["case"]}
+    failure = archive.failure(name) or {"class": "missing", "reason": "not solved yet"}
+    law = STOPPED.get(failure["class"], failure["class"])
+    return Report(seed, "", "", "", law, BROKEN, failure["reason"]).row
+
+
+def table_of(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """A row a case, with the command that replays it."""
+    commands = [f"footprint fuzz --seed {row['seed']}" for row in rows]
+    return pd.DataFrame(rows).assign(command=commands)

@@ -1,0 +1,142 @@
+"""A case as plain data, and how a request is drawn from a number: scene, options, settings, grid."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from contact.catalogue import ALGORITHMS
+from formulations.shell import NEWTONS
+from formulations.strains.catalogue import MEASURES
+from studies.algorithm_settings import TOLERANCE, settings_of
+from studies.campaigns.cell import Cell
+from studies.complete import complete
+from studies.fuzz.values import drawn, generator
+from studies.refinement.trees import Family
+from studies.request import Request
+from studies.scene import Scene, Setting, SettlingScene, UsageError, has_contact
+from studies.scenes import SCENES
+
+KINDS = {"scene": 0.25, "posed": 0.15, "matrices": 0.6}  # by what a case costs
+OFTEN = {"panel": 8, "tyre": 8, "crushed-ring-solid": 1, "tyre-solid": 1}  # for their settings, or for their cost
+WITH_CONTACT = 4  # the others, as often as a scene without
+CHANGED = (0, 1, 2, 3, 4, 6)  # how many settings leave their default
+REPAIRED = 0.9  # share of refused requests that give settings back until they are taken
+HUNG = 0.25  # share of scenes whose grid is refined in places, where it can be
+LARGEST = 6  # elements along a side, of what may have as few as two
+TOGETHER = ({"E_MPa", "nu"},)  # keys that a scene with all of them wants both or neither
+EVEN = ("tyre", "tyre-solid")  # meshes of even numbers, six at least
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request as it is asked for; refined: its grid is cut in places, by a choice of the case's number."""
+
+    scene: str
+    options: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, str] = field(default_factory=dict)
+    refined: bool = False
+
+    @property
+    def command(self) -> str:
+        """The command that solves it; a grid that is refined by hand has none."""
+        cell = Cell("", self.scene, dict(self.options), dict(self.settings))
+        return cell.command + (" (refined in places)" if self.refined else "")
+
+    def with_options(self, **options: str) -> Asked:
+        """Other options."""
+        return replace(self, options={**self.options, **options})
+
+    def with_settings(self, **settings: str) -> Asked:
+        """Other settings."""
+        return replace(self, settings={**self.settings, **settings})
+
+    def request(self, seed: int) -> tuple[Scene, Request]:
+        """Resolved; raises UsageError."""
+        options: dict[str, Any] = {**self.options}
+        if "steps" in options:
+            options["steps"] = int(options["steps"])
+        scene, request = complete(self.scene, self.settings, **options)
+        return scene, _refined(scene, request, seed) if self.refined else request
+
+
+def kind_of(seed: int) -> str:
+    """What sort of case a number is."""
+    return str(generator(seed, "kind").choice(list(KINDS), p=list(KINDS.values())))
+
+
+def asked_of(seed: int) -> Asked:
+    """The request of a number."""
+    rng = generator(seed, "scene")
+    weights = np.array([OFTEN.get(name, WITH_CONTACT if has_contact(s) else 1) for name, s in SCENES.items()], float)
+    name = str(rng.choice(list(SCENES), p=weights / weights.sum()))
+    scene, options = SCENES[name], {"mesh": _mesh(name, SCENES[name].default_mesh, seed)}
+    for option, choices, usual in (
+        ("measure", MEASURES, 0.5),
+        ("newton", NEWTONS, 0.7),
+        ("model", scene.models if isinstance(scene, SettlingScene) else (), 0.6),
+        ("steps", ("1", "2", "3"), 0.8),
+        ("contact", ALGORITHMS if has_contact(scene) else (), 0.1),
+    ):
+        chosen = generator(seed, option)
+        if choices and chosen.random() > usual:
+            options[option] = str(chosen.choice(list(choices)))
+    own = settings_of(options.get("contact", Request.contact)) if has_contact(scene) else ()
+    known = (*scene.settings, TOLERANCE, *own)
+    return _repaired(Asked(name, options, _settings(known, seed), rng.random() < HUNG), seed)
+
+
+def _settings(known: tuple[Setting, ...], seed: int) -> dict[str, str]:
+    """Some of the settings with values of their own."""
+    count = int(generator(seed, "how many").choice(CHANGED))
+    order = sorted(known, key=lambda setting: generator(seed, f"turn of {setting.key}").random())
+    chosen = {setting.key for setting in order[:count]}
+    for keys in TOGETHER:
+        if chosen & keys and keys <= {setting.key for setting in known}:
+            chosen |= keys
+    return {setting.key: drawn(setting, seed) for setting in known if setting.key in chosen}
+
+
+def _mesh(name: str, default: tuple[int, int], seed: int) -> str:
+    rng = generator(seed, "mesh")
+    if name in EVEN:
+        return f"6x{rng.choice([6, 8])}"
+    return "x".join("1" if n == 1 and rng.random() < 0.9 else str(rng.integers(2, LARGEST + 1)) for n in default)
+
+
+def _repaired(asked: Asked, seed: int) -> Asked:
+    """Mostly a request that is taken: options and settings are given back one by one until it is."""
+    rng = generator(seed, "repair")
+    if rng.random() > REPAIRED:
+        return asked
+    for fewer in _fewer(asked):
+        try:
+            scene, request = fewer.request(seed)
+            scene.build(request)
+        except UsageError:
+            continue
+        except Exception:  # a finding: it is left for whoever solves it
+            return fewer
+        return fewer
+    return asked
+
+
+def _fewer(asked: Asked) -> list[Asked]:
+    """The request, and with less and less of it."""
+    found, settings = [asked], dict(asked.settings)
+    while settings:
+        settings.popitem()
+        found.append(replace(asked, settings=dict(settings)))
+    bare = {key: value for key, value in asked.options.items() if key in ("mesh", "contact")}
+    return [*found, replace(asked, options=bare, settings={}), Asked(asked.scene, {"mesh": asked.options["mesh"]})]
+
+
+def _refined(scene: Scene, request: Request, seed: int) -> Request:
+    """The request with a tree over its mesh, where its grid takes one."""
+    family, rng = Family.of(scene, request), generator(seed, "leaves")
+    if family.tree is None:
+        return request
+    return family.refined(rng.random(len(family.tree.leaves)) ** 4).asked

@@ -1,0 +1,106 @@
+"""Two answers to one problem: the same, or why not, by what can be computed of each alone.
+
+Explanations are checked, not guessed: the error of a state is that of one more Newton step in dense algebra, stability
+is counted by the eigenvalues of the dense tangent on what the set leaves free, and of two different stable equilibria
+each must be confirmed by the way of solving that has found the other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import null_space
+
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+
+ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
+MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order
+ZERO = 1e-9  # of the largest eigenvalue: less is neither positive nor negative
+AGREES = "agrees"
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A converged state of a problem, and the algorithm that has found it."""
+
+    problem: ContactProblem
+    state: ContactSolution
+    algorithm: ContactAlgorithm
+
+
+def compared(one: Answer, other: Answer) -> str:
+    """AGREES, or what explains the difference, or nothing."""
+    apart = difference(one, other)
+    if apart <= ALIKE:
+        return AGREES
+    errors = [error_of(each) for each in (one, other)]
+    if apart <= MARGIN * max(errors):
+        return f"within what the tolerance leaves: apart by {apart:.1e}, one more step moves them by {max(errors):.1e}"
+    counts = [unstable(each) for each in (one, other)]
+    if any(counts):
+        return f"not both are stable: {counts[0]} and {counts[1]} eigenvalues are negative, apart by {apart:.1e}"
+    if confirms(one, other.state) and confirms(other, one.state):
+        return f"two stable equilibria, each confirmed by the other way of solving: apart by {apart:.1e}"
+    return ""
+
+
+def difference(one: Answer, other: Answer) -> float:
+    """The larger of the relative differences of displacements and of contact forces; sets do not count by themselves.
+
+    A candidate that touches without pressure may be in the set or not.
+    """
+    u, v = one.state.u, other.state.u
+    f, g = (each.problem.contact_force(each.state.u, each.state.pressure) for each in (one, other))
+    scale = max(one.problem.linearise(u, None).scale, float(np.linalg.norm(f))) or 1.0
+    size = max(float(np.max(np.abs(u), initial=0.0)), float(np.max(np.abs(v), initial=0.0))) or 1.0
+    return max(float(np.max(np.abs(u - v), initial=0.0)) / size, float(np.linalg.norm(f - g)) / scale)
+
+
+def tangent(answer: Answer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Dense: K (n, n) with the springs of a finite epsilon, rows G_A (a, n) that an exact set holds, residual (n,)."""
+    problem, state = answer.problem, answer.state
+    u, p, epsilon = state.u, state.pressure, answer.algorithm.epsilon
+    lin = problem.linearise(u, None)
+    K = problem.stiffness(lin, u, p).toarray()
+    pressed = state.active & (p > 0)
+    G = problem.gap_jacobian(u).toarray()
+    residual = lin.residual - problem.contact_force(u, p)
+    if np.isfinite(epsilon):
+        W = problem.weight_matrix.toarray()[:, pressed]
+        return K + epsilon * G.T @ W @ G[pressed], np.zeros((0, len(u))), residual
+    return K, G[pressed], residual
+
+
+def error_of(answer: Answer) -> float:
+    """What one more Newton step on its set would move a state by, displacements and forces as in :func:`difference`."""
+    K, G, residual = tangent(answer)
+    u = answer.state.u
+    gap = answer.problem.gap(u)[answer.state.active & (answer.state.pressure > 0)][: len(G)]
+    n, a = len(u), len(G)
+    whole = np.block([[K, -G.T], [G, np.zeros((a, a))]])
+    try:
+        step = np.linalg.lstsq(whole, np.append(-residual, -gap), rcond=1e-15)[0]
+    except np.linalg.LinAlgError:
+        return float("inf")
+    scale = max(answer.problem.linearise(u, None).scale, 1e-300)
+    size = float(np.max(np.abs(u), initial=0.0)) or 1.0
+    return max(float(np.max(np.abs(step[:n]), initial=0.0)) / size, float(np.linalg.norm(G.T @ step[n:])) / scale)
+
+
+def unstable(answer: Answer) -> int:
+    """Negative eigenvalues of the symmetric part of the tangent, on the motions that pressed candidates leave free."""
+    K, G, _ = tangent(answer)
+    stretch = 1 / np.sqrt(np.maximum(np.abs(np.diag(K)), np.finfo(float).tiny))
+    K, G = stretch[:, None] * (K + K.T) / 2 * stretch, G * stretch
+    free = null_space(G) if len(G) else np.eye(len(K))
+    if not free.shape[1]:
+        return 0
+    values = np.linalg.eigvalsh(free.T @ K @ free)
+    return int(np.sum(values < -ZERO * np.max(np.abs(values))))
+
+
+def confirms(answer: Answer, state: ContactSolution) -> bool:
+    """Whether the algorithm of an answer, on its problem, stays at another state when it sets out from there."""
+    found = answer.algorithm.solve(answer.problem, state)
+    return found.outcome.converged and difference(replace(answer, state=found), replace(answer, state=state)) <= ALIKE

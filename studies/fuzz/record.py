@@ -1,0 +1,25 @@
+"""The record of a case in a store: examined in a child of the pool, named by its number and its sources."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from studies.fuzz.examine import BROKEN, examine
+from studies.solving import CONVERGED, WRONG
+from studies.store.atomic import SCHEMA, as_text
+from studies.store.source_hash import sources_hash
+
+NAME = "fuzz"
+
+
+def task_id(seed: int) -> str:
+    """Name of a case in the store: its number and the sources that decide it."""
+    return f"{NAME}-{sources_hash([examine.__module__])[:12]}-{seed}"
+
+
+def record_of(name: str) -> str:
+    """Examine the case of a name; the text of its record, which has what every record of the store has."""
+    report = examine(int(name.rpartition("-")[2]), smaller=True)
+    told = {"schema": SCHEMA, "id": name, "class": WRONG if report.verdict == BROKEN else CONVERGED}
+    empty: dict[str, Any] = {"settings": {}, "quantities": {}, "steps": [], "counters": {}, "timing_s": {}, "files": []}
+    return as_text({**told, **empty, "scene": report.kind, "reason": report.said, "case": report.row})

@@ -1,0 +1,188 @@
+"""Random requests of all scenes, and one law each, drawn from those that apply to what was asked.
+
+The same answer by another algorithm, Newton iteration, linear solver, number of load steps; by a part of a tyre and the
+whole; in other units. Derivatives of the converged problem are always compared with differences.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from contact.parameters import STIFFNESS
+from studies.algorithm_settings import configured, settings_of
+from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, quiet
+from studies.fuzz.cases import Asked, asked_of
+from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, unstable
+from studies.fuzz.derivatives import mismatches
+from studies.fuzz.values import generator
+from studies.request import Request, text_of
+from studies.scene import has_contact
+from studies.scenes import SCENES
+
+EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
+UNITS = 6.0  # powers of ten of a unit of the panel
+PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
+PRODUCTS = {"_mm": (1, 0), "_MPa": (0, 1), "_N": (2, 1)}  # powers of length and of stress, by how a name ends
+SCALED = {"tyre": 2.0, "tyre-solid": 2.0}  # factor of lengths and of stresses, up and down, within their ranges
+
+
+def check(seed: int, asked: Asked | None = None) -> Passed:
+    """Solve, and hold the result against the law of the number; raises Broken. asked: instead of what is drawn."""
+    with quiet():
+        asked = asked_of(seed) if asked is None else asked
+    one = attempt(asked, seed)
+    if one.kind != CONVERGED:
+        return Passed(one.word, said=one.reason)
+    _differences(one, seed)
+    laws = _laws(asked)
+    if not laws:
+        return Passed(one.word)
+    law = max(laws, key=lambda name: generator(seed, f"law: {name}").random())  # the same where others do not apply
+    return Passed(one.word, law, laws[law](one, seed))
+
+
+def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
+    """Those that apply, by name."""
+    found: dict[str, Callable[[Attempt, int], str]] = {}
+    if has_contact(SCENES[asked.scene]):
+        found |= {"another algorithm": _algorithms, "one more algorithm": _algorithms}
+    if asked.scene != "crushed-ring-solid" and asked.scene != "tyre-solid":
+        found["the other newton"] = _newton
+    found["another solver"] = _solver
+    if asked.settings.get("until") != "limit":  # of which every step size finds another point
+        found["more steps"] = _steps
+    if asked.scene in PARTS and asked.options.get("model", "auto") in PARTS[asked.scene]:
+        found |= {"part = whole": _whole, "a part = the whole": _whole}
+    if asked.scene == "panel":
+        found |= {"units": _panel_units, "other units": _panel_units}
+    if asked.scene in SCALED:
+        found["units"] = _scaled
+    return found
+
+
+# --- the same problem, solved in another way --------------------------------------------------------------------------
+
+
+def _algorithms(one: Attempt, seed: int) -> str:
+    """By another algorithm, with the same epsilon and its own parameters."""
+    contact, settings = one.asked.options.get("contact", Request.contact), dict(one.asked.settings)
+    others = [name for name in EXACT if name != contact]
+    rng = generator(seed, "other algorithm")
+    other = str(rng.choice(others)) if contact == "semismooth" or rng.random() < 0.5 else "semismooth"
+    for setting in settings_of(contact):
+        settings.pop(setting.key, None)
+    settings["epsilon"] = text_of(one.found.request.number("epsilon"))
+    return _same(one, replace(one.asked.with_options(contact=other), settings=settings), seed)
+
+
+def _newton(one: Attempt, seed: int) -> str:
+    other = "plain" if one.found.request.newton == "mixed" else "mixed"
+    return _same(one, one.asked.with_options(newton=other), seed)
+
+
+def _solver(one: Attempt, seed: int) -> str:
+    other = "multifrontal" if one.found.request.choice("solver") == "splu" else "splu"
+    return _same(one, one.asked.with_settings(solver=other), seed)
+
+
+def _steps(one: Attempt, seed: int) -> str:
+    return _same(one, one.asked.with_options(steps=str(one.found.request.steps + 1)), seed)
+
+
+def _same(one: Attempt, asked: Asked, seed: int) -> str:
+    """What a comparison of last states says; raises Broken where nothing explains the difference."""
+    other = attempt(asked, seed)
+    if other.kind != CONVERGED:
+        return f"not compared, {other.word}: {other.reason}"
+    said = compared(_answer(one), _answer(other))
+    if not said:
+        raise Broken("one answer", f"unlike {asked.command}")
+    return said
+
+
+def _answer(one: Attempt) -> Answer:
+    """The last state."""
+    end = one.found.end
+    assert end is not None
+    return Answer(end.problem, end.point.solution, configured(one.found.request.contact, one.found.request.settings))
+
+
+def _differences(one: Attempt, seed: int) -> None:
+    """Raises Broken for a derivative that is none."""
+    answer = _answer(one)
+    with quiet():
+        wrong = mismatches(answer.problem, answer.state.u, answer.state.pressure, generator(seed, "direction"))
+    if wrong:
+        raise Broken("derivatives", ", ".join(f"{name} off by {value:.1e}" for name, value in wrong.items()))
+
+
+# --- another problem with the same answer -----------------------------------------------------------------------------
+
+
+def _whole(one: Attempt, seed: int) -> str:
+    """A part of the tyre and all of it."""
+    return _quantities(one, one.asked.with_options(model="full"), seed, 1.0, 1.0)
+
+
+def _panel_units(one: Attempt, seed: int) -> str:
+    """The panel reports in mm, N and MPa whatever its units; epsilon and its like are in those of the problem."""
+    rng, request = generator(seed, "units"), one.found.request
+    length, stress = (float(f"{10.0 ** rng.uniform(-UNITS, UNITS):.4g}") for _ in range(2))
+    known = {setting.key: setting for setting in (*SCENES["panel"].settings, *settings_of(request.contact))}
+    before = {key: request.number(key) for key in ("length_unit", "stress_unit")}
+    units = {"length_unit": text_of(length), "stress_unit": text_of(stress)}
+    factor = stress / before["stress_unit"] / (length / before["length_unit"])
+    stiff = {key: factor * request.number(key) for key in known if known[key].unit == STIFFNESS}
+    asked = one.asked.with_settings(**units, **{key: text_of(value) for key, value in stiff.items()})
+    return _quantities(one, asked, seed, 1.0, 1.0)
+
+
+def _scaled(one: Attempt, seed: int) -> str:
+    """All lengths and all stresses of a tyre by a factor."""
+    rng, request = generator(seed, "units"), one.found.request
+    length, stress = (float(SCALED[request.scene] ** rng.uniform(-1, 1)) for _ in range(2))
+    settings = dict(one.asked.settings)
+    for key, value in request.settings.items():
+        power = next((powers for end, powers in PRODUCTS.items() if key.endswith(end)), None)
+        power = (-1, 1) if key in ("epsilon", "c") else power
+        if power is None or isinstance(value, str):
+            continue
+        factor = length ** power[0] * stress ** power[1]
+        settings[key] = text_of(tuple(factor * v for v in value) if isinstance(value, tuple) else factor * value)
+    return _quantities(one, replace(one.asked, settings=settings), seed, length, stress)
+
+
+def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: float) -> str:
+    """What a comparison of what both report says, the other's over its units; raises Broken."""
+    other = attempt(asked, seed)
+    if other.kind != CONVERGED:
+        return f"not compared, {other.word}: {other.reason}"
+    mine, theirs = ({**each.found.loads[-1].quantities} for each in (one, other))
+    apart = {key: _apart(mine[key], theirs[key], key, length, stress) for key in _comparable(mine)}
+    worst = max(apart, key=lambda key: apart[key])
+    if apart[worst] <= ALIKE:
+        return AGREES
+    answers = [_answer(each) for each in (one, other)]
+    with quiet():
+        errors = [error_of(each) for each in answers]
+        counts = [unstable(each) for each in answers]
+    if apart[worst] <= MARGIN * max(errors):
+        return f"within what the tolerance leaves: {worst} apart by {apart[worst]:.1e}"
+    if any(counts):
+        return f"not both are stable: {counts[0]} and {counts[1]} eigenvalues are negative"
+    raise Broken("one answer", f"{worst} apart by {apart[worst]:.1e}, unlike {asked.command}")
+
+
+def _comparable(quantities: Mapping[str, object]) -> list[str]:
+    """Forces and pressures: what is continuous in the state."""
+    return [key for key in quantities if key.endswith(("_N", "_MPa"))]
+
+
+def _apart(mine: float, theirs: float, key: str, length: float, stress: float) -> float:
+    power = next(powers for end, powers in PRODUCTS.items() if key.endswith(end))
+    theirs /= length ** power[0] * stress ** power[1]
+    size = max(abs(mine), abs(theirs))
+    return float(np.abs(mine - theirs) / size) if size > 0 else 0.0

@@ -1,0 +1,142 @@
+"""The fuzzer: cases replay to the last digit, keep the laws, and what breaks one is found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import sparse
+
+from contact.algorithms.semismooth import Semismooth
+from contact.problem import Linearisation
+from studies.algorithm_settings import parameters_of
+from studies.cli import main
+from studies.fuzz import campaign, matrices, posed
+from studies.fuzz.cases import KINDS, asked_of, kind_of
+from studies.fuzz.comparing import AGREES, Answer, compared, unstable
+from studies.fuzz.derivatives import mismatches
+from studies.fuzz.examine import BROKEN, examine
+from studies.fuzz.values import drawn
+from studies.scenes import SCENES
+
+SEEDS = st.integers(0, 2**32 - 1)
+MANY = range(10_000, 10_200)  # none of a campaign
+
+
+@settings(derandomize=True, max_examples=40, deadline=None, database=None)
+@given(SEEDS)
+def test_drawn_matrices_keep_their_laws(seed: int) -> None:
+    matrices.check(seed)  # raises Broken
+
+
+@settings(derandomize=True, max_examples=4, deadline=None, database=None)
+@given(SEEDS)
+def test_drawn_panels_keep_their_laws(seed: int) -> None:
+    posed.check(seed)
+
+
+@pytest.mark.slow
+def test_two_hundred_cases_keep_their_laws() -> None:
+    broken = [report for report in map(examine, MANY) if report.verdict == BROKEN]
+    assert [f"{report.command}: {report.law}: {report.said}" for report in broken] == []
+
+
+@settings(derandomize=True, max_examples=60, deadline=None, database=None)
+@given(SEEDS, st.sampled_from(sorted(SCENES)))
+def test_a_drawn_value_is_one_that_its_setting_takes(seed: int, scene: str) -> None:
+    for setting in SCENES[scene].settings:
+        setting.parse(drawn(setting, seed))  # raises UsageError
+
+
+def test_every_kind_is_drawn_and_most_settings_are_changed_somewhere() -> None:
+    """The values of a case do not depend on one another: what is drawn once stays as it is."""
+    assert {kind_of(seed) for seed in range(60)} == set(KINDS)
+    asked = [asked_of(seed) for seed in range(300) if kind_of(seed) == "scene"]
+    changed = {key for each in asked if each.scene == "panel" for key in each.settings}
+    assert len(changed) > 0.5 * len(SCENES["panel"].settings)
+
+
+def test_a_case_replays_to_the_last_digit() -> None:
+    one, other = (matrices.made(5, np.inf) for _ in range(2))
+    assert np.array_equal(one[1].u, other[1].u)
+    assert asked_of(7) == asked_of(7)
+    assert examine(4) == examine(4)
+
+
+def test_the_made_answer_is_an_answer() -> None:
+    """By its own definition, with the weights and the gaps of the problem; and it is stable."""
+    for seed in range(30):
+        problem, answer = matrices.made(seed, np.inf)
+        lin = problem.linearise(answer.u, None)
+        assert lin.residual == pytest.approx(problem.contact_force(answer.u, answer.pressure), abs=1e-10 * lin.scale)
+        gap = problem.gap(answer.u)
+        assert np.min(gap) > -1e-12
+        assert np.max(np.abs(gap * answer.pressure)) < 1e-9 * max(np.max(answer.pressure), 1.0)
+
+
+def test_a_difference_is_explained_only_where_it_is() -> None:
+    """The answer of another problem has no explanation, the same one agrees, a loose one is as good as it claims."""
+    problem, answer = matrices.made(3, np.inf)
+    one = Answer(problem, answer, Semismooth())
+    assert compared(one, one) == AGREES
+    assert unstable(one) == 0
+    force = np.linspace(1.0, 2.0, len(answer.u)) * problem.linearise(answer.u, None).scale
+
+    def heavier(u: np.ndarray, memory: object) -> Linearisation:
+        lin = problem.linearise(u, memory)
+        return Linearisation(lin.residual - force, lin.tangent, lin.scale)
+
+    other = replace(problem, linearise=heavier)
+    found = Semismooth().solve(other, answer)
+    assert found.outcome.converged
+    assert compared(one, Answer(other, found, Semismooth())) == ""
+    loose = replace(one, state=replace(answer, u=answer.u * (1 + 1e-4)))
+    assert "tolerance" in compared(one, loose)
+
+
+def test_a_wrong_derivative_is_seen() -> None:
+    problem, answer = matrices.made(3, np.inf)
+    rng = np.random.default_rng(0)
+    assert mismatches(problem, answer.u, answer.pressure, rng) == {}
+    signs = sparse.diags_array(np.append(-1.0, np.ones(len(answer.pressure) - 1)))
+    wrong = replace(problem, gap_jacobian=lambda u: sparse.csr_matrix(signs @ problem.gap_jacobian(u)))
+    assert "gap jacobian" in mismatches(wrong, answer.u, answer.pressure, rng)
+
+
+@pytest.mark.slow
+def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The cells of the pool are its cases; a seed that it lists is replayed by one command."""
+    assert campaign.run(tmp_path, 3).solved == 3
+    again = campaign.run(tmp_path, 4, resume=True)
+    assert again.solved == 1
+    assert again.broken == 0
+    table = pd.read_csv(tmp_path / "tables" / "fuzz.csv")
+    assert list(table["seed"]) == [0, 1, 2, 3]
+    words = table["command"].iloc[2].split()
+    assert main(words[1:]) == 0
+    assert str(table["kind"].iloc[2]) in capsys.readouterr().out
+
+
+def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    store = ["--store", str(tmp_path)]
+    for words in (
+        ["fuzz", "--seed", "-1"],
+        ["run", "fuzz", "--cases", "0", *store],
+        ["run", "quick", "--cases", "5", *store],
+        ["run", "fuzz", "--resume", *store],
+    ):
+        assert main(words) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_parameters_of_an_algorithm_are_drawn_within_their_ranges() -> None:
+    for seed in range(50):
+        contact, given = matrices.algorithm_of(seed)
+        for setting in parameters_of(contact):
+            if setting.key in given:
+                setting.parse(given[setting.key])
