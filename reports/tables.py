@@ -44,7 +44,19 @@ TABLE_COLUMNS = {
 }
 OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}
 OF_A_LADDER = {"ladder", "family", "at", "against", "largest"}
-OF_A_COMPARISON = {"flag", "removed", "flips", "ranking", "ended", "advised", "best", "runner_up"}
+OF_A_COMPARISON = {
+    "flag",
+    "removed",
+    "flips",
+    "ranking",
+    "ended",
+    "path_end",
+    "found_by",
+    "why",
+    "advised",
+    "best",
+    "runner_up",
+}
 WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON  # columns of the analysis that may be empty
 
 

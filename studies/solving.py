@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from contact.continuation.arc_length import Trace
+from contact.continuation.critical_points import PathEnd
 from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
 from contact.continuation.stability import stability
 from contact.diagnosis import diagnose
@@ -77,6 +78,7 @@ class Result:
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
             "class": self.verdict,
+            "path_end": self.path_end,
             "reason": self.unsupported or self.reason or "; ".join(self.unstable[:1]) or self.outcome.value,
             "quantities": self.quantities,
             "steps": self.steps,
@@ -100,7 +102,22 @@ class Result:
             if any(step.certificate["failures"] for step in self.loads):
                 return WRONG
             return UNSTABLE if self.unstable else CONVERGED
-        return CAP_HIT if Outcome.ITERATION_LIMIT in (self.outcome, self.cause) else NOT_CONVERGED
+        capped = Outcome.ITERATION_LIMIT in (self.outcome, self.cause)
+        return CAP_HIT if capped and not self.path_end else NOT_CONVERGED
+
+    @property
+    def path_end(self) -> dict[str, Any]:
+        """What the path of the problem itself ends at before the load asked for: stage, kind, parameter, found_by.
+
+        Empty where it does not end, or only the solver knows no further. Found by arc length, which has passed it, or
+        by the tangent of the last states (:mod:`contact.continuation.critical_points`), which only comes near it.
+        """
+        point = None if self.end is None or self.outcome.converged else self.end.point
+        if self.end is None or point is None or point.end is None or point.end.kind is PathEnd.NEITHER:
+            return {}
+        found_by = "arc length" if point.outcome is Outcome.LIMIT_POINT else "the tangent"
+        at = point.reached if point.end.limit is None else point.end.limit
+        return {"stage": self.end.stage.name, "kind": point.end.kind.value, "parameter": at, "found_by": found_by}
 
     def table(self, name: str) -> Table:
         """One of the tables, its parts from all loads below one another."""

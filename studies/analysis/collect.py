@@ -24,9 +24,10 @@ OPTIONS = ("measure", "contact", "newton", "model")
 SETTINGS = ("section", "load", "epsilon", "tolerance")
 COLUMNS = (
     *("label", "id", "scene", "measure", "contact", "newton", "mesh", "n1", "n2", "model"),
-    *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason", "command", "request"),
+    *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason"),
+    *("path_end", "path_end_at", "path_end_by", "command", "request"),
 )
-NUMBERS = ("epsilon", "tolerance")
+NUMBERS = ("epsilon", "tolerance", "path_end_at")
 
 
 def collect(store: Path, campaign: str) -> pd.DataFrame:
@@ -34,8 +35,9 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
 
     request: what was asked, by whose key rows are compared.
     outcome: a class of :data:`studies.solving.CLASSES`, or "missing".  q: headline quantities and the numbers of the
-    last step.  Empty text, or NaN, where a scene has no such thing. Raises UsageError when the store has no such
-    campaign, or a record that cannot be read.
+    last step.  path_end: kind of what the path of the problem itself ends at, with its parameter and what has found
+    it; nothing where it does not end, or a record of old does not say.  Empty text, or NaN, where a scene has no such
+    thing. Raises UsageError when the store has no such campaign, or a record that cannot be read.
     """
     answers = Answers.of(store, campaign)
     rows = (planned for planned in answers.planned.values() if planned.get("group") != GROUP)
@@ -61,6 +63,7 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
     return {
         **row,
         **{"outcome": found["class"], "reason": found["reason"]},
+        **_end(found.get("path_end") or {}),
         **{f"q.{key}": number(value) for key, value in {**numbers, **found["quantities"]}.items()},
         **{f"c.{key}": value for key, value in found["counters"].items()},
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
@@ -68,6 +71,11 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
         **_seconds(found["timing_s"]),
         **{f"k.{key}": number(value) for key, value in last.certificate.get("kkt", {}).items()},
     }
+
+
+def _end(found: Mapping[str, Any]) -> dict[str, Any]:
+    at = number(found.get("parameter"))
+    return {"path_end": found.get("kind", ""), "path_end_at": at, "path_end_by": found.get("found_by", "")}
 
 
 def _seconds(timing: Mapping[str, float]) -> dict[str, float]:

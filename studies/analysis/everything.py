@@ -31,6 +31,7 @@ from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UN
 from studies.analysis.rows import reference_rows
 from studies.analysis.shell_limits.boundaries import boundaries, parts
 from studies.analysis.suspicious import flags
+from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
 from studies.bench.scaling import FITTED_FROM, exponents
 from studies.scene import UsageError
@@ -121,6 +122,7 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         "pairs": pairs,
         "flips": flips,
         "solved": solved(scenes),
+        "unsolved": unsolved(table),
         "attribution": attribution(table, scenes),
         "advice": advice_table(table, split),
         "held_out": cases,

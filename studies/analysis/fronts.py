@@ -19,7 +19,7 @@ SAME = 0.01  # errors that differ by less of themselves are one: what is left is
 COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.seconds"}
 NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
 SCENE_COLUMNS = (
-    *("label", "scene", "family", "main", *NAMES, "mesh", "outcome"),
+    *("label", "scene", "family", "main", *NAMES, "mesh", "outcome", "path_end"),
     *("quantity", "error", "uncertainty", "against"),
 )
 

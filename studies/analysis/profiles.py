@@ -31,7 +31,7 @@ PAIR_COLUMNS = (
     *("ratio", "ratio_low", "ratio_high", "ratio_largest"),
 )
 FLIP_COLUMNS = ("axis", "cost", "problems", "removed", "ranking", "flips")
-SOLVED_COLUMNS = ("axis", "competitor", "scene", "asked", "solved", "ended")
+SOLVED_COLUMNS = ("axis", "competitor", "scene", "asked", "solved", "path_ends", "beyond", "ended")
 
 
 def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
@@ -76,6 +76,9 @@ def _put(fronts: pd.DataFrame, axis: str) -> pd.DataFrame:
 def solved(fronts: pd.DataFrame) -> pd.DataFrame:
     """How many problems were put to each solver, how many it has solved, and how the others ended: SOLVED_COLUMNS.
 
+    path_ends: of those not solved, how many have a path that ends before the load asked for, by the tangent or by arc
+    length: there is no state of it to be found, which is no failure.  beyond: at how many of these another solver has
+    a state for that load, on the far side of the end.  ended: how the rest have failed.
     A row a scene, and one of all scenes, whose name is empty.
     """
     found = []
@@ -83,12 +86,16 @@ def solved(fronts: pd.DataFrame) -> pd.DataFrame:
         rows = _put(fronts, axis)
         rows = rows.assign(failed=~rows["outcome"].isin(SOLVED)).sort_values("failed", kind="stable")
         rows = rows.drop_duplicates([axis, "scene", "problem"]).sort_index()
+        ends = rows["failed"] & rows["path_end"].astype(object).fillna("").ne("")
+        reached = ~rows.groupby(["scene", "problem"])["failed"].transform("min").astype(bool)
+        rows = rows.assign(ends=ends, beyond=ends & reached)
         for name, own in rows.groupby(axis, sort=False):
             for scene, cells in [("", own), *own.groupby("scene", sort=False)]:
-                ended = cells["outcome"].value_counts()
-                failed = ", ".join(f"{count} {word}" for word, count in ended.items() if word not in SOLVED)
-                good = int(cells["outcome"].isin(SOLVED).sum())
-                found.append((axis, name, scene, len(cells), good, failed))
+                ended = cells.loc[cells["failed"] & ~cells["ends"], "outcome"].value_counts()
+                failed = ", ".join(f"{count} {word}" for word, count in ended.items())
+                counts = (int(cells[column].sum()) for column in ("failed", "ends", "beyond"))
+                lost, *of_the_path = counts
+                found.append((axis, name, scene, len(cells), len(cells) - lost, *of_the_path, failed))
     return pd.DataFrame(found, columns=list(SOLVED_COLUMNS))
 
 

@@ -10,9 +10,12 @@ import pytest
 from scipy.linalg import null_space
 
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactProblem, ContactSolution
-from studies.solving import CONVERGED, UNSTABLE, certificate, resolve, solve
-from studies.walk import walk
+from contact.continuation.critical_points import Ending, PathEnd
+from contact.continuation.load_stepping import PathPoint
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from studies.scene import Stage
+from studies.solving import CAP_HIT, CONVERGED, NOT_CONVERGED, UNSTABLE, Result, certificate, resolve, solve
+from studies.walk import Visited, walk
 
 KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding", "stability"}
 MESH = "12x12"
@@ -134,3 +137,34 @@ def test_points_of_a_traced_curve_say_their_count_and_are_no_such_class() -> Non
     assert len(limits) == 2
     assert set(counts[: limits[0]]) == set(counts[limits[1] + 1 :]) == {0}
     assert set(counts[limits[0] + 1 : limits[1]]) == {1}
+
+
+@pytest.mark.parametrize(
+    ("outcome", "end", "verdict", "found_by"),
+    [
+        (Outcome.LIMIT_POINT, Ending(PathEnd.LIMIT_POINT, "", 7.5), NOT_CONVERGED, "arc length"),
+        (Outcome.STEP_LIMIT, Ending(PathEnd.BIFURCATION, ""), NOT_CONVERGED, "the tangent"),
+        (Outcome.STEP_LIMIT, Ending(PathEnd.NEITHER, ""), CAP_HIT, None),
+        (Outcome.STEP_LIMIT, None, CAP_HIT, None),
+    ],
+)
+def test_a_limit_of_iterations_is_no_cause_where_the_path_ends(outcome, end, verdict, found_by) -> None:
+    _, request = resolve("cantilever", {}, "4x2")
+    rest = ContactSolution.at_rest(1, 0)
+    point = PathPoint(20.0, 7.4, outcome, rest, 3, Outcome.ITERATION_LIMIT, end)
+    visited = Visited(Stage("press", lambda before: (None, before), (20.0,), None), lambda t: None, rest, point)
+    found = Result(request, outcome=outcome, cause=Outcome.ITERATION_LIMIT, end=visited)
+    assert found.verdict == verdict
+    at = {} if end is None or end.limit is None else {"parameter": end.limit}
+    kind = (
+        {} if found_by is None else {"kind": end.kind.value, "stage": "press", "parameter": 7.4, "found_by": found_by}
+    )
+    assert found.path_end == (kind | at if kind else {})
+
+
+@pytest.mark.slow
+def test_qp_ends_at_the_limit_point_that_the_others_end_at() -> None:
+    """It cannot solve for a travel, and must not say that its path ends nowhere."""
+    ends = [solve(*resolve("tyre", {"delta_mm": "20"}, "8x8", contact=name)).path_end for name in ("qp", "semismooth")]
+    assert [end["kind"] for end in ends] == ["limit point"] * 2
+    assert ends[0]["parameter"] == pytest.approx(ends[1]["parameter"], rel=1e-8)

@@ -57,7 +57,8 @@ def _algorithms(store: Store) -> str:
     if own.empty:
         return "**Contact algorithms.** No problem was put to two of them."
     shares = [_share(row, solved) for row in own.to_dict("records")]
-    told = prose(f"""**Contact algorithms: solved.** Of the problems put to at least two of them: {"; ".join(shares)}.
+    told = prose(f"""**Contact algorithms: solved.** Of the problems put to at least two of them, but for those
+whose path ends before the load: {"; ".join(shares)}.
 [Which failed where](tradeoff.md#solved-and-failed)""")
     pairs = store.analysis("pairs")
     pairs = pairs[(pairs["axis"] == "contact") & (pairs["cost"] == COST)]
@@ -75,16 +76,19 @@ small, the median of the five largest: {"; ".join(said) or "none in common"}.
 
 
 def _solved(row: dict) -> str:
-    return share(row["solved"] / row["asked"], 0 if row["solved"] == row["asked"] else 1)
+    left = row["asked"] - row["path_ends"]
+    return share(row["solved"] / left, 0 if row["solved"] == left else 1) if left else "none"
 
 
 def _share(row: dict, solved: pd.DataFrame) -> str:
     """The share of an algorithm, and the scenes in which it has failed."""
     own = (solved["competitor"] == row["competitor"]) & (solved["scene"] != "") & (solved["axis"] == row["axis"])
-    lost = solved[own].assign(failed=solved["asked"] - solved["solved"])
+    left = solved["asked"] - solved["path_ends"]
+    lost = solved[own].assign(failed=left - solved["solved"], left=left)
     lost = lost[lost["failed"] > 0].sort_values("failed", ascending=False, kind="stable")
-    where = ", ".join(filled("{failed} of {asked} in {scene}", lost))
-    return f"`{row['competitor']}` {_solved(row)} of {row['asked']}" + (f" (failed: {where})" if where else "")
+    where = ", ".join(filled("{failed} of {left} in {scene}", lost))
+    told = f"`{row['competitor']}` {_solved(row)} of {row['asked'] - row['path_ends']}"
+    return told + (f" (failed: {where})" if where else "")
 
 
 def _pair(name: str, row: dict, power: int, solves: str) -> str:

@@ -95,16 +95,36 @@ def _solved(store: Store) -> Part:
     data = store.analysis("solved")
     if data.empty:
         return Part("## Solved and failed\n\nNo problem was put to two algorithms.")
-    heads = "algorithm | scene | put to it | solved | share | how the others ended"
-    line = "`{competitor}` | {where} | {asked} | {solved} | {share:.1%} | {ended:said}"
+    heads = "algorithm | scene | put to it | solved | path ends | share of the rest | how the others ended"
+    line = "`{competitor}` | {where} | {asked} | {solved} | {ends} | {share:.1%} | {ended:said}"
     where = data["scene"].map(code).where(data["scene"] != "", "all")
-    data = data.assign(where=where, share=data["solved"] / data["asked"])
+    ends = data["path_ends"].astype(str) + (", " + data["beyond"].astype(str) + " passed").where(data["beyond"] > 0, "")
+    share = data["solved"] / (data["asked"] - data["path_ends"]).where(data["asked"] > data["path_ends"])
+    data = data.assign(where=where, ends=ends, share=share)
     shown = data[(data["scene"] == "") | (data["solved"] < data["asked"])]
     text = prose("""## Solved and failed
 
 Of the problems that were put to two algorithms, or iterations, at least: how many each has solved, in all, and in each
-scene in which it has failed. What an algorithm refuses, and what is not solved yet, is not put to it.""")
-    return joined(text, listing("Problems solved", shown, heads, line, words=2))
+scene in which it has not solved them all. What an algorithm refuses, and what is not solved yet, is not put to it. The
+*path ends* where it turns back, or branches, before the load asked for: arc length has passed that point, or an
+eigenvalue of the tangent falls to zero by its law. There is no state of that path for the load, which is no failure of
+the algorithm, and the share is that of the rest. *Passed*: another algorithm has a state for that load all the same; a
+large step has taken it over the end, to one that a load that grows does not lead to.""")
+    return joined(text, listing("Problems solved", shown, heads, line, words=2), *_causes(store))
+
+
+def _causes(store: Store) -> list[str]:
+    """What the path of each cell that was not solved ends at, and why the others have failed."""
+    data = store.analysis("unsolved")
+    end = data["path_end"].fillna("") != ""
+    heads = "scene | measure | mesh | the path ends at | parameter | found by | cells | algorithms"
+    line = "`{scene}` | `{measure}` | {mesh} | {path_end} | {at:.5g} | {found_by} | {cells} | {contacts}"
+    parts = [folded("Where paths end", listing("Ends of paths", data[end], heads, line, words=3))] if end.any() else []
+    if end.all():
+        return [*parts, "No cell has failed without such an end."]
+    heads = "scene | measure | mesh | algorithms | cells | class | reason of the first"
+    line = "`{scene}` | `{measure}` | {mesh} | {contacts} | {cells} | {outcome} | {why}"
+    return [*parts, machine(listing("Failures", data[~end], heads, line, words=4), commands(data[~end]["command"]))]
 
 
 def _profiles(store: Store) -> Part:
@@ -225,5 +245,16 @@ CHAPTER = Chapter(
     "Cost and accuracy",
     "what accuracy costs, by measure, algorithm and mesh, and which axis explains it.",
     tradeoff_page,
-    needs=("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "solved", "attribution"),
+    needs=(
+        "verified",
+        "flags",
+        "fronts",
+        "family_fronts",
+        "profiles",
+        "pairs",
+        "flips",
+        "solved",
+        "unsolved",
+        "attribution",
+    ),
 )

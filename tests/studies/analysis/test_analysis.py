@@ -17,6 +17,7 @@ from studies.analysis.held_out import held_out, summary
 from studies.analysis.profiles import field, flip_check, pairs_of, problems, profiles, solved, within
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, inert_inputs, printed, walls
+from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
 from studies.complete import complete
 from studies.scene import UsageError
@@ -260,9 +261,29 @@ def test_a_pair_is_timed_on_what_both_solve_and_failures_are_counted() -> None:
     assert list(row[["problems", "both", "scenes"]]) == [6, 3, 1]
     assert np.isnan(row["ratio_low"])  # one scene says nothing about another
     found = solved(scenes).set_index(["competitor", "scene"])
-    assert list(found.loc[("lcp", "")]) == ["contact", 6, 3, "3 cap-hit"]
-    assert list(found.loc[("lcp", "cantilever")]) == ["contact", 3, 3, ""]
-    assert list(found.loc[("semismooth", "")]) == ["contact", 6, 6, ""]
+    assert list(found.loc[("lcp", "")]) == ["contact", 6, 3, 0, 0, "3 cap-hit"]
+    assert list(found.loc[("lcp", "cantilever")]) == ["contact", 3, 3, 0, 0, ""]
+    assert list(found.loc[("semismooth", "")]) == ["contact", 6, 6, 0, 0, ""]
+
+
+def test_a_path_that_ends_is_no_failure_and_who_has_passed_it_is_told() -> None:
+    """lcp ends at a limit point in one scene, on one grid as the other does, and fails on another without a cause."""
+    table = two_scenes({"semismooth": 1.0, "lcp": 3.0}).assign(path_end="", path_end_at=np.nan, path_end_by="")
+    ended = table["scene"] == "hemisphere"
+    ended &= (table["contact"] == "lcp") | (table["n1"] == SIZES[0])
+    table.loc[ended, ["outcome", "path_end", "path_end_at", "path_end_by"]] = "not-converged", "limit point", 7.5, "arc"
+    failed = ended & (table["n1"] == SIZES[1])
+    table.loc[failed, ["outcome", "path_end", "path_end_at"]] = "cap-hit", "", np.nan
+    found = solved(fronts(table, verified(table))).set_index(["competitor", "scene"])
+    n = len(SIZES)
+    assert list(found.loc[("lcp", "hemisphere")]) == ["contact", n, 0, n - 1, n - 2, "1 cap-hit"]
+    assert list(found.loc[("semismooth", "hemisphere")]) == ["contact", n, n - 1, 1, 0, ""]
+    causes = unsolved(table)
+    assert list(causes["cells"]) == [2, *[1] * (n - 1)]
+    assert causes.loc[0, ["path_end", "at", "found_by", "contacts"]].tolist() == [
+        *("limit point", 7.5, "arc", "semismooth, lcp"),
+    ]
+    assert causes["path_end"].eq("").sum() == 1
 
 
 def test_an_interval_is_as_wide_as_the_scenes_differ() -> None:
@@ -453,7 +474,7 @@ def test_all_tables_of_the_analysis() -> None:
     tables = analysed(several_scenes())
     assert set(tables) == {
         *("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "solved", "attribution"),
-        *("advice", "held_out", "held_out_summary"),
+        *("advice", "held_out", "held_out_summary", "unsolved"),
     }
     assert len(tables["fronts"]) == 64
     assert (tables["fronts"]["flag"] == "").all()
