@@ -21,7 +21,7 @@ from studies.scene import Scene, Setting, SettlingScene, UsageError, has_contact
 from studies.scenes import SCENES
 
 KINDS = {"scene": 0.25, "posed": 0.15, "matrices": 0.6}  # by what a case costs
-OFTEN = {"panel": 8, "tyre": 8, "crushed-ring-solid": 1, "tyre-solid": 1}  # for their settings, or for their cost
+OFTEN = {"panel": 8, "tyre": 10, "crushed-ring-solid": 1, "tyre-solid": 1}  # for their settings, or for their cost
 WITH_CONTACT = 4  # the others, as often as a scene without
 CHANGED = (0, 1, 2, 3, 4, 6)  # how many settings leave their default
 REPAIRED = 0.9  # share of refused requests that give settings back until they are taken
