@@ -21,7 +21,7 @@ from contact.problem import ContactProblem, Linearise, Linearised, Outcome
 from studies.fuzz.cases import Asked
 from studies.request import Request
 from studies.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
-from studies.solving import WRONG, Result, solve
+from studies.solving import UNSTABLE, WRONG, Result, solve
 
 MOST = 8_000  # linearisations of one solve
 CONVERGED, REFUSED, ENDED = "converged", "refused", "ended"
@@ -120,6 +120,8 @@ class Attempt:
     @cached_property
     def word(self) -> str:
         """Kind and, of an end, its cause in a word."""
+        if self.kind == CONVERGED:
+            return f"{CONVERGED}, {UNSTABLE}" if self.found.verdict == UNSTABLE else CONVERGED
         return self.kind if self.kind != ENDED else f"{ENDED}: {cause(self.found)}"
 
 

@@ -23,8 +23,8 @@ from studies.scenes import SCENES
 KINDS = {"scene": 0.25, "posed": 0.15, "matrices": 0.6}  # by what a case costs
 OFTEN = {"panel": 8, "tyre": 10, "crushed-ring-solid": 1, "tyre-solid": 1}  # for their settings, or for their cost
 WITH_CONTACT = 4  # the others, as often as a scene without
-CHANGED = (0, 1, 2, 3, 4, 6)  # how many settings leave their default
-REPAIRED = 0.9  # share of refused requests that give settings back until they are taken
+CHANGED = (0, 1, 2, 3, 4, 6, 8)  # how many settings leave their default
+REPAIRED = 0.93  # share of refused requests that give settings back until they are taken
 HUNG = 0.25  # share of scenes whose grid is refined in places, where it can be
 LARGEST = 6  # elements along a side, of what may have as few as two
 TOGETHER = ({"E_MPa", "nu"},)  # keys that a scene with all of them wants both or neither

@@ -57,26 +57,33 @@ def difference(one: Answer, other: Answer) -> float:
     return max(float(np.max(np.abs(u - v), initial=0.0)) / size, float(np.linalg.norm(f - g)) / scale)
 
 
-def tangent(answer: Answer) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Dense: K (n, n) with the springs of a finite epsilon, rows G_A (a, n) that an exact set holds, residual (n,)."""
+def tangent(answer: Answer, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Dense: K (n, n) with the springs of a finite epsilon, rows (a, n) of G that an exact set holds, residual (n,).
+
+    held (m,) bool: the candidates that are held at their gaps.
+    """
     problem, state = answer.problem, answer.state
     u, p, epsilon = state.u, state.pressure, answer.algorithm.epsilon
     lin = problem.linearise(u, None)
     K = problem.stiffness(lin, u, p).toarray()
-    pressed = state.active & (p > 0)
     G = problem.gap_jacobian(u).toarray()
     residual = lin.residual - problem.contact_force(u, p)
     if np.isfinite(epsilon):
-        W = problem.weight_matrix.toarray()[:, pressed]
-        return K + epsilon * G.T @ W @ G[pressed], np.zeros((0, len(u))), residual
-    return K, G[pressed], residual
+        W = problem.weight_matrix.toarray()[:, held]
+        return K + epsilon * G.T @ W @ G[held], np.zeros((0, len(u))), residual
+    return K, G[held], residual
+
+
+def pressed(answer: Answer) -> np.ndarray:
+    """Candidates (m,) bool that are in the set and carry pressure."""
+    return np.asarray(answer.state.active & (answer.state.pressure > 0))
 
 
 def error_of(answer: Answer) -> float:
     """What one more Newton step on its set would move a state by, displacements and forces as in :func:`difference`."""
-    K, G, residual = tangent(answer)
+    K, G, residual = tangent(answer, pressed(answer))
     u = answer.state.u
-    gap = answer.problem.gap(u)[answer.state.active & (answer.state.pressure > 0)][: len(G)]
+    gap = answer.problem.gap(u)[pressed(answer)][: len(G)]
     n, a = len(u), len(G)
     whole = np.block([[K, -G.T], [G, np.zeros((a, a))]])
     try:
@@ -90,14 +97,23 @@ def error_of(answer: Answer) -> float:
 
 def unstable(answer: Answer) -> int:
     """Negative eigenvalues of the symmetric part of the tangent, on the motions that pressed candidates leave free."""
-    K, G, _ = tangent(answer)
+    return signs(answer, pressed(answer))[0]
+
+
+def signs(answer: Answer, held: np.ndarray) -> tuple[int, int]:
+    """Eigenvalues of the symmetric part of the tangent on the motions that leave the held gaps: below zero, and none.
+
+    By dense algebra on a basis of these motions, of the tangent with unit diagonal: no factorisation of a solve.
+    """
+    K, G, _ = tangent(answer, held)
     stretch = 1 / np.sqrt(np.maximum(np.abs(np.diag(K)), np.finfo(float).tiny))
     K, G = stretch[:, None] * (K + K.T) / 2 * stretch, G * stretch
     free = null_space(G) if len(G) else np.eye(len(K))
     if not free.shape[1]:
-        return 0
+        return 0, 0
     values = np.linalg.eigvalsh(free.T @ K @ free)
-    return int(np.sum(values < -ZERO * np.max(np.abs(values))))
+    zero = ZERO * float(np.max(np.abs(values)))
+    return int(np.sum(values < -zero)), int(np.sum(np.abs(values) <= zero))
 
 
 def confirms(answer: Answer, state: ContactSolution) -> bool:

@@ -15,8 +15,8 @@ import numpy as np
 from studies.request import text_of
 from studies.scene import Setting, UsageError
 
-NEAR, FAR = 3.0, 1e3  # factors from the default, down and up
-HOW = {"near": 0.75, "far": 0.18, "bound": 0.07}
+NEAR, FAR = 4.0, 1e3  # factors from the default, down and up
+HOW = {"near": 0.65, "far": 0.25, "bound": 0.1}
 INFINITE = 0.5  # share of it, where infinity is a value
 WIDEST = 1e6  # a range without an end is taken to here
 HAIR = 1e-9  # inside an open bound
