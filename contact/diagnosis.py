@@ -12,6 +12,7 @@ another::
     p = q  but at one node, or at two         one wrong node        numbers are given
     p no multiple of q                        stale pressure        u is in equilibrium, under other pressures
     p = q, one gap at all carrying nodes      shifted gap           it is given
+    |rest| as large as the rounding of u's    last digit            what it still asks for is given
 
 Where several fit, the first is named; where none fits, the violated conditions are. A missing weight with equal areas
 looks like a unit, and an equilibrium that is only wrong at closed nodes like stale pressures.
@@ -34,12 +35,12 @@ WRONG_UNITS = "wrong units"
 ONE_WRONG_NODE = "one wrong node"
 STALE_PRESSURE = "stale pressure"
 SHIFTED_GAP = "shifted gap"
+LAST_DIGIT = "last digit"  # no corruption: the answer is as good as its numbers, and that is not good enough
 CORRUPTIONS = (
     *(SWAPPED_FACE, UNCONVERGED, SIGN_FLIP, MISSING_WEIGHT, WRONG_UNITS, ONE_WRONG_NODE, STALE_PRESSURE, SHIFTED_GAP),
 )
 
 ALIKE = 1e-6  # relative difference of two forces, pressures or gaps that counts as none
-CLOSED = 1e-9  # mm
 
 
 def diagnose(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, *, epsilon: float = np.inf) -> list[str]:
@@ -54,15 +55,21 @@ def diagnose(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, *, ep
     violated = f"violated: {', '.join(failed)}"
     if not (np.all(np.isfinite(pressure)) and np.all(np.isfinite(u)) and np.isfinite(verdict.equilibrium)):
         return [f"not a number in the answer; {violated}"]
+    if failed == ["equilibrium"] and np.isfinite(verdict.correction):
+        return [
+            f"{LAST_DIGIT}: the rounding of u leaves {verdict.equilibrium:.1e} of the forces out of balance, "
+            f"which still asks for {verdict.correction:.1e} of all displacement"
+        ]
     lin = problem.linearise(u, None)
     gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
-    asked, rest = _asked(problem, u, lin.residual, (pressure != 0) | (gap <= CLOSED))
+    closed = verdict.gap_bound()
+    asked, rest = _asked(problem, u, lin.residual, (pressure != 0) | (gap <= closed))
     scale = max(lin.scale, float(np.linalg.norm(problem.contact_force(u, pressure)))) or 1.0
     tolerance = max(1e-8, min(verdict.rounding, ROUNDING_ALONE))
     if float(np.linalg.norm(rest)) > tolerance * scale:
         return [_rest_named(problem, u, pressure, lin.residual, rest, scale)]
     found = _pressure_named(problem, pressure, asked) if "equilibrium" in failed else ""
-    shift = _shift(gap[asked > ALIKE * np.max(np.abs(asked), initial=0.0)])
+    shift = _shift(gap[asked > ALIKE * np.max(np.abs(asked), initial=0.0)], closed)
     findings = [found, shift if {"penetration", "complementarity"} & set(failed) else ""]
     return [finding for finding in findings if finding] or [violated]
 
@@ -113,12 +120,12 @@ def _pressure_named(problem: ContactProblem, p: np.ndarray, q: np.ndarray) -> st
     return f"{STALE_PRESSURE}: u is in equilibrium, but under other pressures at {len(wrong)} candidates"
 
 
-def _shift(gap: np.ndarray) -> str:
-    """The gap that all carrying candidates share."""
-    if not len(gap) or not np.max(np.abs(gap)) > CLOSED:
+def _shift(gap: np.ndarray, closed: float) -> str:
+    """The gap that all carrying candidates share, one above ``closed`` [mm]."""
+    if not len(gap) or not np.max(np.abs(gap)) > closed:
         return ""
     middle = float(np.mean(gap))
-    if np.ptp(gap) > max(ALIKE * abs(middle), CLOSED):
+    if np.ptp(gap) > max(ALIKE * abs(middle), closed):
         return ""
     return f"{SHIFTED_GAP}: the foundation is {middle:.6g} mm off where it carries"
 

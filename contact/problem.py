@@ -83,8 +83,8 @@ class ContactProblem:
     r (n,) alone, where that costs less than a linearisation.
 
     only(chosen): the same problem with the ``chosen`` candidates (m,) bool alone, where the others then carry no
-    pressure; None where they cannot be told apart.  gap_size: least size [mm] of the terms of a gap, where the
-    candidates at hand do not show it.
+    pressure; None where they cannot be told apart.  gap_size: size [mm] of what a gap is a difference of, the position
+    of the foundation included, wherever u is: the gap has the rounding of it; 0 where it has that of g and G u alone.
 
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
 
@@ -118,10 +118,6 @@ class ContactProblem:
         """Normal forces f = W p (m,) [N] of the foundation on the candidate nodes."""
         return self.weights * pressure if self.coupling is None else self.coupling @ pressure
 
-    def size_of_gaps(self, u: np.ndarray, gap: np.ndarray) -> float:
-        """Largest size [mm] of the terms |g| + |G| |u| that make up a gap; their rounding is the gap's."""
-        return float(np.max(np.abs(gap) + abs(self.gap_jacobian(u)) @ np.abs(u), initial=self.gap_size))
-
     def push(self, u: np.ndarray) -> sparse.csr_matrix:
         """The rows (m, n) of G by which contact forces act: no force on what moves the foundation."""
         return sparse.csr_matrix(self.gap_jacobian(u) @ self._body(len(u))) if self.driven else self.gap_jacobian(u)
@@ -152,6 +148,7 @@ def rounding_floor(lin: Linearised, u: np.ndarray) -> float:
 
 ROUNDING_ALONE = 1e-6  # relative residual up to which rounding is an excuse by itself
 WORST_ROUNDING = 1e-4  # up to which it is one if it moves nothing, and beyond which it never is
+SLIGHT = 1e-5  # forces of the foundation below this share of those in balance must be met themselves
 NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that moves nothing
 
 
@@ -163,6 +160,16 @@ def excused(residual: float, rounding: float, correction: float) -> bool:
     """
     harmless = residual <= WORST_ROUNDING and correction <= NEGLIGIBLE
     return residual <= rounding and (residual <= ROUNDING_ALONE or harmless)
+
+
+def met(tolerance: float, push: float, rounding: float) -> float:
+    """The relative residual that ``tolerance`` asks for, where the foundation's own share of the forces is ``push``.
+
+    A foundation that has only just come carries next to nothing of an inflated body: what balances to 1e-9 of all
+    forces may have its force all wrong. So its share counts below SLIGHT, down to what is ``rounding``.
+    """
+    slight = tolerance * min(1.0, push / SLIGHT) if push > 0 else tolerance
+    return max(slight, min(rounding, tolerance))
 
 
 def without_contact(linearise: Linearise, n: int, *, ordered: bool = False) -> ContactProblem:

@@ -12,7 +12,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from contact.problem import ROUNDING_ALONE, WORST_ROUNDING, ContactProblem, Linearised, excused, rounding_floor
+from contact.problem import ROUNDING_ALONE, WORST_ROUNDING, ContactProblem, Linearised, excused, met, rounding_floor
+from contact.scales import Stiffness, length
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
@@ -20,6 +21,8 @@ BALANCES = ("energy", "force")
 _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
 EQUILIBRIUM, BALANCE = 1e-8, 1e-8
+GAP = 1e-11  # of a large gap: ten times what an algorithm leaves
+POSITION = 10 * float(np.finfo(float).eps)  # of where the foundation is: the rounding of a gap
 LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
 
 
@@ -35,6 +38,10 @@ class Verdict:
     energy: mismatch of the work of all forces with the change of energy, over the largest part [-]; None without a
     potential.  force: |sum of the forces of the foundation + all others on the body| over the largest [-]; None where
     the problem does not tell the others.  energy_rounding, force_rounding: what rounding explains of each.
+    push: |G^T W p| over the largest force [-]; where it is slight, equilibrium is judged by it, see
+    :func:`contact.problem.met`.
+    length [mm], pressure [MPa]: a large gap, see :func:`contact.scales.length`, and the largest pressure. The bounds of
+    penetration and complementarity are relative to them.  gap_rounding [mm]: of the position of the foundation.
     """
 
     equilibrium: float
@@ -47,6 +54,10 @@ class Verdict:
     force: float | None = None
     energy_rounding: float = 0.0
     force_rounding: float = 0.0
+    length: float = 0.0
+    pressure: float = 0.0
+    gap_rounding: float = 0.0
+    push: float = 0.0
 
     @property
     def kkt(self) -> dict[str, float]:
@@ -60,32 +71,39 @@ class Verdict:
 
     @property
     def certificate(self) -> dict[str, Any]:
-        """What a result says of itself: {failures, kkt, balances, rounding}; certified when nothing has failed."""
-        return {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
+        """What a result says of itself: {failures, kkt, balances, rounding, scales}; certified when nothing failed."""
+        told = {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
+        return told | {"scales": {"length_mm": self.length, "pressure_MPa": self.pressure}}
 
     def failures(
         self,
         *,
         equilibrium: float = EQUILIBRIUM,
-        penetration: float = 1e-9,
+        penetration: float = GAP,
         tension: float = 0.0,
-        complementarity: float = 1e-9,
+        complementarity: float = GAP,
         balance: float = BALANCE,
     ) -> list[str]:
         """The names of the residuals above their bounds (NaN counts as above).
 
-        The defaults are those of an exact multiplier; a finite epsilon needs wider bounds for penetration, p/epsilon,
-        and complementarity, p^2/epsilon, or an answer judged with its epsilon. ``balance`` bounds energy and force.
+        penetration, tension and complementarity are relative to the length, the pressure and their product. The
+        defaults are those of an exact multiplier; a finite epsilon needs wider bounds for penetration, p/epsilon, and
+        complementarity, p^2/epsilon, or an answer judged with its epsilon. ``balance`` bounds energy and force.
         """
+        needed = met(equilibrium, self.push, self.rounding)
         bounds = {
-            "equilibrium": np.inf if excused(self.equilibrium, self.rounding, self.correction) else equilibrium,
-            "penetration": penetration,
-            "tension": tension,
-            "complementarity": complementarity,
+            "equilibrium": np.inf if excused(self.equilibrium, self.rounding, self.correction) else needed,
+            "penetration": self.gap_bound(penetration),
+            "tension": tension * self.pressure,
+            "complementarity": self.gap_bound(complementarity) * self.pressure,
             "energy": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
             "force": max(balance, min(self.force_rounding, ROUNDING_ALONE)),
         }
         return [name for name, value in {**self.kkt, **self.balances}.items() if not value <= bounds[name]]
+
+    def gap_bound(self, share: float = GAP) -> float:
+        """Size [mm] of a gap that is none: a share of a large one, and the rounding of the foundation's position."""
+        return share * self.length + self.gap_rounding
 
 
 def claim(tolerance: float, n: int) -> dict[str, float]:
@@ -115,7 +133,9 @@ def judge(
         raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
     lin = problem.linearise(u, None)
     contact = problem.contact_force(u, pressure)
-    scale = max(lin.scale, float(np.linalg.norm(contact))) or 1.0
+    forces = max(lin.scale, float(np.linalg.norm(contact)))
+    scale, sprung = forces or 1.0, pressure / epsilon
+    large = length(problem, Stiffness.of(problem, lin, u), u, forces)
     imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
     equilibrium = float(np.linalg.norm(imbalance)) / scale
     decides = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
@@ -131,6 +151,10 @@ def judge(
         force=force,
         energy_rounding=energy_rounding,
         force_rounding=force_rounding,
+        length=max(large, float(np.max(np.abs(sprung), initial=0.0))),
+        pressure=float(np.max(np.abs(pressure), initial=0.0)),
+        gap_rounding=POSITION * problem.gap_size,
+        push=float(np.linalg.norm(contact)) / scale,
     )
 
 

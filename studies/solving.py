@@ -239,16 +239,16 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
 def certificate(
     problem: ContactProblem, state: ContactSolution, epsilon: float = math.inf, tolerance: float = RESIDUAL_TOLERANCE
 ) -> dict[str, Any]:
-    """What the judge says of a state, by the law of its epsilon: failures by name and their diagnosis, kkt, balances.
+    """What the judge says of a state, by the law of its epsilon: failures by name, their diagnosis, kkt, balances,
+    scales.
 
     stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
     """
-    verdict = judge(problem, state.u, state.pressure)
+    verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
     found = verdict.certificate
-    if math.isfinite(epsilon):
-        verdict = replace(verdict, **gap_residuals(problem, state.u, state.pressure, epsilon))
+    found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
     found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
     found["stability"] = stability(problem, state, epsilon).record

@@ -12,13 +12,14 @@ from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.newton.loop import iterate, settle_most
 from contact.newton.state import Tally
-from contact.newton.step import GAP_TOLERANCE, NewtonRun
-from contact.parameters import SHARED, STIFFNESS, Parameter
+from contact.newton.step import NewtonRun, gap_rounding
+from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.scales import Stiffness, length, motion
 
 LOOSEST, TIGHTENING = 1e-3, 0.1  # of the inner Newton
 SLOW = 0.25  # an outer error that falls less than to this fraction asks for a larger c
-STIFFEST = 1e10
+STIFFEST = 1e10  # over the stiffness of the candidates
 SETTLE = 0.05  # as semismooth
 
 
@@ -26,9 +27,9 @@ SETTLE = 0.05  # as semismooth
 class AugmentedLagrangian(NewtonAlgorithm):
     """Uzawa's outer loop p <- max(0, p - c g); the inner Newton balances r = G^T W max(0, p - c g) at fixed p.
 
-    c [MPa/mm]: stiffness of the springs, not of the answer. It grows by ``growth`` when an update has not brought
-    penetration and complementarity down to a quarter. The outer loop ends when both are rounding: the multiplier is
-    exact, epsilon is infinite.
+    c [-]: stiffness of the springs, not of the answer, over that of the candidates per area. It grows by ``growth``
+    when an update has not brought penetration and complementarity down to a quarter. The outer loop ends when both are
+    rounding: the multiplier is exact, epsilon is infinite.
     The inner Newton stops at a tenth of the last relative change of the pressure, between 1e-3 and ``tolerance``, which
     the last one keeps.
     Sources: Hestenes, J. Optim. Theory Appl. 4 (1969) 303-320; Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
@@ -40,7 +41,7 @@ class AugmentedLagrangian(NewtonAlgorithm):
     name: ClassVar[str] = "augmented-lagrangian"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
-        Parameter("c", "stiffness of the first springs", STIFFNESS, low=0, open_low=True),
+        Parameter("c", "stiffness of the first springs, over that of the body per area", low=0, open_low=True),
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
@@ -51,26 +52,34 @@ class AugmentedLagrangian(NewtonAlgorithm):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Outer loop from the pressure and set of ``start``."""
-        tally, first_gap_size = Tally(), problem.size_of_gaps(start.u, problem.gap(start.u))
-        loosest = max(LOOSEST, self.tolerance)
-        state, c, before, tolerance = start, self.c, np.inf, loosest
+        tally, loosest = Tally(), max(LOOSEST, self.tolerance)
+        at_start = NewtonRun(problem, tally=tally).linearise(start.u, None)
+        stiffness = Stiffness.of(problem, at_start, start.u)
+        unit, first = stiffness.per_area or 1.0, motion(problem, start.u)
+        state, c, before, tolerance = start, self.c * unit, np.inf, loosest
         for outer in range(self.max_outer):
             known = state.pressure
             shifted = replace(problem, gap=partial(_shifted_gap, problem, known / c))
             inner, first_row = NewtonRun(shifted, c, self.solver, tolerance, tally), len(tally.history)
-            state = iterate(inner, state, partial(settle_most, settle=SETTLE), self.max_iterations)
+            lin, spent = None if outer else at_start, tally.counters["newton_iterations"]
+            state = iterate(inner, state, partial(settle_most, settle=SETTLE), self.max_iterations, lin=lin)
             if not state.outcome.converged:
                 return state
             gap = problem.gap(state.u)
             # a node in the set is off by its spring, which is what the pressure has just changed by
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
-            exact = error <= GAP_TOLERANCE * max(problem.size_of_gaps(state.u, gap), first_gap_size)
+            push = float(np.linalg.norm(problem.contact_force(state.u, state.pressure)))
+            large = length(problem, stiffness, state.u, push)
+            first = first or large
+            # or the problem of the next update is solved already, for all that its Newton can tell
+            repeats = tally.counters["newton_iterations"] == spent
+            exact = repeats or error <= gap_rounding(problem, max(large, first))
             update = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
             tally.tell(Event(EventKind.UPDATE, update), first_row)
             if exact and tolerance == self.tolerance:
                 return state
             if error > SLOW * before:
-                c = min(self.growth * c, STIFFEST)
+                c = min(self.growth * c, STIFFEST * unit)
             change = float(np.max(np.abs(state.pressure - known), initial=0.0))
             relative = change / max(float(np.max(state.pressure, initial=0.0)), np.finfo(float).tiny)
             tolerance = self.tolerance if exact else float(np.clip(TIGHTENING * relative, self.tolerance, loosest))

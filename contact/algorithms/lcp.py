@@ -15,7 +15,7 @@ from contact.newton.condensed import Condensed
 from contact.newton.loop import Step, StepError, decide_set, iterate
 from contact.newton.pivots import holding
 from contact.newton.state import Iterate
-from contact.newton.step import GAP_TOLERANCE, NewtonRun
+from contact.newton.step import NewtonRun
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import (
@@ -104,7 +104,7 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
     free_du = run.solution(factor, K, -at.lin.residual)
     free = at.gap + G @ free_du
     # where the set holds a gap closed, rounding is no penetration
-    rounding = GAP_TOLERANCE * run.gap_size(at)
+    rounding = run.gap_rounding(at, float(np.max(np.abs(free - at.gap), initial=0.0)))
     nodes, columns = np.zeros(0, int), np.zeros((len(free), 0))
     event: Event | None = None
     multiplier, entering = np.zeros(len(free)), np.flatnonzero(at.active | (free < -rounding))

@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.newton.loop import iterate, settle_most
-from contact.parameters import SHARED, STIFFNESS, Parameter
+from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution
 
 
@@ -16,8 +16,9 @@ from contact.problem import ContactProblem, ContactSolution
 class Semismooth(NewtonAlgorithm):
     """A node is in contact when p - c g > 0; one linear step on that set; repeat.
 
-    epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [MPa/mm] only weighs pressure against gap while both
-    are non-zero, that is in the first iteration of a step: after a full step one of them vanishes at every node.
+    epsilon [MPa/mm]: infinity enforces the constraint exactly.  c [-], over the stiffness of the candidates per area,
+    only weighs pressure against gap while both are non-zero, that is in the first iteration of a step: after a full
+    step one of them vanishes at every node.
     settle: the set is updated on the same linearisation until at most this fraction of it changes. At 1 every set gets
     a linearisation of its own, the textbook's method: far from the solution it chases sets that mean nothing and is
     lost on fine meshes (tyre 84x80, 20 mm in one step); at 0 it solves each linearised problem to the end.
@@ -36,7 +37,7 @@ class Semismooth(NewtonAlgorithm):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("settle", "fraction of the set that may change before the next linearisation", low=0, high=1),
-        Parameter("c", "weight of gap against pressure", STIFFNESS, low=0, open_low=True),
+        Parameter("c", "weight of gap against pressure, over stiffness per area", low=0, open_low=True),
     )
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:

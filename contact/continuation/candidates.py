@@ -27,10 +27,9 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
     if problem.only is None or depth <= 0:
         return algorithm.solve(problem, start)
     chosen = (gap <= REACH * depth) | start.active
-    size = problem.size_of_gaps(start.u, gap)
     before: ContactSolution | None = None
     while True:
-        near = replace(problem.only(chosen), gap_size=size, ordered=problem.ordered, driven=problem.driven)
+        near = replace(problem.only(chosen), gap_size=problem.gap_size, ordered=problem.ordered, driven=problem.driven)
         at = start if before is None else before
         part = algorithm.solve(near, replace(at, pressure=at.pressure[chosen], active=at.active[chosen]))
         found = _spread(part, chosen, before)

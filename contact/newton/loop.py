@@ -17,7 +17,7 @@ from contact.events import Event, EventKind
 from contact.newton.condensed import Condensed
 from contact.newton.state import Iterate
 from contact.newton.step import LinearStep, NewtonRun
-from contact.problem import ContactSolution, Outcome
+from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit
 from contact.solvers.sparse import SingularMatrixError
 
@@ -54,14 +54,19 @@ StepSolver = Callable[[NewtonRun, Iterate], Step]
 
 
 def iterate(
-    run: NewtonRun, start: ContactSolution, solve_step: StepSolver, max_iterations: int, c: float = 1.0
+    run: NewtonRun,
+    start: ContactSolution,
+    solve_step: StepSolver,
+    max_iterations: int,
+    c: float = 1.0,
+    lin: Linearised | None = None,
 ) -> ContactSolution:
-    """From ``start`` until the set repeats and the forces balance; c [MPa/mm] weighs pressure against gap.
+    """From ``start`` until the set repeats and the forces balance; c [-] as for :meth:`NewtonRun.misplaced`.
 
     Iterations that only release nodes, and none that an earlier one has released, do not count against
-    ``max_iterations``. Between two others there are no more of them than candidates.
+    ``max_iterations``. Between two others there are no more of them than candidates.  lin: of the start, where known.
     """
-    at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
+    at = run.at(lin or run.linearise(start.u, None), start.u, start.pressure, start.active)
     noted, counted, updates, begun = at.active, 0, 0, set[bytes]()
     released: np.ndarray | None = None  # what is left of the set since the last iteration that counts
     event: Event | None = None
@@ -227,7 +232,8 @@ def decide_set(
 def _misplaced(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float = 1.0) -> np.ndarray:
     """Candidates (m,) on the wrong side after the step on the set ``active``."""
     gap, pressure = linear.foreseen(active)
-    return run.misplaced(replace(at, gap=gap, pressure=pressure, active=active), c, solved=True)
+    way = max(at.length, float(np.max(np.abs(gap - at.gap), initial=0.0)))
+    return run.misplaced(replace(at, gap=gap, pressure=pressure, active=active, length=way), c, solved=True)
 
 
 def first_of(wrong: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from scipy.sparse.linalg import SuperLU
 
 from contact.events import Event
 from contact.problem import ContactSolution, Linearised
+from contact.scales import Stiffness
 from contact.solvers.sparse import Factor, factor_flops
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops", "set_changes")
@@ -24,8 +25,9 @@ class Iterate:
 
     lin: linearisation at u (n,).  gap, pressure (m,), set (m,) bool; of the iterate that a step starts from, ``active``
     is the set expected to press.
-    scale, first_scale [N]: of the forces in balance, now and at the start.  residual: |r - G^T W p| over the scale,
-    infinite once the iteration has blown up.  first_gap_size [mm]: size of the terms of a gap, the first not zero.
+    push [N]: |G^T W p|.  scale, first_scale [N]: of the forces in balance, now and at the start.  residual:
+    |r - G^T W p| over the scale, infinite once the iteration has blown up.  length, first_length [mm]: a large gap, now
+    and the first not zero.  stiffness: of the candidates at the start.
     stepped (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one
     before it on the same set.
     again: whether an iterate before had this set.  updates: of the set on one linearisation, in all so far.
@@ -36,10 +38,13 @@ class Iterate:
     gap: np.ndarray
     pressure: np.ndarray
     active: np.ndarray
+    push: float
     scale: float
     first_scale: float
     residual: float
-    first_gap_size: float
+    length: float
+    first_length: float
+    stiffness: Stiffness
     stepped: np.ndarray | None = None
     moved: float = np.inf
     moved_before: float = np.inf

@@ -23,14 +23,21 @@ from contact.problem import (
     Linearised,
     Outcome,
     excused,
+    met,
     rounding_floor,
 )
+from contact.scales import Stiffness, length
 from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
-GAP_TOLERANCE = 1e-12  # relative to the size of the terms that make up the gap
+GAP_TOLERANCE = 1e-12  # relative to a large gap
 ROUNDING_MARGIN = 10.0
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
+
+
+def gap_rounding(problem: ContactProblem, large: float) -> float:
+    """Size [mm] of a gap that is none where one of the size ``large`` [mm] is a large one."""
+    return GAP_TOLERANCE * large + ROUNDING_MARGIN * float(np.finfo(float).eps) * problem.gap_size
 
 
 class LinearStep(Protocol):
@@ -65,18 +72,22 @@ class NewtonRun:
     def at(
         self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray, before: Iterate | None = None
     ) -> Iterate:
-        """The iterate at u (n,), the first one or after another: gap, scale and residual are worked out."""
+        """The iterate at u (n,), the first one or after another: gap, scales and residual are worked out."""
         gap, contact = self.problem.gap(u), self.problem.contact_force(u, pressure)
-        scale = max(lin.scale, float(norm(contact, check_finite=False)))
+        push = float(norm(contact, check_finite=False))
+        scale = max(lin.scale, push)
         first = (before.first_scale if before else 0.0) or scale
         imbalance = float(norm(lin.residual - contact, check_finite=False))
         if not imbalance <= BLOW_UP * max(first, np.finfo(float).tiny):
             residual = float("inf")
         else:
             residual = imbalance / scale if scale > 0 else imbalance
-        # where everything just touches at the start, the first gap that is not zero says what rounding there will be
-        gaps = (before.first_gap_size if before else 0.0) or self.problem.size_of_gaps(u, gap)
-        found = Iterate(lin, u, gap, pressure, active, scale, first, residual, gaps)
+        stiffness = before.stiffness if before else Stiffness.of(self.problem, lin, u)
+        # a body that goes back to zero brings the rounding of its way with it: no less than the first that was not zero
+        large = length(self.problem, stiffness, u, scale)
+        first_length = (before.first_length if before else 0.0) or large
+        sizes = (max(large, first_length), first_length, stiffness)
+        found = Iterate(lin, u, gap, pressure, active, push, scale, first, residual, *sizes)
         if before is None:
             return found
         return replace(found, stepped=before.stepped, moved=before.moved, moved_before=before.moved_before)
@@ -87,7 +98,8 @@ class NewtonRun:
         What it still asks for is taken to be what the last step has moved.
         """
         if at.residual <= self.tolerance:
-            return True
+            share = at.push / at.scale if at.scale > 0 else 0.0
+            return at.residual <= met(self.tolerance, share, _rounding(at)) or at.moved > 0.5 * at.moved_before
         size = float(norm(at.u, check_finite=False))
         return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
 
@@ -97,30 +109,30 @@ class NewtonRun:
 
     def closed(self, at: Iterate) -> bool:
         """True when the nodes of the set obey g + p/epsilon = 0."""
-        mismatch = np.abs(at.gap + at.pressure / self.epsilon)[at.active]
-        return bool(np.max(mismatch, initial=0.0) <= GAP_TOLERANCE * self.gap_size(at))
+        sprung = at.pressure / self.epsilon
+        mismatch, largest = np.abs(at.gap + sprung)[at.active], float(np.max(np.abs(sprung), initial=0.0))
+        return bool(np.max(mismatch, initial=0.0) <= self.gap_rounding(at, largest))
+
+    def gap_rounding(self, at: Iterate, moved: float = 0.0) -> float:
+        """Size [mm] of a gap that is none; ``moved`` [mm]: how far a gap has come since the iterate."""
+        return gap_rounding(self.problem, max(at.length, moved))
 
     def misplaced(self, at: Iterate, c: float = 1.0, *, solved: bool = False) -> np.ndarray:
         """Candidates (m,) on the wrong side: in the set with p - c g < 0, or out of it with p - c g > 0.
 
+        c [-]: over the stiffness of the candidates per area.
         A node that just touches without pressure has p and g of the size of rounding, and no set is the right one:
         near equilibrium, and where p and g have just been ``solved`` for, what rounding explains swaps nothing.
         """
+        c = c * at.stiffness.per_area or c
         excess = np.where(at.active, 1.0, -1.0) * (at.pressure - c * at.gap)
         wrong = excess < 0
         if wrong.any() and (solved or at.residual <= ROUNDING_ALONE):
             force = ROUNDING_MARGIN * (rounding_floor(at.lin, at.u) + np.finfo(float).eps * at.scale)
-            in_pressure, in_gap = force / self.problem.weights, c * GAP_TOLERANCE * self.gap_size(at)
+            in_pressure, in_gap = force / self.problem.weights, c * self.gap_rounding(at)
             # a solved step leaves a pressure in the set and a gap out of it; rounding of the other is none of theirs
             wrong = excess < -(np.where(at.active, in_pressure, in_gap) if solved else in_pressure + in_gap)
         return wrong
-
-    def gap_size(self, at: Iterate) -> float:
-        """Size of the terms that make up a gap; their rounding is the gap's, however small the gap itself.
-
-        Not less than the first that was not zero: a body that goes back to zero brings the rounding of its way with it.
-        """
-        return max(self.problem.size_of_gaps(at.u, at.gap), at.first_gap_size)
 
     def step(
         self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray
@@ -153,11 +165,18 @@ class NewtonRun:
             return checked_solve(factor, A, b)
 
     def advance(self, at: Iterate, du: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> Iterate:
-        """The next iterate: one Newton iteration, however many linear systems its step and its set took."""
+        """The next iterate: one Newton iteration, however many linear systems its step and its set took.
+
+        The forces of a start are joined by those that the first step asks of the foundation: a body that is hardly
+        loaded before it is pressed has not blown up when it is.
+        """
         same = at.stepped is not None and np.array_equal(active, at.stepped)
         self.tally.counters["newton_iterations"] += 1
         memory, moved = self.remember(at.lin, du)
         before = replace(at, stepped=active, moved=moved, moved_before=at.moved if same else np.inf)
+        if at.stepped is None:
+            push = float(norm(self.problem.contact_force(at.u, pressure), check_finite=False))
+            before = replace(before, first_scale=max(at.first_scale, push))
         return self.at(self.linearise(at.u + du, memory), at.u + du, pressure, active, before)
 
     def remember(self, lin: Linearised, du: np.ndarray) -> tuple[object, float]:

@@ -102,6 +102,12 @@ class Profile:
         shift = float(self.normal @ by), float(self.travel @ by)
         return replace(self, offset=self.offset + shift[0], centre=self.centre + shift[1])
 
+    @property
+    def size(self) -> float:
+        """Distance of the base plane or of the profile from the origin, or a coordinate of a piece."""
+        own = [piece.start if isinstance(piece, Line) else (*piece.centre, piece.radius) for piece in self.pieces]
+        return max(abs(self.offset), abs(self.centre), *(abs(value) for piece in own for value in piece))
+
     def _axes(self) -> np.ndarray:
         """Directions of s and t, (2, 3)."""
         return np.array([self.travel, -self.normal])

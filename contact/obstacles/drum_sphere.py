@@ -43,6 +43,11 @@ class Drum:
         """The drum about the shifted axis."""
         return replace(self, centre=self.centre + by)
 
+    @property
+    def size(self) -> float:
+        """Radius, or coordinate of the axis."""
+        return _size(self.centre, self.radius)
+
     def _arm(self, x: np.ndarray) -> np.ndarray:
         r = x - self.centre
         return r - (r @ self.axis)[:, None] * self.axis
@@ -75,6 +80,11 @@ class Sphere:
         """The sphere about the shifted centre."""
         return replace(self, centre=self.centre + by)
 
+    @property
+    def size(self) -> float:
+        """Radius, or coordinate of the centre."""
+        return _size(self.centre, self.radius)
+
 
 POLE = np.array([0.0, 0.0, 1.0])
 
@@ -82,6 +92,10 @@ POLE = np.array([0.0, 0.0, 1.0])
 def _require_radius(radius: float) -> None:
     if not 0 < radius < np.inf:
         raise ValueError(f"the radius must be positive and finite, got {radius}")
+
+
+def _size(centre: np.ndarray, radius: float) -> float:
+    return max(radius, float(np.max(np.abs(centre))))
 
 
 def _gap(arm: np.ndarray, radius: float, hollow: bool) -> np.ndarray:

@@ -35,6 +35,10 @@ class Foundation(Protocol):
     def moved(self, by: np.ndarray) -> Self:
         """The foundation shifted by the vector ``by`` (3,)."""
 
+    @property
+    def size(self) -> float:
+        """Largest length [mm] that g is worked out from besides x: of its position and of its own measures."""
+
 
 def require_unit(what: str, vector: np.ndarray) -> None:
     """Raise ValueError unless the vector (3,) has length 1."""
@@ -70,6 +74,11 @@ class RigidPlane:
     def moved(self, by: np.ndarray) -> RigidPlane:
         """The plane through the shifted points."""
         return replace(self, offset=self.offset + float(self.normal @ by))
+
+    @property
+    def size(self) -> float:
+        """|offset|."""
+        return abs(self.offset)
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,17 +160,22 @@ def _against(linearise: Linearise, candidates: Candidates, foundation: Foundatio
         coupling=candidates.coupling,
         gap_curvature=curvature,
         directions=lambda u: foundation.gradient(candidates.positions(u)),
+        gap_size=foundation.size + float(np.max(np.abs(candidates.reference), initial=0.0)),
     )
 
 
 def against_plane(linearise: Linearise, candidates: Candidates, plane: RigidPlane) -> ContactProblem:
-    """The contact problem of the candidates against a plane; its gap is linear in u."""
+    """The contact problem of the candidates against a plane; its gap is linear in u.
+
+    Where plane and candidates are is rounded once, in the gap at u = 0, and never again: what moves is added to it. A
+    travel far below the last digit of the position of a point has all of its own.
+    """
     m = len(candidates.reference)
     project = sparse.kron(sparse.eye_array(m), -plane.normal[None, :], format="csr")
-    jacobian = sparse.csr_matrix(project @ candidates.operator)
+    jacobian, at_rest = sparse.csr_matrix(project @ candidates.operator), plane.gap(candidates.reference)
     return ContactProblem(
         linearise=linearise,
-        gap=lambda u: plane.gap(candidates.positions(u)),
+        gap=lambda u: at_rest + jacobian @ u,
         gap_jacobian=lambda u: jacobian,
         weights=candidates.weights,
         coupling=candidates.coupling,

@@ -49,7 +49,8 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpS
         return LcpSolution(np.zeros(n), 0)
     size = 1 / np.sqrt(np.where(np.diag(M) > 0, np.diag(M), 1.0))
     # columns: w (n), z (n), the artificial z0, the right-hand side
-    table = np.hstack([np.eye(n), -size[:, None] * M * size, -np.ones((n, 1)), (size * q)[:, None]])
+    scaled = size * q / np.max(np.abs(size * q))
+    table = np.hstack([np.eye(n), -size[:, None] * M * size, -np.ones((n, 1)), scaled[:, None]])
     basis, entering = np.arange(n), 2 * n
     row = n - 1 - int(np.argmin(table[::-1, -1]))  # which z0 = max(-q) makes zero; the last is the lexicographic one
     for pivots in range(1, MOST_PIVOTS):

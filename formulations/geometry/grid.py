@@ -113,7 +113,7 @@ class Grid:
     def on_line(self, axis: int, value: float) -> np.ndarray:
         """Node numbers on the grid line a_{axis+1} = value (within 1e-9 of the grid's extent)."""
         coordinate = self.nodes[:, axis]
-        return np.flatnonzero(np.abs(coordinate - value) <= 1e-9 * max(1.0, np.ptp(coordinate)))
+        return np.flatnonzero(np.abs(coordinate - value) <= 1e-9 * np.ptp(coordinate))
 
     def node_at(self, a1: float, a2: float) -> int:
         """The node at a point; raises ValueError when the grid has none there."""

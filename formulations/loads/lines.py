@@ -66,7 +66,7 @@ def _segments(
     """
     grid, laminate = discretisation.grid, discretisation.laminate
     along = 1 - axis
-    slack = 1e-9 * max(1.0, float(np.ptp(grid.nodes[:, axis])))
+    slack = 1e-9 * float(np.ptp(grid.nodes[:, axis]))
     after, before = (np.abs(grid.centre[:, axis] + s * grid.half[:, axis] - value) <= slack for s in (-1, 1))
     which, corners = (before, ((1, 2), (3, 2))) if before.any() else (after, ((0, 3), (0, 1)))
     if not which.any():

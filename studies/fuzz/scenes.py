@@ -170,7 +170,7 @@ def _scaled(one: Attempt, seed: int) -> str:
     settings = dict(one.asked.settings)
     for key, value in request.settings.items():
         power = next((powers for end, powers in PRODUCTS.items() if key.endswith(end)), None)
-        power = (-1, 1) if key in ("epsilon", "c") else power
+        power = (-1, 1) if key == "epsilon" else power
         if power is None or isinstance(value, str):
             continue
         factor = length ** power[0] * stress ** power[1]

@@ -108,7 +108,7 @@ def test_no_potential_no_balance(chain) -> None:
     assert verdict.energy is None
     assert verdict.force is None
     assert verdict.balances == {}
-    assert set(verdict.certificate) == {"failures", "kkt", "balances", "rounding"}
+    assert set(verdict.certificate) == {"failures", "kkt", "balances", "rounding", "scales"}
     assert verdict.certificate["failures"] == []
 
 

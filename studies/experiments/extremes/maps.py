@@ -7,6 +7,7 @@ a ``footprint solve`` of the same point would be: a failure here is one within t
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -102,6 +103,10 @@ class Chart:
         options, settings = dict(self.options), dict(self.settings)
         for axis, value in ((self.y, y), (self.x, x)):
             (options if axis.named else settings)[axis.key] = value
+        unit = float(settings.get("stress_unit", 1)) / float(settings.get("length_unit", 1))
+        epsilon = unit * ALGORITHMS[options.get("contact", Request.contact)]().epsilon
+        if unit != 1 and math.isfinite(epsilon):  # the same problem in other units has the same spring in them
+            settings.setdefault("epsilon", repr(epsilon))
         return Cell(f"{self.name} {x} {y}", self.scene, options, settings)
 
     def command(self, i: int, j: int) -> str:
@@ -141,6 +146,7 @@ def _followed(model: SceneModel, request: Request) -> Found:
     algorithm = configured(request.contact, request.settings)
     spent = {"newton_iterations": 0.0, "factorisations": 0.0}
     failures: list[str] = []
+    why: list[str] = []
     stable: dict[str, Any] = {}
     for visited in walk(model.stages(), algorithm, request.steps, smallest=CUT):
         point = visited.point
@@ -150,10 +156,10 @@ def _followed(model: SceneModel, request: Request) -> Found:
             return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None, spent)
         tolerance = request.number("tolerance")
         told = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)
-        failures, stable = failures + told["failures"], told["stability"]
+        failures, why, stable = failures + told["failures"], why + told["diagnosis"], told["stability"]
         if failures and visited.ends_stage:
-            names = ", ".join(dict.fromkeys(failures))
-            return Found(WRONG, f"the judge finds {names} beyond its bounds", *map(int, spent.values()))
+            names, found = (", ".join(dict.fromkeys(words)) for words in (failures, why))
+            return Found(WRONG, f"the judge finds {names} beyond its bounds: {found}", *map(int, spent.values()))
     if stable["word"] == NOT_STABLE:
         return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}", *map(int, spent.values()))
     touched = visited.state.active.any()
@@ -174,8 +180,8 @@ H, TRAVEL, BALL, INFLATION = "h/R [-]", "travel of the plane [mm]", "radius of t
 BY = Axis("contact", "algorithm")
 THIN, THINNESS = (POWERS("h_over_R", H, -6, -1, points) for points in (17, 33))
 EPSILON = POWERS("epsilon", "ε [MPa/mm]", -2, 16, 33)
-LENGTHS = POWERS("length_unit", "units in a mm [-]", -6, 6, 33)
-STRESSES = POWERS("stress_unit", "units in a MPa [-]", -6, 6, 33)
+LENGTHS = POWERS("length_unit", "units in a mm [-]", -12, 12, 33)
+STRESSES = POWERS("stress_unit", "units in a MPa [-]", -12, 12, 33)
 ASPECT = POWERS("aspect", "length over width of an element [-]", 0, 4, 17)
 NU = Axis("nu", "Poisson ratio ν [-]", tuple(f"{0.5 - 10.0**x:.6g}" for x in np.linspace(-1, -4, 17)))
 UNEVEN = Axis("irregular", "unevenness [-]", tuple(f"{1 - 10.0**x:.6g}" for x in np.linspace(0, -4, 17)))  # to 0.9999

@@ -42,7 +42,6 @@ ABOUT_Z = Motion(rotation(np.array([0.0, 0.0, 1.0]), THETA), np.array([0.0, 0.0,
 SPLIT = 3  # load steps instead of one
 TYRE_MESH, TYRE_TRAVEL, TYRE_ANGLES = "12x16", 8.0, (0.0, 52.0, 90.0)
 SEED = 2004
-GAP = 1e-9  # of the largest displacement, for the judge
 WAYS = {  # of the torus, beside the first
     "axes exchanged": Way(swapped=True),
     "lengths over 1e6, stresses times 1e6": Way(length=1e-6, stress=1e6),
@@ -132,13 +131,11 @@ def _answer(
     algorithm: ContactAlgorithm,
     seen: Callable[[ContactSolution], Seen],
 ) -> Answer:
-    """A state before the judge, whose bounds are in units of the problem, and what to expect of its last digits."""
+    """A state before the judge, and what to expect of its last digits."""
     refused = algorithm.supports(problem) or (outcome.value if outcome is Outcome.REFUSED else "")
-    lin, size = problem.linearise(state.u, None), float(np.max(np.abs(state.u)))
+    lin = problem.linearise(state.u, None)
     peak = float(np.max(state.pressure, initial=0.0))
-    failures = judge(problem, state.u, state.pressure, epsilon=algorithm.epsilon).failures(
-        penetration=GAP * size, complementarity=GAP * size * peak
-    )
+    failures = judge(problem, state.u, state.pressure, epsilon=algorithm.epsilon).failures()
     wrong = "" if not failures else f"the judge finds {', '.join(failures)}"
     wrong = refused or (wrong if outcome.converged else outcome.value)
     force = float(np.min(problem.weights)) * peak or math.nan

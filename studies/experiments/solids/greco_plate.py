@@ -94,10 +94,9 @@ class GrecoPlate:
 
     @property
     def problem(self) -> ContactProblem:
-        """The plate on the plane; where nothing lifts off, only the slip tells how large a gap could be."""
+        """The plate on the plane."""
         K, f, G = self.stiffness, self.forces[self.free], self.across
-        size = float(slip(0.0))
-        return ContactProblem(linear_mechanics(K, f), lambda u: G @ u, lambda u: G, self.weights, gap_size=size)
+        return ContactProblem(linear_mechanics(K, f), lambda u: G @ u, lambda u: G, self.weights)
 
     def solve(self, algorithm: str) -> ContactSolution:
         """From rest, the constraint exact."""

@@ -1,0 +1,131 @@
+"""Scales of a contact problem, against their formulas written out; and travels far below the size of a body."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.catalogue import ALGORITHMS
+from contact.obstacles.cleat import Profile, cleat
+from contact.obstacles.drum_sphere import Drum, Sphere
+from contact.obstacles.foundation import Candidates, RigidPlane, against
+from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
+from contact.scales import Stiffness, length, motion
+from contact.verify import judge
+from support.contact_problems import EXACT, linear_mechanics, random_quadratic
+
+EPS = np.finfo(float).eps
+X, Y, Z = np.eye(3)
+
+
+def test_stiffness_is_that_of_each_candidate_by_its_own_unknowns(rng) -> None:
+    data = random_quadratic(rng, "inclined")
+    problem, u = data.problem(), np.zeros(len(data.f))
+    k = [1 / sum(g**2 / data.K[j, j] for j, g in enumerate(row) if g) for row in data.G]
+    found = Stiffness.of(problem, problem.linearise(u, None), u)
+    assert found.most == pytest.approx(max(k))
+    assert found.per_area == pytest.approx(float(np.median(np.array(k) / data.w)))
+
+
+def test_a_force_moves_a_candidate_by_no_less_than_it_over_the_stiffness(rng) -> None:
+    """All else held, which everything else only makes softer: G K^-1 G^T is not below 1/k."""
+    for seed in range(5):
+        data = random_quadratic(np.random.default_rng(seed), "definite")
+        problem, u = data.problem(), np.zeros(len(data.f))
+        most = Stiffness.of(problem, problem.linearise(u, None), u).most
+        assert np.all(np.diag(data.G @ np.linalg.solve(data.K, data.G.T)) >= 1 / most)
+
+
+def test_a_large_gap_is_the_motion_or_what_the_forces_would_move(rng) -> None:
+    data = random_quadratic(rng, "inclined")
+    problem, u = data.problem(), rng.normal(size=len(data.f))
+    assert motion(problem, u) == pytest.approx(max(np.abs(data.G) @ np.abs(u)))
+    stiffness = Stiffness.of(problem, problem.linearise(u, None), u)
+    assert length(problem, stiffness, u, 0.0) == motion(problem, u)
+    assert length(problem, stiffness, 0 * u, 3.0) == 3.0 / stiffness.most
+
+
+def test_nothing_to_touch_and_nothing_that_holds_have_no_stiffness(rng) -> None:
+    data = random_quadratic(rng, "definite")
+    K, n = linear_mechanics(data.K, data.f), len(data.f)
+    nothing = without_contact(K, n)
+    assert Stiffness.of(nothing, K(np.zeros(n), None), np.zeros(n)) == Stiffness()
+    loose = linear_mechanics(0 * data.K, data.f)
+    assert Stiffness.of(data.problem(), loose(np.zeros(n), None), np.zeros(n)) == Stiffness()
+
+
+@pytest.mark.parametrize("at", [0.0, 1e6])
+def test_the_size_of_a_gap_is_that_of_the_foundation_wherever_it_is(at) -> None:
+    by = at * Z
+    assert RigidPlane(Z, 2.0).moved(by).size == 2.0 + at
+    assert Drum(3 * Z, Y, 5.0).moved(by).size == max(5.0, 3.0 + at)
+    assert Sphere(-7 * X, 5.0).moved(by).size == max(7.0, at)
+    foot = 10 + 10 / math.tan(math.pi / 3) + 4 * math.tan(math.pi / 6)  # where the rounding begins
+    assert Profile(Z, 0.0, X, 0.0, cleat(10.0, 20.0, 60.0, 4.0)).moved(by).size == pytest.approx(max(at, foot))
+
+
+@pytest.mark.parametrize("foundation", [Sphere(-7e5 * X, 7e5), Drum(-7e5 * X, Y, 7e5)], ids=["sphere", "drum"])
+def test_rounding_of_a_curved_gap_is_within_that_of_its_size(rng, foundation) -> None:
+    """Points on the surface by construction, to rounding: their gaps are not zero, and no larger than a few digits."""
+    angle = rng.uniform(-1e-3, 1e-3, 200)
+    x = foundation.centre + foundation.radius * np.column_stack([np.cos(angle), 0 * angle, np.sin(angle)])
+    size = foundation.size + np.max(np.abs(x))
+    assert 0.01 * EPS * size < np.max(np.abs(foundation.gap(x))) <= 10 * EPS * size
+
+
+def row_of_masses(travel: float, at: float) -> tuple[ContactProblem, np.ndarray, np.ndarray]:
+    """Springs in a row below a plane that has come by ``travel``, everything ``at`` a height; K and areas."""
+    m = 5
+    K = 3 * np.eye(m) - np.eye(m, k=1) - np.eye(m, k=-1)
+    operator = sparse.csr_matrix((np.ones(m), (3 * np.arange(m) + 2, np.arange(m))), shape=(3 * m, m))
+    x = np.column_stack([np.arange(m), np.zeros(m), np.full(m, at)])
+    areas = np.linspace(0.5, 1.5, m)
+    return (
+        against(linear_mechanics(K, np.zeros(m)), Candidates(x, operator, areas), RigidPlane(Z, at - travel)),
+        K,
+        areas,
+    )
+
+
+@pytest.mark.parametrize("name", EXACT)
+@pytest.mark.parametrize("exponent", range(-1000, 1, 100))
+def test_any_travel_of_a_plane_is_pressed_alike(name, exponent) -> None:
+    """All gaps closed: p = K d/w, for a travel d from 1e-301 mm on."""
+    d = 2.0**exponent
+    problem, K, areas = row_of_masses(d, 0.0)
+    found = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(5, 5))
+    assert found.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(found.pressure, K @ np.full(5, d) / areas, rtol=1e-9)
+    assert judge(problem, found.u, found.pressure).failures() == []
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_a_travel_below_the_last_digits_of_the_points_has_all_of_its_own(name) -> None:
+    """A metre up, where a point is known to 1e-13 mm, and the plane comes by three of those: solved as if at zero."""
+    ulp = np.spacing(1000.0)
+    problem, K, areas = row_of_masses(3 * ulp, 1000.0)
+    found = ALGORITHMS[name](epsilon=math.inf).solve(problem, ContactSolution.at_rest(5, 5))
+    np.testing.assert_allclose(found.pressure, K @ np.full(5, 3 * ulp) / areas, rtol=1e-9)
+    assert judge(problem, found.u, found.pressure).failures() == []
+    assert "penetration" in judge(problem, 0.99 * found.u, found.pressure).failures()
+
+
+def stretched(touch: float) -> ContactProblem:
+    """Two springs: one is pulled by 1 N and touches nothing, the other is pushed into the plane by ``touch`` N."""
+    operator = sparse.csr_matrix((np.ones(2), ([2, 5], [0, 1])), shape=(6, 2))
+    x = np.array([[0.0, 0.0, -10.0], [1.0, 0.0, 0.0]])
+    mechanics = linear_mechanics(np.diag([2.0, 3.0]), np.array([1.0, touch]))
+    return against(mechanics, Candidates(x, operator, np.ones(2)), RigidPlane(Z, 0.0))
+
+
+@pytest.mark.parametrize("touch", [1.0, 1e-6, 1e-10, 1e-13])
+def test_a_force_that_is_next_to_nothing_of_all_is_judged_by_itself(touch) -> None:
+    """Half of it or twice is noticed, as long as it is more than rounding of the others."""
+    problem, u = stretched(touch), np.array([0.5, 0.0])
+    right = np.array([0.0, touch])
+    assert judge(problem, u, right).failures() == []
+    for factor in (0.5, 0.99, 1.01, 2.0):
+        assert "equilibrium" in judge(problem, u, factor * right).failures()

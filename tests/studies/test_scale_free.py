@@ -1,0 +1,115 @@
+"""No unit, no travel and no load is a special one: scenes solved at scales far from ordinary ones, and judged there."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.optimize import nnls
+
+from contact.catalogue import ALGORITHMS
+from studies import solve
+from studies.algorithm_settings import configured
+from studies.complete import complete
+from studies.experiments.extremes.maps import CONVERGED, UNTOUCHED, attempt, chart_of
+from studies.solving import certificate
+from studies.walk import Visited, walk
+
+MAPS = ("length-unit", "stress-unit")
+EXPONENTS = np.linspace(-12, 12, 9)
+ROUNDING = 1e-8  # of forces; the tolerance of Newton is 1e-9
+H = 0.5  # mm, of the panel that is pressed by less and less
+LIGHT = 2e-6  # of the force: what the panel's curvature changes at a travel of 1e-6 of the thickness
+
+
+def ends(scene: str, contact: str, mesh: str, **settings: str) -> Visited:
+    """The last point that a walk visits."""
+    built, request = complete(scene, settings, mesh, contact=contact)
+    *_, last = walk(built.build(request).stages(), configured(contact, request.settings))
+    return last
+
+
+@cache
+def in_units(name: str, contact: str, exponent: float) -> tuple[np.ndarray, np.ndarray, np.ndarray, dict[str, float]]:
+    """u over the unit of length, forces over that of force, set, and counters of a point of a map."""
+    cell = chart_of(name).point(f"{10.0**exponent:.6g}", contact)
+    visited = ends("panel", contact, cell.options["mesh"], **cell.settings)
+    solution, epsilon = visited.point.solution, float(cell.settings.get("epsilon", ALGORITHMS[contact]().epsilon))
+    assert visited.converged
+    assert certificate(visited.problem, solution, epsilon)["failures"] == []
+    length, stress = (float(cell.settings.get(key, 1)) for key in ("length_unit", "stress_unit"))
+    state = visited.state
+    counters = {key: value for key, value in solution.counters.items() if not key.endswith("_s")}
+    forces = visited.problem.nodal_forces(state.pressure) / (stress * length**2)
+    return state.u / length, forces, state.active, counters
+
+
+@pytest.mark.parametrize("contact", ALGORITHMS)
+@pytest.mark.parametrize(
+    ("name", "exponent"),
+    [
+        pytest.param(name, exponent, marks=[] if 12 in (exponent, -exponent) else [pytest.mark.slow])
+        for name in MAPS
+        for exponent in EXPONENTS
+        if exponent
+    ],
+)
+def test_a_panel_is_the_same_in_any_units(name, exponent, contact) -> None:
+    """Powers of ten change the last digits and nothing else: certified, set, iterations, forces."""
+    u, forces, active, counters = in_units(name, contact, exponent)
+    own_u, own_forces, own_active, own_counters = in_units(name, contact, 0.0)
+    np.testing.assert_array_equal(active, own_active)
+    assert counters == own_counters
+    np.testing.assert_allclose(u, own_u, rtol=0, atol=ROUNDING * np.max(np.abs(own_u)))
+    np.testing.assert_allclose(forces, own_forces, rtol=0, atol=ROUNDING * np.max(own_forces))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*MAPS, "touch", "everywhere"])
+def test_the_whole_map_is_of_one_colour(name) -> None:
+    """Of all points; only a travel below the last digit of the plane's place, 1.1e-16 mm, is none."""
+    chart = chart_of(name)
+    for i, contact in enumerate(chart.y.values):
+        for j, x in enumerate(chart.x.values):
+            below = name == "touch" and float(x) <= np.spacing(1.0) / 2
+            assert attempt(chart.cell(i, j)).kind == (UNTOUCHED if below else CONVERGED), (contact, x)
+
+
+@pytest.mark.parametrize("contact", ALGORITHMS)
+@pytest.mark.parametrize("share", [1e-9, 1e-6])
+def test_a_travel_of_next_to_nothing_is_pressed_as_a_linear_body_is(share, contact) -> None:
+    """Against Lawson and Hanson's least squares on the compliance of the unloaded panel, an epsilon's included."""
+    found = ends("panel", contact, "4x4", h_over_R=f"{H / 100}", delta_mm=f"{share * H}")
+    assert found.converged
+    problem, epsilon = found.problem, ALGORITHMS[contact]().epsilon
+    rest = np.zeros_like(found.state.u)
+    K, G = problem.linearise(rest, None).tangent.toarray(), problem.gap_jacobian(rest).toarray()
+    compliance = G @ np.linalg.solve(K, G.T) + np.diag(1 / (epsilon * problem.weights))
+    root = np.linalg.cholesky(compliance).T
+    forces, _ = nnls(root, -np.linalg.solve(root.T, problem.gap(rest) / (share * H)))
+    np.testing.assert_allclose(
+        problem.nodal_forces(found.state.pressure) / (share * H), forces, rtol=0, atol=LIGHT * forces.max()
+    )
+
+
+@cache
+def force_on_tyre(contact: str, p0: str) -> float:
+    """N, at a travel of 5 mm."""
+    steps = solve("tyre", contact=contact, mesh="6x6", p0_MPa=p0, delta_mm="5").steps
+    return float(steps["force_N"].iloc[-1])
+
+
+@pytest.mark.parametrize(
+    ("contact", "p0"),
+    [
+        pytest.param(contact, p0, marks=[] if (contact, p0) == ("semismooth", "-7e-18") else [pytest.mark.slow])
+        for contact in ALGORITHMS
+        for p0 in ("-7e-18", "1e-18", "1e-300")
+    ],
+)
+def test_a_tyre_is_pressed_under_any_pressure_down_to_none(p0, contact) -> None:
+    """-7e-18 MPa is no reason to end otherwise than none; 1e-4 MPa, the control, is seen in the force."""
+    assert math.isclose(force_on_tyre(contact, p0), force_on_tyre(contact, "0"), rel_tol=1e-12)
+    assert not math.isclose(force_on_tyre(contact, "1e-4"), force_on_tyre(contact, "0"), rel_tol=1e-5)
