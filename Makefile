@@ -23,6 +23,7 @@ report: $(READY)
 
 standard: $(READY)
 	$(BIN)/footprint run standard --store $(STORE) --engine $(ENGINE)
+	$(BIN)/footprint run fuzz --store $(STORE) --engine $(ENGINE) || test $$? -eq 1  # its findings are on the page
 	$(BIN)/footprint analyse standard --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
 

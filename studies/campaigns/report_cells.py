@@ -202,6 +202,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "experiment": lambda: (),  # tables alone
     "truth": lambda: (),  # tables alone
     "limits": lambda: (),  # a table alone
+    "faults": lambda: (),  # a table alone
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
@@ -214,6 +215,7 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "experiment": ("crushed_ring", "law_strain"),
     "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),
     "limits": ("shell_limits",),
+    "faults": ("fuzz_faults",),
 }
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),

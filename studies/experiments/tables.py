@@ -20,6 +20,7 @@ from studies.experiments.manufactured import manufactured, manufactured_contact,
 from studies.experiments.obstacle_problems.active_set_cycles import cycles
 from studies.experiments.obstacle_problems.false_success import table as false_success
 from studies.experiments.obstacle_problems.membrane import membrane_table
+from studies.experiments.planted_faults import planted_faults
 from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, small_motions
 from studies.experiments.rotations import rotations_table
 from studies.experiments.shell_limits.catalogue import shell_limits
@@ -55,6 +56,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "manufactured": manufactured,
     "manufactured_contact": manufactured_contact,
     "manufactured_statements": statements,
+    "fuzz_faults": planted_faults,
 }
 
 

@@ -265,6 +265,18 @@ def symmetry_table() -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def random_cases() -> pd.DataFrame:
+    """Three that agree, one explained, one not compared and one broken."""
+    said = ("agrees", "agrees", "agrees", "not both are stable: 1 and 0", "not compared, ended: because", "off by 1")
+    verdicts = ("agrees", "agrees", "agrees", "explained", "not compared", "broken")
+    words = ("converged",) * 5 + ("",)
+    laws = ("units", "the made answer", "nodes renumbered", "part = whole", "more steps", "derivatives")
+    kinds = ("scene", "matrices", "posed", "scene", "scene", "scene")
+    told = {"seed": range(6), "kind": kinds, "about": "footprint solve", "word": words, "law": laws}
+    commands = [f"footprint fuzz --seed {seed}" for seed in range(6)]
+    return pd.DataFrame(told | {"verdict": verdicts, "said": said, "command": commands})
+
+
 def mirror_table() -> pd.DataFrame:
     """The largest of stable states is 0.05 MPa at 61.8 degrees; a larger one at 85 is not stable."""
     rows = []
@@ -320,6 +332,8 @@ def write_tables(directory: Path) -> None:
         "manufactured_contact": made_up_touching(),
         "manufactured_statements": made_up_statements(),
         "shell_limits": made_up_walls(),
+        "fuzz": random_cases(),
+        "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),
