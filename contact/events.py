@@ -22,6 +22,7 @@ class EventKind(enum.Flag):
     SUBSTITUTE = enum.auto()  # what had to be done instead of what the algorithm does
     UPDATE = enum.auto()  # of the known pressure of an outer loop
     FAILED = enum.auto()  # why there is no step; the outcome says the rest
+    PASSED = enum.auto()  # a candidate passes through the foundation
     POINT = enum.auto()  # which point of a curve is looked for
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.parameters import Parameter
+from contact.swept import Standing
 
 
 class Linearised(Protocol):
@@ -91,6 +92,9 @@ class ContactProblem:
     driven: how many unknowns, the last ones, move the foundation: gaps depend on them, its forces leave them out.
     travel: on a path on which only the foundation moves, the problem in (u, t) with its parameter t for such an
     unknown, whose row is empty; the parameter is counted as on the path.
+
+    standing: the foundation and the candidates in a frame in which it stands still; None where no straight way of a
+    candidate leads through it, as through a plane.
     """
 
     linearise: Linearise
@@ -108,6 +112,7 @@ class ContactProblem:
     ordered: bool = False
     driven: int = 0
     travel: Callable[[], ContactProblem] | None = None
+    standing: Standing | None = None
 
     @property
     def weight_matrix(self) -> sparse.csc_array | sparse.csr_matrix:

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +23,7 @@ from contact.events import EventKind, events
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.swept import Crossing, crossings
 from contact.verify import claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.complete import complete
@@ -39,6 +41,7 @@ CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
 SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
+SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
 resolve = complete
 
 
@@ -180,7 +183,7 @@ def _run_stages(
             judged: dict[str, Any] = {}
             if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
                 tolerance = result.request.number("tolerance")
-                judged = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)
+                judged = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed)
                 if judged["stability"]["word"] == UNSTABLE:
                     result.unstable.append(f"{stage.name} at {point.requested:g}: {judged['stability']['sentence']}")
             _record(result, seen, judged, {**counts, "substeps": point.substeps})
@@ -225,19 +228,25 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
     """The points of a traced curve, each judged, and the table ``curve``."""
     stage, tolerance = visited.stage, result.request.number("tolerance")
     assert isinstance(stage, CurveStage)
-    for point in trace.points[1:]:
+    for before, point in pairwise(trace.points):
         state = point.state
         problem = replace(visited.problem_at(point.factor), energy=None)  # costs as much again
         seen = stage.observe(problem, state, point.factor)
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
-        _record(result, seen, certificate(problem, state, epsilon, tolerance), spent)
+        standing = visited.problem_at(before.factor).standing
+        passed = crossings(standing, before.u, problem.standing, state.u) if before.factor else []  # led there in steps
+        _record(result, seen, certificate(problem, state, epsilon, tolerance, passed), spent)
     result.quantities |= stage.summarise(trace.points)
     rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
     result.tables["curve"] = [Table.of_rows(rows)]
 
 
 def certificate(
-    problem: ContactProblem, state: ContactSolution, epsilon: float = math.inf, tolerance: float = RESIDUAL_TOLERANCE
+    problem: ContactProblem,
+    state: ContactSolution,
+    epsilon: float = math.inf,
+    tolerance: float = RESIDUAL_TOLERANCE,
+    passed: Sequence[Crossing] = (),
 ) -> dict[str, Any]:
     """What the judge says of a state, by the law of its epsilon: failures by name, their diagnosis, kkt, balances,
     scales.
@@ -245,12 +254,16 @@ def certificate(
     stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
+    passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.
     """
     verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
     found = verdict.certificate
     found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
     found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
+    if passed:
+        found["failures"].append(SWEPT)
+        found["diagnosis"].append(f"{SWEPT}: {passed[0]}")
     found["stability"] = stability(problem, state, epsilon).record
     return found
 

@@ -13,6 +13,7 @@ from contact.continuation.arc_length import Trace
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.swept import Crossing, crossings_along
 from studies.scene import CurveStage, Stage
 
 
@@ -34,6 +35,13 @@ class Visited:
     def problem(self) -> ContactProblem:
         """The problem at the requested point."""
         return self.problem_at(self.point.requested)
+
+    @cached_property
+    def passed(self) -> list[Crossing]:
+        """Candidates that come here from the point before through the foundation."""
+        if self.problem.standing is None:
+            return []
+        return crossings_along((self.problem_at(t).standing, state.u) for t, state in self.point.way)
 
     @property
     def converged(self) -> bool:

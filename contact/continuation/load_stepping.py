@@ -11,6 +11,7 @@ from contact.continuation.critical_points import Ending, State, branches_passed,
 from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.swept import crossings
 
 EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the next one double
 SMALLEST = 2.0**-10  # of the step asked for
@@ -26,6 +27,7 @@ class PathPoint:
     cause: outcome of the last attempt at a step, which tells what failed at the smallest one.
     solution: the converged state at ``reached`` with the counters and history of ALL sub-steps since the last point.
     end: what the tangent says of the end of the path, where no step is small enough; it is the last event, too.
+    way: all converged states from the last point to ``solution``, both with theirs.
     """
 
     requested: float
@@ -35,6 +37,7 @@ class PathPoint:
     substeps: int
     cause: Outcome = Outcome.CONVERGED
     end: Ending | None = None
+    way: tuple[State, ...] = ()
 
 
 def follow(
@@ -53,13 +56,15 @@ def follow(
     iteration ends with the first point that is not converged. Once a step has been cut, a state in contact with more
     negative eigenvalues than that at the last target is no state of the path, but one beyond it: the step is cut again.
     Without contact, paths of large rotations pass bifurcations and are followed.
+    A state which a candidate reaches through the foundation is no state of the path, either: the step is cut.
     Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
     """
     at = start
     for target in targets:
         asked = (target - at) / steps
-        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), ((at, solution),), asked)
+        begin = ((at, solution),)
+        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), begin, asked, begin)
         while stepper.outcome.converged and stepper.reached != target:
             attempt = stepper.attempt()
             stepper = stepper.accept(attempt) if attempt.failure is None else stepper.reject(attempt, attempt.failure)
@@ -86,8 +91,8 @@ class Stepper:
     """Steps of adapted size to ``target``; each attempt is accepted or rejected, which gives the next stepper.
 
     asked: the step that is asked for, the largest; smallest: size below which it is not cut.  states: converged, the
-    first and the last three; step: the next one; cut: whether one has been; failures: how many; the rest goes into the
-    :class:`PathPoint`.
+    first and the last three; step: the next one; way: all states; cut: whether a step has been; failures: how many; the
+    rest goes into the :class:`PathPoint`.
     """
 
     problem_at: Callable[[float], ContactProblem]
@@ -97,6 +102,7 @@ class Stepper:
     smallest: float
     states: tuple[State, ...]
     step: float
+    way: tuple[State, ...]
     cut: bool = False
     failures: int = 0
     substeps: int = 0
@@ -115,8 +121,12 @@ class Stepper:
         """The next step from the last converged state."""
         last = abs(self.target - self.reached) <= abs(self.step) * (1 + 1e-9)
         trial = self.target if last else self.reached + self.step
-        found = solve_within_reach(self.algorithm, self.problem_at(trial), self.states[-1][1])
+        (before, state), problem = self.states[-1], self.problem_at(trial)
+        found = solve_within_reach(self.algorithm, problem, state)
         failure = None if found.outcome.converged else _why(found)
+        if failure is None:
+            through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
+            failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
         if failure is None and self.cut and found.active.any():  # the way is difficult: is it still the same?
             passed = branches_passed(self.problem_at, self.states[0], (trial, found), self.algorithm.epsilon)
             if passed:
@@ -128,12 +138,13 @@ class Stepper:
     def accept(self, attempt: Attempt) -> Stepper:
         """At the new state; after an easy step the next one grows, up to the one asked for."""
         first, *others = self.states
-        states = (first, *others[-2:], (attempt.parameter, replace(attempt.solution, history=())))
+        reached = (attempt.parameter, replace(attempt.solution, history=()))
+        states, way = (first, *others[-2:], reached), (*self.way, reached)
         easy = attempt.solution.counters["newton_iterations"] <= EASY_ITERATIONS
         grows = easy and abs(self.step) < abs(self.asked) and attempt.parameter != self.target
         step = 2 * self.step if grows else self.step
         event = Event(EventKind.STEP_GROWN, f"easy step: the next one grows to {step:.6g}") if grows else None
-        return replace(self._spent(attempt, event), states=states, step=step, substeps=self.substeps + 1)
+        return replace(self._spent(attempt, event), states=states, way=way, step=step, substeps=self.substeps + 1)
 
     def reject(self, attempt: Attempt, failure: Event) -> Stepper:
         """Where it was, with half the step; with an outcome where no smaller one would do."""
@@ -148,7 +159,8 @@ class Stepper:
             return replace(ended, outcome=Outcome.STEP_LIMIT, end=end)
         step = (attempt.parameter - self.reached) / 2
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: step cut to {step:.6g}")
-        return replace(self._spent(attempt, event), step=step, cut=True, failures=self.failures + 1)
+        asked = step if EventKind.PASSED & failure.kind else self.asked  # a longer one would pass again
+        return replace(self._spent(attempt, event), step=step, asked=asked, cut=True, failures=self.failures + 1)
 
     def _by_arc_length(self, attempt: Attempt, failure: Event) -> Stepper:
         """At the target or at the limit point before it, after the last failure that is put up with."""
@@ -163,6 +175,7 @@ class Stepper:
         return replace(
             ended,
             states=states,
+            way=(*self.way, *turned.way),
             substeps=self.substeps + turned.points,
             outcome=turned.outcome,
             cause=turned.outcome if turned.outcome.converged else attempt.solution.outcome,
@@ -172,7 +185,8 @@ class Stepper:
     def point(self) -> PathPoint:
         """What has come of it."""
         solution = replace(self.states[-1][1], counters=self.counters, history=self.history)
-        return PathPoint(self.target, self.reached, self.outcome, solution, self.substeps, self.cause, self.end)
+        spent = (self.substeps, self.cause, self.end, self.way)
+        return PathPoint(self.target, self.reached, self.outcome, solution, *spent)
 
     def _spent(self, attempt: Attempt, event: Event | None) -> Stepper:
         """With the counters and the history of the attempt, whose last row tells the event."""

@@ -25,6 +25,7 @@ from contact.newton.pivots import Pivots
 from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
+from contact.swept import crossings
 
 FEW = {"max_iterations": 10, "max_updates": 10}  # what a point may take: a step that is not easy is cut
 ProblemAt = Callable[[float], ContactProblem]
@@ -127,17 +128,22 @@ class PressedCurve:
     def on_plane(self, start: ArcPoint, guess: np.ndarray, normal: np.ndarray, event: str) -> ArcPoint | None:
         """The point on the plane through ``guess`` with the given normal, from the converged ``start``; None if none.
 
+        A point that a candidate reaches through the foundation is none.
         ``event`` heads its rows of history.
         """
         problem = self._bordered(normal, np.append(guess[:-1] / self.m, guess[-1]))
         begin = ContactSolution(np.append(start.u, start.factor), start.pressure, start.active, Outcome.CONVERGED)
         found = self.algorithm.solve(problem, begin)
+        passed = crossings(problem.standing, begin.u, problem.standing, found.u) if found.outcome.converged else []
         t = float(found.u[-1])
         rows: list[dict[str, object]] = [{"parameter": t, "iteration": i, **row} for i, row in enumerate(found.history)]
         if rows:
             rows[0].setdefault("event", Event(EventKind.POINT, event))
+        if passed:
+            rows = rows or [{"parameter": t}]
+            rows[-1]["event"] = Event(EventKind.FAILED | EventKind.PASSED, str(passed[0]))
         self.tally.add(replace(found, history=tuple(rows)))
-        if not found.outcome.converged:
+        if passed or not found.outcome.converged:
             return None
         spent = int(found.counters.get("newton_iterations", 0))
         return self.counted(ArcPoint(found.u[:-1], t, spent, pressure=found.pressure, active=found.active))

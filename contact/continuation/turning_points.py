@@ -11,6 +11,7 @@ from contact.continuation.arc_length import ArcLength, Trace
 from contact.continuation.critical_points import Ending, PathEnd, State, why_it_ends
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.pressed_curve import PressedCurve
+from contact.events import EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
 
@@ -24,7 +25,8 @@ CORNER = 1e-3  # of the way by arc length: a change of the set further ahead is 
 class Turned:
     """The end of a path towards a target: at the target, at the limit point before it, or where no step succeeds.
 
-    t, solution: the last state, of which counters and history are those of all points; points: their number.
+    t, solution: the last state, of which counters and history are those of all points; points: their number; way: the
+    states from the first one on, which is left out, to the last.
     """
 
     t: float
@@ -32,6 +34,7 @@ class Turned:
     outcome: Outcome
     points: int
     end: Ending | None = None
+    way: tuple[State, ...] = ()
 
 
 def by_arc_length(
@@ -62,7 +65,11 @@ def by_arc_length(
         reached = [(point.factor, point.state) for point in trace.points[-3:]]
         outcome, end = Outcome.STEP_LIMIT, why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
     found = replace(last.state, counters=trace.counters, history=tuple(trace.history))
-    return Turned(last.factor, found, outcome, len(trace.points) - 1, end)
+    event = trace.history[-1].get("event") if trace.history else None
+    if end is not None and event is not None and EventKind.PASSED & event.kind:
+        end = replace(end, sentence=f"{event}; {end.sentence}")
+    way = tuple((point.factor, point.state) for point in trace.points[1 : trace.points.index(last) + 1])
+    return Turned(last.factor, found, outcome, len(trace.points) - 1, end, way)
 
 
 def _corner(curve: PressedCurve, trace: Trace) -> Ending | None:

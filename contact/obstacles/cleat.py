@@ -83,6 +83,11 @@ class Profile:
         if not abs(float(self.normal @ self.travel)) < 1e-12:
             raise ValueError("the travel of a profile must lie in its base plane")
 
+    @property
+    def origin(self) -> np.ndarray:
+        """The point (3,) of the base plane at s = 0."""
+        return self.offset * self.normal + self.centre * self.travel
+
     def gap(self, x: np.ndarray) -> np.ndarray:
         """Distance from the surface (m,)."""
         return self._nearest(x)[0]

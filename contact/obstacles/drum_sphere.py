@@ -27,6 +27,11 @@ class Drum:
         require_unit("the axis of a drum", self.axis)
         _require_radius(self.radius)
 
+    @property
+    def origin(self) -> np.ndarray:
+        """The centre (3,)."""
+        return self.centre
+
     def gap(self, x: np.ndarray) -> np.ndarray:
         """Distance from the surface (m,)."""
         return _gap(self._arm(x), self.radius, self.hollow)
@@ -63,6 +68,11 @@ class Sphere:
 
     def __post_init__(self) -> None:
         _require_radius(self.radius)
+
+    @property
+    def origin(self) -> np.ndarray:
+        """The centre (3,)."""
+        return self.centre
 
     def gap(self, x: np.ndarray) -> np.ndarray:
         """Distance from the surface (m,)."""

@@ -14,6 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.problem import ContactProblem, Linearisation, Linearise
+from contact.swept import Standing
 
 
 class Foundation(Protocol):
@@ -22,6 +23,10 @@ class Foundation(Protocol):
     Where the nearest point of the surface is unique, |dg/dx| = 1 and g never differs more between two points than they
     are apart. Every foundation is a frozen record; a moving one is another record at every instant.
     """
+
+    @property
+    def origin(self) -> np.ndarray:
+        """A point (3,) that moves with it."""
 
     def gap(self, x: np.ndarray) -> np.ndarray:
         """g (m,)."""
@@ -58,6 +63,11 @@ class RigidPlane:
 
     def __post_init__(self) -> None:
         require_unit("the normal of a plane", self.normal)
+
+    @property
+    def origin(self) -> np.ndarray:
+        """offset n (3,)."""
+        return self.offset * self.normal
 
     def gap(self, x: np.ndarray) -> np.ndarray:
         """offset - n.x, (m,)."""
@@ -161,7 +171,14 @@ def _against(linearise: Linearise, candidates: Candidates, foundation: Foundatio
         gap_curvature=curvature,
         directions=lambda u: foundation.gradient(candidates.positions(u)),
         gap_size=foundation.size + float(np.max(np.abs(candidates.reference), initial=0.0)),
+        standing=standing(candidates, foundation),
     )
+
+
+def standing(candidates: Candidates, foundation: Foundation) -> Standing:
+    """Both in the frame of the foundation."""
+    there = foundation.moved(-foundation.origin)
+    return Standing(lambda u: candidates.positions(u) - foundation.origin, there.gap, there.gradient)
 
 
 def against_plane(linearise: Linearise, candidates: Candidates, plane: RigidPlane) -> ContactProblem:

@@ -168,3 +168,19 @@ def test_qp_ends_at_the_limit_point_that_the_others_end_at() -> None:
     ends = [solve(*resolve("tyre", {"delta_mm": "20"}, "8x8", contact=name)).path_end for name in ("qp", "semismooth")]
     assert [end["kind"] for end in ends] == ["limit point"] * 2
     assert ends[0]["parameter"] == pytest.approx(ends[1]["parameter"], rel=1e-8)
+
+
+def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A ball of 0.05 mm that comes by 1 mm: behind the panel, where nothing touches and all residuals are zero."""
+    asked = resolve("panel", {"foundation": "ball", "ball_mm": "0.05", "delta_mm": "1"}, "4x4")
+    found = solve(*asked)
+    assert found.verdict == "converged"
+    assert found.quantities["force_N"] > 0
+    assert any("passes through the foundation" in cut for cut in found.as_json()["cuts"])
+    monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
+    blind = solve(*asked)
+    assert (blind.outcome.word, blind.verdict, blind.quantities["force_N"]) == ("converged", "wrong", 0.0)
+    (step,) = blind.steps
+    assert step["failures"] == ["swept"]
+    (told,) = step["diagnosis"]
+    assert told.startswith("swept: candidate 4 passes through the foundation, from 0")  # of 9, the one at the crown

@@ -155,7 +155,7 @@ def _followed(model: SceneModel, request: Request) -> Found:
             refused = f"{request.contact} does not apply: " if point.outcome is Outcome.REFUSED else ""
             return _failed(point.outcome, refused + visited.said, point.end.kind if point.end else None, spent)
         tolerance = request.number("tolerance")
-        told = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance)
+        told = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed)
         failures, why, stable = failures + told["failures"], why + told["diagnosis"], told["stability"]
         if failures and visited.ends_stage:
             names, found = (", ".join(dict.fromkeys(words)) for words in (failures, why))

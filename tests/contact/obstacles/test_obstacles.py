@@ -15,6 +15,7 @@ from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, Foundation, RigidPlane, against
 from support.contact_problems import linear_mechanics
 from support.differences import central_difference
+from support.profiles import rounded_height
 
 ROUNDING = 1e-12
 BRUTE = 1e-9  # of distances of the order one, by a search that narrows to 1e-6 (an error of its square)
@@ -42,29 +43,6 @@ FOUNDATIONS: dict[str, Foundation] = {
     "step": Profile(NORMAL, 0.1, TRAVEL, 0.2, step(HEIGHT, 40.0, 2 * ROUND)),
 }
 each_foundation = pytest.mark.parametrize("name", FOUNDATIONS)
-
-
-def rounded_height(corners: list[tuple[float, float]], radius: float) -> Callable[[np.ndarray], np.ndarray]:
-    """Height t(s) of the same profile written with circles found by their touching both lines, flanks under 90."""
-    v = [np.array(c, float) for c in corners]
-    far = 50.0
-    points = [v[0] - [far, 0], *v, v[-1] + [far, 0]]
-    parts = []
-    for before, at, after in zip(points[:-2], points[1:-1], points[2:], strict=True):
-        a, b = (before - at) / np.linalg.norm(before - at), (after - at) / np.linalg.norm(after - at)
-        bisector = (a + b) / np.linalg.norm(a + b)
-        centre = at + radius / math.sqrt((1 - a @ b) / 2) * bisector  # sine of half the inner angle
-        touch = sorted([(at + ((centre - at) @ a) * a)[0], (at + ((centre - at) @ b) * b)[0]])
-        parts.append((touch, centre, np.sign(-bisector[1])))
-
-    def height(s: np.ndarray) -> np.ndarray:
-        t = np.interp(s, [p[0] for p in points], [p[1] for p in points])
-        for (low, high), centre, sign in parts:
-            on = (s >= low) & (s <= high)
-            t[on] = centre[1] + sign * np.sqrt(np.maximum(radius**2 - (s[on] - centre[0]) ** 2, 0))
-        return t
-
-    return height
 
 
 def profile_corners(name: str) -> tuple[list[tuple[float, float]], float]:
