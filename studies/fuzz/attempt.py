@@ -131,7 +131,7 @@ def cause(result: Result) -> str:
     if point is not None and point.end is not None and point.end.kind is not PathEnd.NEITHER:
         return point.end.kind.value
     last = result.cause if result.outcome is Outcome.STEP_LIMIT else result.outcome
-    return last.word
+    return "beyond the path" if last.converged else last.word  # every step finds a state, but none of the path
 
 
 @contextmanager

@@ -23,7 +23,7 @@ from studies.fuzz.comparing import ALIKE, Answer, compared, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
 
-UNITS = 6.0  # powers of ten
+UNITS = 9.0  # powers of ten
 SHAPES = ("plate", "cylinder", "sphere", "torus")
 WAYS = ("axes exchanged", "other units", "moved and turned", "nodes renumbered", "load steps")
 

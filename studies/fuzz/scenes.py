@@ -25,7 +25,7 @@ from studies.scenes import SCENES
 
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
 OFTEN = {"another algorithm": 2, "part = whole": 4, "units": 2}  # as often as a law that is not named here
-UNITS = 6.0  # powers of ten of a unit of the panel
+UNITS = 9.0  # powers of ten of a unit of the panel
 PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
 PRODUCTS = {"_mm": (1, 0), "_MPa": (0, 1), "_N": (2, 1)}  # powers of length and of stress, by how a name ends
 SCALED = {"tyre": 2.0, "tyre-solid": 2.0}  # factor of lengths and of stresses, up and down, within their ranges

@@ -45,7 +45,7 @@ def _overview(cases: pd.DataFrame) -> Part:
     broken = int((cases["verdict"] == "broken").sum())
     text = prose(f"""## What became of them
 
-{len(cases)} cases, of which {broken} break a law. An outcome in the table is that of the first solve: a case that breaks
+{len(cases)} cases, of which {broken} break a law. An outcome in the table is that of the first solve: what breaks
 a law has none.""")
     return joined(text, table("Cases by outcome", ["", "cases", *words], rows))
 
