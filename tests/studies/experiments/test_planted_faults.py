@@ -8,6 +8,8 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.obstacles.drum_sphere import Sphere
 from studies.experiments.planted_faults import FAULTS, MOST, Fault, found_after, too_large
+from studies.fuzz.cases import Asked, asked_of, kind_of
+from studies.fuzz.examine import examine, minimised
 
 EARLY = 60  # of the faults that show in most cases
 
@@ -25,6 +27,25 @@ def test_a_wrong_area_is_found_soon() -> None:
     found = found_after(too_large, EARLY)
     assert 0 < found["cases"] <= EARLY
     assert found["law"] == "certified"
+
+
+@pytest.mark.slow
+def test_a_finding_is_made_smaller_while_it_breaks_the_same_law() -> None:
+    """Nothing but the scene and its grid is left of a request that breaks its law whatever is asked."""
+    seed = next(s for s in range(200) if kind_of(s) == "scene" and _many(asked_of(s)) and _found(s))
+    with too_large.planted():
+        asked = minimised(seed, "certified")
+    assert asked.settings == {}
+    assert set(asked.options) <= {"mesh"}
+
+
+def _many(asked: Asked) -> bool:
+    return len(asked.settings) > 1 and asked.options.get("contact", "semismooth") == "semismooth"
+
+
+def _found(seed: int) -> bool:
+    with too_large.planted():
+        return examine(seed).law == "certified"
 
 
 @pytest.mark.slow
