@@ -220,6 +220,6 @@ TABLES_OF: dict[str, Sequence[str]] = {
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),
     *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
-    *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check"),
+    *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check", "extremes_limits"),
 )
 TABLES_OF["statements"] = ("error_coverage",)

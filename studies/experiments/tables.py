@@ -11,6 +11,7 @@ from studies.door.plugins import modules
 from studies.experiments.crushed_ring import crushed_ring_study
 from studies.experiments.epsilon import epsilon_study
 from studies.experiments.error_coverage import error_coverage
+from studies.experiments.extremes.limits import limits_table
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
 from studies.experiments.invariance.symmetry import symmetry_table
 from studies.experiments.invariance.tyre_mirror import mirror_table
@@ -48,6 +49,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes": extremes_table,
     "extremes_maps": axes_table,
     "extremes_check": check_table,
+    "extremes_limits": limits_table,
     "shell_limits": shell_limits,
     "work_precision": work_precision_study,
     "error_coverage": error_coverage,

@@ -15,6 +15,8 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.tri import Triangulation
 
 from reports.chapter import Chapter
+from reports.chapters.limits.causes import cause
+from reports.chapters.limits.limit_tables import limit_tables
 from reports.drawing import BLACK, canvas, svg
 from reports.formats import fixed, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
@@ -33,7 +35,8 @@ LOOKS: dict[str, tuple[str, str, str]] = {  # class: colour, hatch, marker of a 
 COSTS = (5, 10, 20, 50, 100, 200, 500)  # Newton iterations at which a line is drawn
 INTRODUCTION = prose("""# Extremes
 
-Where does solving stop? Each map takes two settings to their extremes and shows what comes of it. Every point is a
+Where does solving stop? First a table of limits for every measure and every algorithm, with the error there; then maps.
+Each map takes two settings to their extremes and shows what comes of it. Every point is a
 small solve of its own, by `semismooth` unless the map says otherwise, followed by the judge of contact. Colours and
 hatches are classes of outcomes: *converged*; converged though *nothing touches*; *converged, unstable*, where the
 tangent has negative eigenvalues on the motions that contact leaves free; *wrong*, which is what the algorithm calls
@@ -42,19 +45,13 @@ bifurcation; *not converged* without such a reason; *refused*, by the range of a
 *crashed*. Lines and small numbers are the cost in Newton iterations, all load steps and rejected attempts included. A
 step is cut to a sixteenth of the load and no further.""")
 GOOD = ("converged", "converged, nothing touches")
-TANGENT = {  # what the end of a reason begins with, and what it says in short
-    "limit point of the path": "the tangent shows a limit point",
-    "bifurcation near": "the tangent shows a bifurcation",
-    "no limit point": "the tangent gives no reason",
-    "too few converged steps": "too few steps converged to tell why",
-}
 
 
 def extremes_page(store: Store) -> Part:
     """The whole page."""
     points, maps = store.table("extremes"), store.table("extremes_maps")
     each = (_map(points[points["map"] == labels["map"]], labels) for _, labels in maps.iterrows())
-    return joined(INTRODUCTION, _overview(store), *each)
+    return joined(INTRODUCTION, limit_tables(store), _overview(store), *each)
 
 
 def faults(store: Store) -> dict[str, int]:
@@ -129,13 +126,6 @@ def _map(points: pd.DataFrame, labels: pd.Series) -> Part:
         points_of = "point" if len(own) == 1 else "points"
         failures.append(f"- *{kind}* at {len(own)} solved {points_of}: {'; '.join(told)}.")
     return joined(head, shown, *((machine("\n".join(failures)), commands(lines)) if failures else ()))
-
-
-def cause(reason: str) -> str:
-    """What stopped a solve, and what the tangent says of it, without numbers, so that equal causes are counted."""
-    first, *more = str(reason).split("; ")
-    told = [short for clause in more for begin, short in TANGENT.items() if clause.startswith(begin)]
-    return ", ".join([re.split(r" \(|, \d|: ", first)[0] if told else first, *told[:1]])
 
 
 def _value(value: object) -> str:
@@ -232,6 +222,6 @@ CHAPTER = Chapter(
     "Extremes",
     "where solving stops, as maps of outcomes over pairs of extreme settings.",
     extremes_page,
-    needs=("extremes", "extremes_maps", "extremes_check"),
+    needs=("extremes", "extremes_maps", "extremes_check", "extremes_limits"),
     always=True,
 )

@@ -68,12 +68,13 @@ class Axis:
 
 @dataclass(frozen=True)
 class Found:
-    """What one point gave: its class, why if it is a failure, and what it cost."""
+    """What one point gave: its class, why if it is a failure, what it cost, and what its scene reads off the state."""
 
     kind: str
     reason: str = ""
     iterations: int = 0
     factorisations: int = 0
+    quantities: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -127,13 +128,13 @@ class Chart:
 # --- one point ------------------------------------------------------------------------------------------------------
 
 
-def attempt(cell: Cell) -> Found:
-    """Solve one point and judge it; whatever it raises is its class."""
+def attempt(cell: Cell, smallest: float = CUT) -> Found:
+    """Solve one point and judge it; whatever it raises is its class.  smallest: step that it may cut to, 1 for none."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         try:
             scene, request = complete(cell.scene, cell.settings, **cell.options)
-            return _followed(scene.build(request), request)
+            return _followed(scene.build(request), request, smallest)
         except UsageError as error:
             return Found(REFUSED, str(error))
         except MemoryError:
@@ -142,13 +143,13 @@ def attempt(cell: Cell) -> Found:
             return Found(CRASHED, f"{type(error).__name__}: {error}")
 
 
-def _followed(model: SceneModel, request: Request) -> Found:
+def _followed(model: SceneModel, request: Request, smallest: float) -> Found:
     algorithm = configured(request.contact, request.settings)
     spent = {"newton_iterations": 0.0, "factorisations": 0.0}
     failures: list[str] = []
     why: list[str] = []
     stable: dict[str, Any] = {}
-    for visited in walk(model.stages(), algorithm, request.steps, smallest=CUT):
+    for visited in walk(model.stages(), algorithm, request.steps, smallest=smallest):
         point = visited.point
         spent = {key: value + point.solution.counters.get(key, 0.0) for key, value in spent.items()}
         if not visited.converged:
@@ -159,17 +160,23 @@ def _followed(model: SceneModel, request: Request) -> Found:
         failures, why, stable = failures + told["failures"], why + told["diagnosis"], told["stability"]
         if failures and visited.ends_stage:
             names, found = (", ".join(dict.fromkeys(words)) for words in (failures, why))
-            return Found(WRONG, f"the judge finds {names} beyond its bounds: {found}", *map(int, spent.values()))
+            return Found(WRONG, f"the judge finds {names} beyond its bounds: {found}", *_cost(spent))
     if stable["word"] == NOT_STABLE:
-        return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}", *map(int, spent.values()))
+        return Found(UNSTABLE, f"the equilibrium is unstable; {stable['sentence']}", *_cost(spent))
     touched = visited.state.active.any()
-    return Found(CONVERGED if touched else UNTOUCHED, "", *map(int, spent.values()))
+    seen = visited.stage.observe(visited.problem, point.solution, point.requested).quantities
+    return Found(CONVERGED if touched else UNTOUCHED, "", *_cost(spent), seen)
+
+
+def _cost(spent: Mapping[str, float]) -> tuple[int, int]:
+    """Newton iterations and factorisations."""
+    return int(spent["newton_iterations"]), int(spent["factorisations"])
 
 
 def _failed(outcome: Outcome, told: str, end: PathEnd | None, spent: Mapping[str, float]) -> Found:
     """The class of a path that does not arrive."""
     kind = REFUSED if outcome is Outcome.REFUSED else END if end in ENDS else FAILED
-    return Found(kind, told or outcome.value, *map(int, spent.values()))
+    return Found(kind, told or outcome.value, *_cost(spent))
 
 
 # --- the maps -------------------------------------------------------------------------------------------------------

@@ -29,10 +29,15 @@ DEFLECTION = 1e-6  # w/(h w_bar): the load that gives it is small enough for eve
 COLUMNS = {"wbar": "w_bar", "sigma_x": "sigma_x_bar", "tau_xz": "tau_xz_bar", "tau_yz": "tau_yz_bar"}
 
 
+def cross_plies(ratio: float = E_L / E_T) -> tuple[Ply, ...]:
+    """From the bottom to the top, with E_L = ``ratio`` E_T."""
+    return tuple(Ply(ratio * E_T, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
+
+
 def _references() -> tuple[Reference, ...]:
     source = "Pagano, J. Compos. Mater. 4 (1970) 20, table 2, in the helper notebook of the package panels"
     rows: list[Row] = [
-        ({"S": row["S"]}, {quantity: row[column] for column, quantity in COLUMNS.items()})
+        ({"S": row["S"], "E_ratio": E_L / E_T}, {quantity: row[column] for column, quantity in COLUMNS.items()})
         for row in reference_rows("pagano1970_sandwich_and_crossply.csv")
     ]
     return references("read", source, 5e-3, rows)
@@ -44,14 +49,18 @@ class Pagano:
     name: str = "pagano"
     title: str = "Simply supported cross-ply plate under a sinusoidal pressure (Pagano 1970)"
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000), *SHELL_SETTINGS)
+    settings: tuple[Setting, ...] = (
+        Setting("S", 100.0, "span over thickness, a/h", low=2, high=1000),
+        Setting("E_ratio", E_L / E_T, "modulus along the fibres over that across them, 1 MPa", low=1, high=1e9),
+        *SHELL_SETTINGS,
+    )
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face; the supports on x = 0 and y = 0 hold the edge's own plane."""
         S = request.number("S")
         a, b = S * H, 3 * S * H
-        plies = tuple(Ply(E_L, E_T, G_LT, G_TT, NU, NU, angle, H / len(ANGLES)) for angle in ANGLES)
+        plies = cross_plies(request.number("E_ratio"))
         edges = ("hard-diaphragm", "symmetric", "hard-diaphragm", "symmetric")
         quarter = patch(request, Plate(), (0, a / 2), (0, b / 2), centred_laminate(request, *plies), edges)
         q0 = 100 * E_T * DEFLECTION / S**4

@@ -109,6 +109,15 @@ def plate_contact(load: float) -> tuple[float, float]:
     return c, float(np.pi * load - clamp)
 
 
+def pinched_ring(travel: float) -> float:
+    """Load P R^2/(EI) of a thin ring between two plates, each moved by ``travel`` R, while displacements are small.
+
+    The plates touch along one line each: 2 delta = (pi/4 - 2/pi) P R^3/(EI). Timoshenko, Strength of Materials I, on
+    the thin ring under two opposite forces.
+    """
+    return 2 * travel / (np.pi / 4 - 2 / np.pi)
+
+
 def flattened_ring(height: float) -> tuple[float, float]:
     """Load P R^2/(EI) and half length c/R of the flat part of a ring between plates H/2R = ``height`` apart.
 

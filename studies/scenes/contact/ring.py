@@ -27,7 +27,7 @@ AWAY = np.array([1.0, 0.0, 0.0])
 
 DELTAS = (35.0, 40.0, 50.0)
 TRAVELS = Setting.positive("delta_mm", DELTAS, "travel of each plate from first touch", 80.0, kind="floats")
-THICKNESS = Setting("h_mm", THIN, "thickness; the elastica holds for h/R to zero", low=0.1, high=20)
+THICKNESS = Setting("h_mm", THIN, "thickness; the elastica holds for h/R to zero", low=1e-6, high=20)
 
 
 def _references() -> tuple[Reference, ...]:

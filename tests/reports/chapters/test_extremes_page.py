@@ -33,6 +33,28 @@ def test_counts_causes_and_commands(store: Path) -> None:
     assert "| [Each algorithm](#each-algorithm) |" in text
 
 
+def test_limits_stand_with_their_errors_and_causes(store: Path) -> None:
+    text = extremes_page(load_store(store)).text
+    for name in ("Thinnest shell", "Largest rotation in one step", "Smallest travel", "Stiffest ε"):
+        assert f"### {name}\n" in text
+    assert "| measure | `exact` | 0.001 | 0.50 % | 0.50 % | 0.001 |" in text
+    assert "| algorithm | `augmented-lagrangian` | – | – | – | – | 1e+04 |" in text
+    assert "| measure | `exact` | 1e-14 (bound) | 0.50 % | 0.50 % | 1e-14 | – |" in text
+    assert "- *refused* where `augmented-lagrangian` fails: augmented-lagrangian does not apply: it is made up." in text
+    lost = "`exact`, `linear`, `lcp`, `augmented-lagrangian`"
+    assert f"- *not converged* where {lost} fails: rounding alone, the tangent gives no reason." in text
+    assert "though right at first: " not in text
+
+
+def test_a_certified_result_that_is_far_off_is_told(own_store: Path) -> None:
+    path = own_store / "tables" / "extremes_limits.csv"
+    limits = pd.read_csv(path)
+    limits.loc[limits["limit"] == "smallest travel", "error"] = 1.0
+    write_table(path, limits)
+    text = extremes_page(load_store(own_store)).text
+    assert "though right at first: smallest travel (`exact`, `linear`, `lcp`, `augmented-lagrangian`)." in text
+
+
 def test_a_boundary_that_was_missed_is_told(own_store: Path) -> None:
     path = own_store / "tables" / "extremes_check.csv"
     check = pd.read_csv(path)
