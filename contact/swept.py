@@ -31,12 +31,14 @@ class Standing:
     """A foundation in a frame of its own, in which it is the same at every instant.
 
     points(u) -> (m, 3): the candidates there [mm].  gap(y) -> (m,): the signed distance [mm], which never differs more
-    between two points than they are apart.  gradient(y) -> (m, 3): its gradient, unit vectors.
+    between two points than they are apart.  gradient(y) -> (m, 3): its gradient, unit vectors.  least_radius: of the
+    parts of its surface that bulge [mm], infinite where none does.
     """
 
     points: Callable[[np.ndarray], np.ndarray]
     gap: Callable[[np.ndarray], np.ndarray]
     gradient: Callable[[np.ndarray], np.ndarray]
+    least_radius: float = np.inf
 
 
 @dataclass(frozen=True)
@@ -103,3 +105,17 @@ def dips(
     first = inside & np.append(True, apart | ~inside[:-1])
     last = inside & np.append(apart | ~inside[1:], True)
     return whose[first], share[first], share[last]
+
+
+def between_nodes(standing: Standing | None, weights: np.ndarray, touching: np.ndarray) -> str:
+    """What no candidate sees: a foundation with a radius below the size of an element passes between nodes.
+
+    The size is the side of a square of the largest share of area, weights (m,) [mm^2], of those ``touching`` (m,) bool,
+    of all where none does. Empty where that is no matter.
+    """
+    shares = weights[touching] if touching.any() else weights
+    size = float(np.sqrt(np.max(shares, initial=0.0)))
+    if standing is None or standing.least_radius >= size:
+        return ""
+    sizes = f"the least radius of the foundation, {standing.least_radius:.3g} mm, is below the size of an element"
+    return f"{sizes} there, {size:.3g} mm: nodes alone touch, and between them it may stand inside the wall"

@@ -23,7 +23,7 @@ from contact.events import EventKind, events
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
-from contact.swept import Crossing, crossings
+from contact.swept import Crossing, between_nodes, crossings
 from contact.verify import claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.complete import complete
@@ -83,6 +83,7 @@ class Result:
             "class": self.verdict,
             "path_end": self.path_end,
             "reason": self.unsupported or self.reason or "; ".join(self.unstable[:1]) or self.outcome.value,
+            "notes": self.notes,
             "quantities": self.quantities,
             "steps": self.steps,
             "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
@@ -90,6 +91,15 @@ class Result:
             "timing_s": self.timing,
             "provenance": provenance(),
         }
+
+    @property
+    def notes(self) -> list[str]:
+        """What an answer does not show by itself: that the foundation is finer than the elements on it."""
+        if self.end is None:
+            return []
+        problem, state = self.end.problem, self.end.point.solution
+        told = between_nodes(problem.standing, problem.weights, state.active)
+        return [told] if told else []
 
     @property
     def steps(self) -> list[dict[str, Any]]:

@@ -88,6 +88,11 @@ class Profile:
         """The point (3,) of the base plane at s = 0."""
         return self.offset * self.normal + self.centre * self.travel
 
+    @property
+    def least_radius(self) -> float:
+        """Of the rounded edges."""
+        return min((p.radius for p in self.pieces if isinstance(p, Arc) and p.side > 0), default=np.inf)
+
     def gap(self, x: np.ndarray) -> np.ndarray:
         """Distance from the surface (m,)."""
         return self._nearest(x)[0]

@@ -32,6 +32,11 @@ class Drum:
         """The centre (3,)."""
         return self.centre
 
+    @property
+    def least_radius(self) -> float:
+        """The radius, unless it is hollow."""
+        return np.inf if self.hollow else self.radius
+
     def gap(self, x: np.ndarray) -> np.ndarray:
         """Distance from the surface (m,)."""
         return _gap(self._arm(x), self.radius, self.hollow)
@@ -73,6 +78,11 @@ class Sphere:
     def origin(self) -> np.ndarray:
         """The centre (3,)."""
         return self.centre
+
+    @property
+    def least_radius(self) -> float:
+        """The radius, unless it is hollow."""
+        return np.inf if self.hollow else self.radius
 
     def gap(self, x: np.ndarray) -> np.ndarray:
         """Distance from the surface (m,)."""

@@ -28,6 +28,10 @@ class Foundation(Protocol):
     def origin(self) -> np.ndarray:
         """A point (3,) that moves with it."""
 
+    @property
+    def least_radius(self) -> float:
+        """Of the parts of its surface that bulge [mm]; infinite where none does."""
+
     def gap(self, x: np.ndarray) -> np.ndarray:
         """g (m,)."""
 
@@ -68,6 +72,11 @@ class RigidPlane:
     def origin(self) -> np.ndarray:
         """offset n (3,)."""
         return self.offset * self.normal
+
+    @property
+    def least_radius(self) -> float:
+        """Infinite."""
+        return np.inf
 
     def gap(self, x: np.ndarray) -> np.ndarray:
         """offset - n.x, (m,)."""
@@ -178,7 +187,8 @@ def _against(linearise: Linearise, candidates: Candidates, foundation: Foundatio
 def standing(candidates: Candidates, foundation: Foundation) -> Standing:
     """Both in the frame of the foundation."""
     there = foundation.moved(-foundation.origin)
-    return Standing(lambda u: candidates.positions(u) - foundation.origin, there.gap, there.gradient)
+    origin, radius = foundation.origin, foundation.least_radius
+    return Standing(lambda u: candidates.positions(u) - origin, there.gap, there.gradient, radius)
 
 
 def against_plane(linearise: Linearise, candidates: Candidates, plane: RigidPlane) -> ContactProblem:

@@ -121,7 +121,7 @@ def _print_table(result: Result) -> None:
     counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
     unstable = ", unstable" if result.verdict == UNSTABLE else ""
     print(f"{result.as_json()['outcome']}{unstable}: {counters}")
-    for sentence in result.unstable:
+    for sentence in (*result.unstable, *result.notes):
         print(sentence)
 
 

@@ -41,6 +41,11 @@ class Run:
         return str(self.result.as_json()["reason"])
 
     @property
+    def notes(self) -> list[str]:
+        """What the answer does not show by itself."""
+        return self.result.notes
+
+    @property
     def steps(self) -> pd.DataFrame:
         """A row for each requested load: the load, what is read off, and the counts of its solution."""
         return pd.DataFrame([{**step.seen, **step.counters} for step in self.result.loads])

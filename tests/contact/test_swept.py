@@ -15,10 +15,11 @@ from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.load_stepping import PathPoint, follow
 from contact.continuation.pressed_curve import PressedCurve, hasty
 from contact.events import EventKind, events
-from contact.obstacles.drum_sphere import Sphere
+from contact.obstacles.cleat import Profile, cleat
+from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import RigidPlane
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from contact.swept import Standing, crossings, crossings_along
+from contact.swept import Standing, between_nodes, crossings, crossings_along
 from contact.verify import judge
 from studies.experiments.obstacle_problems.collection import collection
 from support.falling import UP, Net, falling, passing
@@ -226,3 +227,25 @@ def test_linear_gaps_have_nothing_to_pass_through() -> None:
         assert problem.standing is None
         least = np.minimum(ways[0], ways[-1])
         assert np.all(ways >= least - 1e-12 * np.max(np.abs(ways)))
+
+
+@pytest.mark.parametrize(
+    ("foundation", "radius"),
+    [
+        (Sphere(np.zeros(3), 0.4), 0.4),
+        (Sphere(np.zeros(3), 0.4, hollow=True), math.inf),
+        (Drum(np.zeros(3), UP, 0.7), 0.7),
+        (Profile(UP, 0.0, np.array([1.0, 0, 0]), 0.0, cleat(1.0, 2.0, 60.0, 0.2)), 0.2),
+        (RigidPlane(UP, 0.0), math.inf),
+    ],
+)
+def test_what_passes_between_nodes_is_told(foundation, radius) -> None:
+    """Nodes that share 0.5 and 2 mm^2, that is 0.707 and 1.414 mm: those that touch say it, all where none does."""
+    assert foundation.least_radius == radius
+    place, shares = replace(free(foundation), least_radius=radius), np.array([0.5, 2.0])
+    for touching, size in ((np.array([True, False]), 0.5**0.5), (np.array([False, False]), 2**0.5)):
+        told = between_nodes(place, shares, touching)
+        assert bool(told) == (radius < size)
+        if told:
+            assert f"{radius:.3g} mm, is below the size of an element there, {size:.3g} mm: nodes alone touch" in told
+    assert between_nodes(None, shares, touching) == ""

@@ -177,6 +177,8 @@ def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytes
     assert found.verdict == "converged"
     assert found.quantities["force_N"] > 0
     assert any("passes through the foundation" in cut for cut in found.as_json()["cuts"])
+    (note,) = found.notes
+    assert "0.05 mm, is below the size of an element there, 12.6 mm: nodes alone touch" in note
     monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
     blind = solve(*asked)
     assert (blind.outcome.word, blind.verdict, blind.quantities["force_N"]) == ("converged", "wrong", 0.0)

@@ -38,6 +38,7 @@ TOP_LEVEL = {
         "outcome",
         "class",
         "reason",
+        "notes",
     ),
     *("quantities", "steps", "cuts", "counters", "timing_s", "provenance"),
 }
