@@ -39,6 +39,7 @@ TOP_LEVEL = {
         "class",
         "reason",
         "notes",
+        "path_end",
     ),
     *("quantities", "steps", "cuts", "counters", "timing_s", "provenance"),
 }
