@@ -199,6 +199,7 @@ class Outcome(enum.Enum):
     REFUSED = "the algorithm does not apply"
     LIMIT_POINT = "the path turns back before it gets there"
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
+    GIVEN_UP = "as much was spent in vain as on twenty good steps"
 
     @property
     def converged(self) -> bool:

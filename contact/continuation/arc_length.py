@@ -46,7 +46,7 @@ class ArcLength:
     tangent and chord of a step; a sharper turn is taken in smaller steps, or the march could return on its own trace.
     watched: fraction of the first step above which a point must belong to the curve by its negative eigenvalues, where
     they are counted; smaller steps pass branches.  to_limit: end with the first limit point.  lowest: load factor below
-    which a curve that goes back is followed no further.
+    which a curve that goes back is followed no further.  most: factorisations after which the march is given up.
     tolerance: residual relative to the forces in balance at which the Newton of a point ends.  ordered: as for a
     problem; minimum degree is led astray by the full row of the border, and fills in twice as much as without it.
     """
@@ -62,6 +62,7 @@ class ArcLength:
     to_limit: bool = False
     lowest: float = -np.inf
     max_points: int = 1000
+    most: float = np.inf
     solver: str = AUTO
     tolerance: float = RESIDUAL_TOLERANCE
     ordered: bool = False
@@ -108,6 +109,8 @@ class ArcLength:
         moved, loaded = 0.0, 0.0
         while len(points) <= self.max_points:
             last = points[-1]
+            if curve.tally.counters["factorisations"] > self.most:
+                return points, Outcome.GIVEN_UP, f"arc length after t = {last.factor:.6g}"
             found, onwards = self._advance(curve, last, step * direction, watchful=step > self.watched * first)
             crossings = [_at_factor(curve, last, found, t) for t in ahead if found is not None and found.factor >= t]
             if found is None or None in crossings:

@@ -8,6 +8,7 @@ from typing import Any
 
 from contact.continuation.candidates import solve_within_reach
 from contact.continuation.critical_points import Ending, State, branches_passed, why_it_ends
+from contact.continuation.pressed_curve import hasty
 from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -17,6 +18,8 @@ EASY_ITERATIONS = 12  # a step with no more Newton iterations than this lets the
 SMALLEST = 2.0**-10  # of the step asked for
 PATIENCE = 3  # attempts on the way to a target may fail before a path that has a travel is followed by arc length
 FIRST_ARC = 0.125  # of the step that has failed last
+BRIEF = 20  # iterations of an attempt after a failure on the way to a target: a step that is small enough is easy
+WORTH = 20  # good steps: what may be spent in vain on the way to a target, beyond what has led on
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +62,14 @@ def follow(
     A state which a candidate reaches through the foundation is no state of the path, either: the step is cut.
     Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
+    A path that has ended is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
+    the arc may take as much again.
     """
-    at = start
+    at, good = start, Good()
     for target in targets:
         asked = (target - at) / steps
         begin = ((at, solution),)
-        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), begin, asked, begin)
+        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), begin, asked, begin, good)
         while stepper.outcome.converged and stepper.reached != target:
             attempt = stepper.attempt()
             stepper = stepper.accept(attempt) if attempt.failure is None else stepper.reject(attempt, attempt.failure)
@@ -74,7 +79,24 @@ def follow(
         yield point
         if not point.outcome.converged:
             return
-        at, solution = target, point.solution
+        at, solution, good = target, point.solution, stepper.good
+
+
+@dataclass(frozen=True)
+class Good:
+    """The steps that were accepted on a path: their number and their factorisations."""
+
+    steps: int = 0
+    factorisations: float = 0.0
+
+    @property
+    def each(self) -> float:
+        """Factorisations of a good step: their mean, but no fewer than those of one that counts as easy."""
+        return max(self.factorisations / max(self.steps, 1), EASY_ITERATIONS)
+
+    def after(self, solution: ContactSolution) -> Good:
+        """With one step more."""
+        return Good(self.steps + 1, self.factorisations + _factorisations(solution))
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,8 +113,9 @@ class Stepper:
     """Steps of adapted size to ``target``; each attempt is accepted or rejected, which gives the next stepper.
 
     asked: the step that is asked for, the largest; smallest: size below which it is not cut.  states: converged, the
-    first and the last three; step: the next one; way: all states; cut: whether a step has been; failures: how many; the
-    rest goes into the :class:`PathPoint`.
+    first and the last three; step: the next one; way: all states; good: the steps of the path so far.  cut: whether a
+    step has been; failures: how many; vain: factorisations of those that found nothing; the rest goes into the
+    :class:`PathPoint`.
     """
 
     problem_at: Callable[[float], ContactProblem]
@@ -103,14 +126,21 @@ class Stepper:
     states: tuple[State, ...]
     step: float
     way: tuple[State, ...]
+    good: Good = field(default_factory=Good)
     cut: bool = False
     failures: int = 0
+    vain: float = 0.0
     substeps: int = 0
     counters: Mapping[str, float] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
     outcome: Outcome = Outcome.CONVERGED
     cause: Outcome = Outcome.CONVERGED
     end: Ending | None = None
+
+    @property
+    def allowed(self) -> float:
+        """Factorisations in vain on the way to the target: those of WORTH good steps beyond what has led on."""
+        return WORTH * self.good.each + self.counters.get("factorisations", 0.0) - self.vain
 
     @property
     def reached(self) -> float:
@@ -122,7 +152,9 @@ class Stepper:
         last = abs(self.target - self.reached) <= abs(self.step) * (1 + 1e-9)
         trial = self.target if last else self.reached + self.step
         (before, state), problem = self.states[-1], self.problem_at(trial)
-        found = solve_within_reach(self.algorithm, problem, state)
+        most = min(BRIEF, getattr(self.algorithm, "max_iterations", BRIEF))
+        algorithm = hasty(self.algorithm, most) if self.vain else self.algorithm
+        found = solve_within_reach(algorithm, problem, state)
         failure = None if found.outcome.converged else _why(found)
         if failure is None:
             through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
@@ -144,7 +176,8 @@ class Stepper:
         grows = easy and abs(self.step) < abs(self.asked) and attempt.parameter != self.target
         step = 2 * self.step if grows else self.step
         event = Event(EventKind.STEP_GROWN, f"easy step: the next one grows to {step:.6g}") if grows else None
-        return replace(self._spent(attempt, event), states=states, way=way, step=step, substeps=self.substeps + 1)
+        reached_by = replace(self._spent(attempt, event), states=states, way=way, substeps=self.substeps + 1)
+        return replace(reached_by, step=step, good=self.good.after(attempt.solution))
 
     def reject(self, attempt: Attempt, failure: Event) -> Stepper:
         """Where it was, with half the step; with an outcome where no smaller one would do."""
@@ -152,22 +185,27 @@ class Stepper:
             return replace(self._spent(attempt, None), outcome=Outcome.REFUSED)
         if self.failures + 1 >= PATIENCE and self.target > self.reached and self.problem_at(self.reached).travel:
             return self._by_arc_length(attempt, failure)
-        if abs(self.step) / 2 < self.smallest:
+        vain = self.vain + (0.0 if attempt.solution.outcome.converged else _factorisations(attempt.solution))
+        spent = vain + BRIEF > self.allowed  # the next attempt would be beyond it
+        if spent or abs(self.step) / 2 < self.smallest:
+            outcome = Outcome.GIVEN_UP if spent else Outcome.STEP_LIMIT
             end = why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
-            text = f"{failure}; {Outcome.STEP_LIMIT.value}; {end.sentence}"
+            text = f"{failure}; {outcome.value}; {end.sentence}"
             ended = self._spent(attempt, Event(failure.kind | EventKind.PATH_END, text))
-            return replace(ended, outcome=Outcome.STEP_LIMIT, end=end)
+            return replace(ended, outcome=outcome, end=end)
         step = (attempt.parameter - self.reached) / 2
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: step cut to {step:.6g}")
         asked = step if EventKind.PASSED & failure.kind else self.asked  # a longer one would pass again
-        return replace(self._spent(attempt, event), step=step, asked=asked, cut=True, failures=self.failures + 1)
+        cut = replace(self._spent(attempt, event), step=step, asked=asked, cut=True, vain=vain)
+        return replace(cut, failures=self.failures + 1)
 
     def _by_arc_length(self, attempt: Attempt, failure: Event) -> Stepper:
         """At the target or at the limit point before it, after the last failure that is put up with."""
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: by arc length from {self.reached:.6g} on")
         begun = self._spent(attempt, event)
         first = FIRST_ARC * (attempt.parameter - self.reached)
-        turned = by_arc_length(self.problem_at, self.states, self.target, self.algorithm, first)
+        most = WORTH * self.good.each
+        turned = by_arc_length(self.problem_at, self.states, self.target, self.algorithm, first, most)
         said = None if turned.end is None else Event(EventKind.PATH_END, turned.end.sentence)
         ended = begun._spent(Attempt(turned.t, turned.solution, None), said)
         first_state, *others = self.states
@@ -197,6 +235,10 @@ class Stepper:
         if event is not None:
             rows[-1]["event"] = event
         return replace(self, counters=counters, history=(*self.history, *rows), cause=found.outcome)
+
+
+def _factorisations(solution: ContactSolution) -> float:
+    return solution.counters.get("factorisations", 0.0)
 
 
 def _why(failed: ContactSolution) -> Event:

@@ -27,7 +27,7 @@ from contact.newton.step import NewtonRun
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.swept import crossings
 
-FEW = {"max_iterations": 10, "max_updates": 10}  # what a point may take: a step that is not easy is cut
+FEW = 10  # iterations and updates: what a point may take: a step that is not easy is cut
 ProblemAt = Callable[[float], ContactProblem]
 
 
@@ -178,9 +178,9 @@ def _size(K: sparse.csc_matrix) -> float:
     return float(np.mean(np.abs(K.diagonal()[:-1])))
 
 
-def hasty(algorithm: ContactAlgorithm) -> ContactAlgorithm:
-    """The algorithm that gives up early, as far as it can be told to."""
+def hasty(algorithm: ContactAlgorithm, most: int = FEW) -> ContactAlgorithm:
+    """The algorithm that gives up after so many iterations and updates of the set, as far as it has such limits."""
     if not is_dataclass(algorithm):
         return algorithm
-    known = {each.name for each in fields(algorithm)}
-    return replace(algorithm, **{name: most for name, most in FEW.items() if name in known})
+    known = {each.name for each in fields(algorithm)} & {"max_iterations", "max_updates"}
+    return replace(algorithm, **dict.fromkeys(known, most))

@@ -43,13 +43,15 @@ def by_arc_length(
     target: float,
     algorithm: ContactAlgorithm,
     first: float,
+    most: float = np.inf,
 ) -> Turned:
     """The path from the last of the converged ``states`` (parameter, solution) to the target or to its limit point.
 
-    first: change of the parameter in the first step.  Raises ValueError where only its parameter moves the path.
+    first: change of the parameter in the first step.  most: factorisations after which it is given up.
+    Raises ValueError where only its parameter moves the path.
     """
     start, state = states[-1]
-    arc = ArcLength(first, EASY, HARD, smallest=SMALLEST, max_points=POINTS, to_limit=True)
+    arc = ArcLength(first, EASY, HARD, smallest=SMALLEST, max_points=POINTS, to_limit=True, most=most)
     curve, begin = PressedCurve.through(problem_at, start, state, algorithm)
     trace = arc.along(curve, begin, [target])
     outcome, end = trace.outcome, None
@@ -63,7 +65,8 @@ def by_arc_length(
         outcome = Outcome.STEP_LIMIT if end is None else Outcome.LIMIT_POINT
     if not outcome.converged and end is None:
         reached = [(point.factor, point.state) for point in trace.points[-3:]]
-        outcome, end = Outcome.STEP_LIMIT, why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
+        outcome = outcome if outcome is Outcome.GIVEN_UP else Outcome.STEP_LIMIT
+        end = why_it_ends(problem_at, (states[0], *reached), algorithm.epsilon)
     found = replace(last.state, counters=trace.counters, history=tuple(trace.history))
     event = trace.history[-1].get("event") if trace.history else None
     if end is not None and event is not None and EventKind.PASSED & event.kind:

@@ -150,7 +150,7 @@ def test_a_chain_that_can_carry_no_more_ends_at_its_limit() -> None:
     at = pressed(residual, lambda w, d: np.array([[1 - w + C, -C], [-C, C]]), 1.0)
     limit = 1.5 + (1.5 - 1.5**2 / 2) / C
     points = list(follow(at, 0.0, [1.0, 4.0], ALGORITHMS["semismooth"](settle=1.0), ContactSolution.at_rest(2, 1)))
-    assert [point.outcome for point in points] == [Outcome.CONVERGED, Outcome.STEP_LIMIT]
+    assert [point.outcome for point in points] == [Outcome.CONVERGED, Outcome.GIVEN_UP]
     assert points[0].end is None
     end = points[1].end
     assert points[1].reached <= limit
@@ -227,7 +227,7 @@ def test_a_state_beyond_the_path_is_no_state_of_it() -> None:
     assert beyond.outcome is Outcome.CONVERGED  # must fail beside must pass: by itself it is an equilibrium
     assert beyond.u[0] < -2
     (point,) = follow(at, 0.0, [1.0], ALGORITHMS["semismooth"](), in_contact([0.0, 0.5], 0.5))
-    assert point.outcome is Outcome.STEP_LIMIT
+    assert point.outcome is Outcome.GIVEN_UP
     assert point.reached <= 2 / 3
     assert any("a state beyond the path" in str(row.get("event", "")) for row in point.solution.history)
     assert point.end is not None

@@ -12,7 +12,7 @@ from scipy import sparse
 import contact.events
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
-from contact.continuation.load_stepping import SMALLEST, follow
+from contact.continuation.load_stepping import BRIEF, EASY_ITERATIONS, SMALLEST, WORTH, follow
 from contact.events import EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
 from support.contact_problems import Quadratic
@@ -37,6 +37,8 @@ class Choosy:
     reach: float = math.inf
     wall: float = math.inf
     iterations: int = 1
+    factorisations: int = 1
+    in_vain: int = 0
     name: str = "choosy"
     epsilon: float = math.inf
 
@@ -47,9 +49,10 @@ class Choosy:
         solution = ALGORITHMS["semismooth"]().solve(problem, start)
         load = float(solution.u[0] + 2 * solution.pressure[0])
         before = float(start.u[0] + 2 * start.pressure[0])
-        counters = {"newton_iterations": self.iterations}
+        counters = {"newton_iterations": self.iterations, "factorisations": self.factorisations}
         if abs(load - before) > self.reach * (1 + 1e-9) or load > self.wall:
             history = ({"residual": 1.0},)
+            counters["factorisations"] = self.in_vain or self.factorisations
             return replace(start, outcome=Outcome.ITERATION_LIMIT, counters=counters, history=history)
         return replace(solution, counters=counters, history=({"residual": 0.5}, {"residual": 0.0}))
 
@@ -153,6 +156,46 @@ def test_nothing_ever_converges(tracking) -> None:
     halvings = round(-math.log2(SMALLEST))
     assert len(parameters(point.solution)) == halvings + 1
     assert point.solution.counters["newton_iterations"] == halvings + 1
+
+
+@pytest.mark.parametrize("cost", [1, 12, 40, 100])
+def test_a_path_that_has_ended_is_given_up_within_twenty_good_steps(tracking, cost: int) -> None:
+    """Good steps are those up to the wall, and count no less than an easy one."""
+    _, last = run(tracking, Choosy(wall=0.7, factorisations=5, in_vain=cost), [0.5, 1.0])
+    well = 5 * last.substeps
+    vain = last.solution.counters["factorisations"] - well
+    assert not last.outcome.converged
+    assert vain <= WORTH * EASY_ITERATIONS + well + cost
+    assert cost > BRIEF or vain <= WORTH * EASY_ITERATIONS + well
+    assert 0.5 < last.reached <= 0.7
+    assert last.end is not None
+    assert last.cause is Outcome.ITERATION_LIMIT
+    assert (last.outcome is Outcome.GIVEN_UP) == (cost > EASY_ITERATIONS)
+    assert (Outcome.GIVEN_UP.value in events(last)[-1][1]) == (cost > EASY_ITERATIONS)
+
+
+def test_a_dear_path_that_has_not_ended_is_not_given_up(tracking) -> None:
+    """Steps of a hundredth of the target, each of them twelve factorisations: it goes on as long as it arrives."""
+    (point,) = run(tracking, Choosy(reach=0.01, factorisations=12), [1.0])
+    assert point.outcome is Outcome.CONVERGED
+    assert point.substeps >= 100
+
+
+def test_attempts_after_a_failure_are_brief(tracking) -> None:
+    """A step that is small enough is easy; the algorithm is told to stop after fewer iterations."""
+    asked: list[int] = []
+
+    @dataclass(frozen=True)
+    class Limited(Choosy):
+        max_iterations: int = 40
+
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+            asked.append(self.max_iterations)
+            return super().solve(problem, start)
+
+    run(tracking, Limited(reach=0.3), [1.0, 1.2])
+    assert asked[:3] == [40, BRIEF, BRIEF]
+    assert asked[-1] == 40  # on the way to the next target
 
 
 def test_the_path_also_runs_backwards(tracking) -> None:

@@ -7,10 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from contact.catalogue import ALGORITHMS
+from contact.continuation.load_stepping import EASY_ITERATIONS, WORTH
 from contact.problem import Outcome
 from reports.result_figures import draw_result
 from studies.scene import UsageError
 from studies.solving import Result, resolve, solve
+from studies.walk import walk
 
 
 def run(mesh: str, **settings: str) -> Result:
@@ -78,3 +81,14 @@ def test_the_tyre_turns_back_and_goes_on(tmp_path: Path) -> None:
     assert back < there - 20
     found.write(tmp_path / "arc")
     assert "turning-back.svg" in {path.name for path in draw_result(tmp_path / "arc")}
+
+
+@pytest.mark.parametrize("measure", ["exact", "moderate-rotation"])
+def test_a_coarse_tyre_that_cannot_be_pressed_further_is_given_up_early(measure: str) -> None:
+    """Its path turns back before 20 mm: that is known within twenty good steps, each of twelve factorisations."""
+    scene, request = resolve("tyre", {"delta_mm": "20"}, "8x8", measure=measure)
+    *_, last = walk(scene.build(request).stages(), ALGORITHMS["semismooth"]())
+    assert last.point.outcome is Outcome.LIMIT_POINT
+    assert last.point.end is not None
+    assert last.point.reached == last.point.end.limit < 12
+    assert last.point.solution.counters["factorisations"] <= WORTH * EASY_ITERATIONS + EASY_ITERATIONS
