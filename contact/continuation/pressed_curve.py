@@ -66,8 +66,8 @@ class PressedCurve:
         return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1])), start
 
     def scaled(self, displacement: float, travel: float) -> PressedCurve:
-        """The curve in the scale in which so much displacement counts like so much travel."""
-        return replace(self, m=travel / max(displacement, np.finfo(float).tiny))
+        """The curve in the scale in which so much displacement counts like so much travel; as it is where none moves."""
+        return replace(self, m=travel / displacement) if displacement > 0 else self
 
     def place(self, point: ArcPoint) -> np.ndarray:
         """x = (m u, t) (n + 1,)."""
