@@ -70,6 +70,7 @@ def iterate(
     noted, counted, updates, begun = at.active, 0, 0, set[bytes]()
     released: np.ndarray | None = None  # what is left of the set since the last iteration that counts
     event: Event | None = None
+    last: Iterate | None = None
     while True:
         expected = at.active ^ run.misplaced(at, c)
         run.tally.note(at.residual, expected, noted, event)
@@ -78,7 +79,7 @@ def iterate(
             return run.finish(at, Outcome.DIVERGED)
         settled = np.array_equal(expected, at.active) and run.closed(at)
         if settled and run.balanced(at):
-            return run.finish(at, Outcome.CONVERGED)
+            return run.finish(run.known(at, last), Outcome.CONVERGED)
         if settled and run.stuck(at):
             return run.finish(at, Outcome.ROUNDING)
         if only_released(at.active, expected) and (released is None or only_released(released, expected)):
@@ -95,7 +96,7 @@ def iterate(
         except (SingularMatrixError, StepError) as error:
             run.tally.tell(Event(EventKind.FAILED, str(error)))
             return run.finish(at, error.outcome if isinstance(error, StepError) else Outcome.SINGULAR)
-        at = run.advance(at, step.du, step.pressure, step.active)
+        last, at = at, run.advance(at, step.du, step.pressure, step.active)
         event, updates = step.event, updates + step.updates
 
 

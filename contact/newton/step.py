@@ -17,7 +17,9 @@ from contact.newton.held import holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
 from contact.problem import (
+    NEGLIGIBLE,
     ROUNDING_ALONE,
+    WORST_ROUNDING,
     ContactProblem,
     ContactSolution,
     Linearised,
@@ -27,7 +29,7 @@ from contact.problem import (
     rounding_floor,
 )
 from contact.scales import Stiffness, length
-from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
+from contact.solvers.sparse import AUTO, Factor, SingularMatrixError, checked_solve, factorise, instead
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to a large gap
@@ -102,6 +104,24 @@ class NewtonRun:
             return at.residual <= met(self.tolerance, share, _rounding(at)) or at.moved > 0.5 * at.moved_before
         size = float(norm(at.u, check_finite=False))
         return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
+
+    def known(self, at: Iterate, last: Iterate | None) -> Iterate:
+        """Of a balanced iterate and the ``last`` one on its set, that whose rounding is known to move nothing.
+
+        What the residual of an iterate asks for is what the next step moves. That of the last one has been seen; the
+        iterate has a rounding of its own, and is taken where its next step is negligible, too: one more factorisation.
+        """
+        if last is None or at.residual <= max(self.tolerance, min(ROUNDING_ALONE, _rounding(at))):
+            return at
+        same = np.array_equal(last.active, at.active) and self.closed(last) and last.residual <= WORST_ROUNDING
+        if not same or last.residual > _rounding(last):
+            return at
+        try:
+            du, _ = self.step(at.lin, at.u, at.pressure, at.active)
+        except SingularMatrixError:
+            return last
+        asked = float(norm(du, check_finite=False))
+        return at if asked <= NEGLIGIBLE * float(norm(at.u, check_finite=False)) else last
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
