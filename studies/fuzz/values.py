@@ -26,6 +26,7 @@ SPANS = {  # from which a value near is taken, where the default says nothing of
     **{"E_ratio": (1.0, 100.0), "c": (1e-2, 1e4)},
 }
 MOST = {"per_ply": 2, "plies": 5, "order": 6}  # of what makes a problem large
+LARGE = ("adapted",)  # choices that solve larger problems of their own before the one asked for
 LEAST = {"arc_step": 1e-3}  # of what makes a path long
 
 
@@ -38,7 +39,7 @@ def drawn(setting: Setting, seed: int) -> str:
     """A value as it is written after KEY=, one that the setting takes."""
     rng = generator(seed, f"value of {setting.key}")
     if setting.kind == "choice":
-        return str(rng.choice(setting.choices))
+        return str(rng.choice([choice for choice in setting.choices if choice not in LARGE]))
     how = str(rng.choice(list(HOW), p=list(HOW.values())))
     if setting.kind == "floats":
         count = int(rng.integers(1, 4))
