@@ -1,10 +1,10 @@
 """Where on a grid one class gives way to another, at the cost of the boundary and not of the grid.
 
 Classes are asked for at the corners of coarse blocks; a block in or on whose border two classes have been seen is cut
-in four, down to two cells, between whose corners the boundary is taken to lie in the middle; a block that shows one
-class is taken to be of it throughout. Whatever is
-smaller than a block may be missed; a boundary that has been met is followed to its end, because a block is looked at
-again whenever a neighbour finds another class on their common border.
+in four, down to single cells, so that both points of every pair of neighbours between which a boundary was found have
+been solved; a block that shows one class is taken to be of it throughout. What is smaller than a block of the first
+grid, and touches no boundary that has been met, may be missed; a boundary that has been met is followed to its end,
+because a block is looked at again whenever a neighbour finds another class on their common border.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 Block = tuple[int, int, int]  # first row, first column, size
-FINEST = 2  # cells: the boundary within such a block is known to one cell
+FINEST = 1  # cells: nothing lies between the corners of such a block
+BUDGET = 0.75  # share of the points: beyond it the boundary is the map
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,7 @@ def locate(
     stride: int,
     *,
     rows_apart: bool = False,
-    budget: float = 0.25,
+    budget: float = BUDGET,
 ) -> Located:
     """Find the classes on a grid of points; ``stride``, a power of two, must divide shape - 1.
 

@@ -22,13 +22,14 @@ from contact.problem import Outcome
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.complete import complete
-from studies.experiments.extremes.bisection import Located, distance, locate
+from studies.experiments.extremes.bisection import BUDGET, Located, distance, locate
 from studies.request import Request
 from studies.scene import SceneModel, UsageError
 from studies.solving import UNSTABLE as NOT_STABLE
 from studies.solving import certificate
 from studies.walk import walk
 
+Point = tuple[int, int]  # row and column of a map
 CUT = 2.0**-4  # of a load step
 CONVERGED, UNTOUCHED, UNSTABLE = "converged", "converged, nothing touches", "converged, unstable"
 WRONG, END, FAILED, REFUSED = "wrong", "end of the path", "not converged", "refused"
@@ -114,15 +115,16 @@ class Chart:
         """The command that solves one point as the map did."""
         return f"footprint extremes {self.name} --at {self.x.values[j]},{self.y.values[i]}"
 
-    def located(self, at: Callable[[Cell], Found]) -> tuple[Located, dict[tuple[int, int], Found]]:
-        """The map, and what the points that were asked for gave."""
-        found: dict[tuple[int, int], Found] = {}
+    def located(self, at: Callable[[Cell], Found], *, whole: bool = False) -> tuple[Located, dict[Point, Found]]:
+        """The map, and what the points that were asked for gave; whole: all of them, without a search."""
+        found: dict[Point, Found] = {}
 
         def class_at(i: int, j: int) -> str:
             found[i, j] = at(self.cell(i, j))
             return found[i, j].kind
 
-        return locate(class_at, self.shape, self.stride, rows_apart=self.y.named), found
+        stride, budget = (1, 1.0) if whole else (self.stride, BUDGET)
+        return locate(class_at, self.shape, stride, rows_apart=self.y.named, budget=budget), found
 
 
 # --- one point ------------------------------------------------------------------------------------------------------
@@ -238,7 +240,8 @@ CHARTS: tuple[Chart, ...] = (
         {"foundation": "ball", "delta_mm": "0.5"},
     ),
 )
-CHECKED = ("ball-travel", "one-node", "length-unit")  # cheap enough to be compared with all of their points
+# cheap enough to be solved at all of their points: they are shown so, and the search is compared with that
+WHOLE = ("ball-travel", "one-node", "length-unit")
 
 
 def chart_of(name: str) -> Chart:
@@ -249,7 +252,7 @@ def chart_of(name: str) -> Chart:
     return found[0]
 
 
-def check_table(names: Sequence[str] = CHECKED, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
     """Maps beside all of their points: how many were asked for, and how far the boundary is from the true one."""
     rows = []
     for chart in map(chart_of, names):
@@ -266,7 +269,7 @@ def extremes_table(charts: Sequence[Chart] = CHARTS, at: Callable[[Cell], Found]
     """All points of all maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
     rows = []
     for chart in charts:
-        where, found = chart.located(at)
+        where, found = chart.located(at, whole=chart.name in WHOLE)
         for (i, j), kind in np.ndenumerate(where.classes):
             row = {"map": chart.name, "i": i, "j": j, "y": chart.y.values[i], "x": chart.x.values[j], "class": kind}
             own = found.get((i, j))
@@ -279,10 +282,11 @@ def extremes_table(charts: Sequence[Chart] = CHARTS, at: Callable[[Cell], Found]
 
 
 def axes_table(charts: Sequence[Chart] = CHARTS) -> pd.DataFrame:
-    """What the maps are of, one row a map."""
+    """What the maps are of, one row a map; stride: cells of a block of the first grid, 1 where all are solved."""
     rows = []
     for chart in charts:
         told = {"scene": chart.scene, **chart.options, **chart.settings}
         fixed = ", ".join(f"{key} {value}" for key, value in told.items())
-        rows.append((chart.name, chart.title, chart.x.label, chart.y.label, chart.y.named, fixed))
-    return pd.DataFrame(rows, columns=["map", "title", "x_label", "y_label", "y_named", "fixed"])
+        stride = 1 if chart.name in WHOLE else chart.stride
+        rows.append((chart.name, chart.title, chart.x.label, chart.y.label, chart.y.named, fixed, stride))
+    return pd.DataFrame(rows, columns=["map", "title", "x_label", "y_label", "y_named", "fixed", "stride"])

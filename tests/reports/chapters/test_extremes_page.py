@@ -29,7 +29,9 @@ def test_counts_causes_and_commands(store: Path) -> None:
     assert f"- *not converged* at {count} solved points: {told} ({count}, as at " in text
     assert "qp does not apply: it is made up" in text
     assert "footprint extremes each --at " in text
-    assert "nowhere further than 1.0 cells from the true one." in text
+    assert "takes 5 of their 289 points for another class: " in text
+    assert "The first grid has blocks of 8 cells each way; what is smaller may have been passed by." in text
+    assert "The first grid has blocks of 8 cells on a line;" in text
     assert "| [Each algorithm](#each-algorithm) |" in text
 
 
@@ -60,8 +62,17 @@ def test_a_boundary_that_was_missed_is_told(own_store: Path) -> None:
     check = pd.read_csv(path)
     write_table(path, pd.concat([check, check.assign(map="each", distance=float("inf"), unlike=3)]))
     text = extremes_page(load_store(own_store)).text
-    assert "nowhere further than 1.0 cells" in text
-    assert "in *Each algorithm* a class shows at 3 single points" in text
+    assert "takes 8 of their 578 points for another class: " in text
+    assert "in *Two settings*, *Each algorithm*." in text
+    assert "| 3 | missed |" in text
+
+
+def test_a_map_of_all_points_has_passed_nothing_by(own_store: Path) -> None:
+    path = own_store / "tables" / "extremes_maps.csv"
+    write_table(path, pd.read_csv(path).assign(stride=1))
+    text = extremes_page(load_store(own_store)).text
+    assert text.count("Nothing was passed by.") == 2
+    assert "The first grid has" not in text
 
 
 def test_causes_are_counted_without_their_numbers() -> None:

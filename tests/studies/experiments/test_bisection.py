@@ -1,4 +1,4 @@
-"""Boundaries on synthetic maps: found within one cell for a quarter of the points, and honest when they are not."""
+"""Boundaries on synthetic maps: found to the point for a part of the points, and honest when they are not."""
 
 from __future__ import annotations
 
@@ -34,13 +34,29 @@ def asked(classes: np.ndarray, **options) -> tuple[Located, list[tuple[int, int]
 
 
 @pytest.mark.parametrize("name", MAPS)
-def test_a_boundary_is_found_within_one_cell_for_a_quarter_of_the_points(name: str) -> None:
+def test_a_boundary_is_found_to_the_point_for_a_part_of_the_points(name: str) -> None:
     found, calls = asked(MAPS[name])
     assert found.complete
-    assert found.share <= 0.25
+    assert found.share <= 0.4
     assert len(calls) == len(set(calls)) == found.asked.sum()
     np.testing.assert_array_equal(found.classes[found.asked], MAPS[name][found.asked])
-    assert distance(found.classes, MAPS[name]) <= 1.0
+    np.testing.assert_array_equal(found.classes, MAPS[name])
+    assert distance(found.classes, MAPS[name]) == 0
+
+
+def test_all_points_are_asked_for_with_blocks_of_one_cell() -> None:
+    noise = np.random.default_rng(1).choice(["a", "b"], (N, N))
+    found = locate(lambda i, j: str(noise[i, j]), noise.shape, 1, budget=1.0)
+    np.testing.assert_array_equal(found.classes, noise)
+    assert found.asked.all()
+
+
+def test_a_point_away_from_all_boundaries_is_passed_by() -> None:
+    """Which is why the size of the first blocks stands beside a map; one that touches a boundary is not."""
+    island, pinned = MAPS["straight"].copy(), MAPS["straight"].copy()
+    island[21, 27], pinned[21, 10] = "b" if island[21, 27] == "a" else "a", "b"
+    assert np.argwhere(asked(island)[0].classes != island).tolist() == [[21, 27]]
+    np.testing.assert_array_equal(asked(pinned)[0].classes, pinned)
 
 
 def test_the_cost_is_that_of_the_boundary() -> None:
@@ -53,15 +69,15 @@ def test_the_cost_is_that_of_the_boundary() -> None:
 
     coarse, fine, finest = (cost(n) for n in (33, 65, 129))
     assert finest - fine < 2.6 * (fine - coarse)
-    assert finest < 0.05 * 129**2
+    assert finest < 0.06 * 129**2
 
 
-def test_more_boundary_than_a_quarter_is_told() -> None:
+def test_more_boundary_than_the_budget_is_told() -> None:
     strip = np.where(np.abs(Y - 0.52 * X - 0.2) < 0.06, "a", "b")
     assert not asked(strip, budget=0.1)[0].complete
     whole, _ = asked(strip)
     assert whole.complete
-    assert distance(whole.classes, strip) <= 1.0
+    np.testing.assert_array_equal(whole.classes, strip)
 
 
 def test_a_budget_is_kept_and_told() -> None:
@@ -79,7 +95,7 @@ def test_rows_that_are_apart_are_searched_each_by_itself() -> None:
     found = locate(lambda i, j: str(classes[i, j]), classes.shape, 16, rows_apart=True)
     assert found.complete
     assert found.share <= 0.25
-    assert distance(found.classes, classes, rows_apart=True) <= 1.0
+    np.testing.assert_array_equal(found.classes, classes)
 
 
 def test_distances_of_boundaries() -> None:

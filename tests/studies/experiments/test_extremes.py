@@ -150,11 +150,10 @@ def test_a_table_of_a_made_up_map() -> None:
     x, y = Axis.powers("delta_mm", "travel", -2, 2, 17), Axis.even("inflation", "pressure", 0, 1, 17)
     table = extremes_table([Chart("made-up", "Made up", "panel", x, y)], half)
     assert len(table) == 17 * 17
-    assert table["asked"].mean() <= 0.25
+    assert table["asked"].mean() <= 0.4
     assert table["complete"].all()
     values = table["x"].astype(float)
-    wrong = table[(table["class"] == FAILED) != (values >= 1)]
-    assert wrong["j"].nunique() <= 1
+    assert ((table["class"] == FAILED) == (values >= 1)).all()
     asked = table[table["asked"]]
     assert (asked["class"] == FAILED).equals(asked["x"].astype(float) >= 1)
     assert set(asked["iterations"]) == {5, 40}
@@ -165,12 +164,11 @@ def test_a_table_of_a_made_up_map() -> None:
 
 @pytest.mark.slow
 def test_a_real_map_against_all_of_its_points() -> None:
-    """A ball that may be smaller than its travel: it is touched, or it has passed through."""
-    (row,) = check_table(("ball-travel",)).to_dict("records")
-    assert row["points"] == 17 * 17
-    assert row["asked"] <= 0.25 * row["points"]
-    assert 0 < row["distance"] <= 1.0
-    assert row["unlike"] < 0.05 * row["points"]
+    """Each algorithm under a ball of any radius; every class of every point, for a part of the solves."""
+    (row,) = check_table(("one-node",)).to_dict("records")
+    assert row["points"] == 33 * len(ALGORITHMS)
+    assert row["asked"] <= 0.4 * row["points"]
+    assert row["distance"] == row["unlike"] == 0
 
 
 def test_what_the_maps_are_of() -> None:
