@@ -100,3 +100,22 @@ def test_impossible_foundations_are_refused(given, said) -> None:
     with pytest.raises(UsageError) as caught:
         solve(*resolve("tyre", {"delta_mm": "2", **given}, "12x12"))
     assert said in str(caught.value)
+
+
+@pytest.mark.slow
+def test_a_tyre_does_not_go_through_the_edge_of_a_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In one step of 20 mm nodes go in through the top of a narrow box and hang on its side; in 20 steps none does."""
+    box = {"cleat_height_mm": "20", "cleat_flank_deg": "90", "cleat_rounding_mm": "2", "cleat_top_mm": "10"}
+    asked = {"foundation": "cleat", **box, "delta_mm": "20"}
+    forces = {}
+    for steps, checked in ((1, True), (1, False), (20, False)):
+        if not checked:
+            monkeypatch.setattr("contact.continuation.load_stepping.crossings", lambda *step: [])
+        found = solve(*resolve("tyre", asked, "16x18", steps=steps))
+        assert found.outcome.converged
+        forces[steps, checked] = found.quantities["force_N"]
+        assert any("passes through" in cut for cut in found.as_json()["cuts"]) == checked
+        swept = [step["failures"] for step in found.steps]
+        assert swept == ([["swept"]] if (steps, checked) == (1, False) else [[]])
+    assert forces[1, True] == pytest.approx(forces[20, False], rel=1e-6)
+    assert forces[1, False] < 0.7 * forces[20, False]
