@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from contact.continuation.arc_length import Trace
+from contact.continuation.branches import Branch
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
 from contact.continuation.stability import stability
@@ -52,6 +53,7 @@ class Result:
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
     the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
     is not stable, but for the points of a traced curve, which is followed through such states on purpose.
+    branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
 
     request: Request
@@ -61,6 +63,8 @@ class Result:
     reason: str = ""
     unsupported: str = ""
     unstable: list[str] = field(default_factory=list)
+    branches: list[dict[str, Any]] = field(default_factory=list)
+    beside: list[Branch] = field(default_factory=list)
     quantities: dict[str, float] = field(default_factory=dict)
     loads: list[Step] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
@@ -86,6 +90,7 @@ class Result:
             "notes": self.notes,
             "quantities": self.quantities,
             "steps": self.steps,
+            **({"branches": self.branches} if self.branches else {}),
             "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
             "counters": self.counters,
             "timing_s": self.timing,

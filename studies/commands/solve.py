@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from studies import branching
 from studies.columns import columns
 from studies.commands import NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
@@ -37,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
+    parser.add_argument("--branch", action="store_true", help="from an unstable state to the stable branches beside it")
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
 
 
@@ -51,12 +53,18 @@ def run(options: argparse.Namespace) -> int:
         result, enough = _solved(scene, request, wanted, options.of, tell)
     if result.unsupported:
         raise UsageError(result.unsupported)
+    asked = options.branch and result.outcome.converged
+    if asked:
+        branching.branches_of(result)
     result.write(options.out)
+    branching.write(result, options.out)
     if options.freeze is not None:
         if result.frozen is None:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
     _print_table(result)
+    if asked:
+        print("\n".join(branching.lines(result)))
     if options.plot:
         _draw(options.out)
     if not result.outcome.converged:

@@ -16,6 +16,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem
 from formulations.strains.catalogue import MEASURES
+from studies.branching import branches_of
 from studies.cli import main
 from studies.scene import Setting, UsageError
 from studies.scenes.tyre.grid_lines import tyre_lines
@@ -75,6 +76,35 @@ def test_result_has_the_documented_keys(solved: Path) -> None:
     assert result["settings"]["epsilon"] == "inf"
     assert result["settings"]["E_L_MPa"] == 510.45
     assert all("_" in name for name in result["quantities"])
+
+
+@pytest.mark.slow
+def test_branches_of_an_unstable_tyre_are_stable_and_lie_lower(tmp_path: Path, capsys) -> None:
+    """The potential is not read by the descent: it has to be below that of the state that was left."""
+    asked = ["solve", "tyre", "--measure", "thin-green-lagrange", "--mesh", "8x8", "--set", "delta_mm=20"]
+    assert main([*asked, "--branch", "--out", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert printed.count("\nstable branch ") == 2
+    result = json.loads((tmp_path / "result.json").read_text())
+    assert [row["found"] for row in result["branches"]] == [True, True]
+    assert all(row["change_of_force"] < 0 for row in result["branches"])
+    assert {"branch_1.vtu", "branch_2.vtu"} <= {path.name for path in tmp_path.iterdir()}
+    found = solve(*resolve("tyre", {"delta_mm": "20"}, "8x8", measure="thin-green-lagrange"))
+    branches_of(found)
+    energy = found.end.problem.energy
+    left = energy(found.end.point.solution.u)
+    assert all(energy(branch.solution.u) < left - 1e-6 * abs(left) for branch in found.beside)
+
+
+def test_a_stable_state_has_no_branch(tmp_path: Path, capsys) -> None:
+    assert main(["solve", "tyre", *SMALL, "--branch", "--out", str(tmp_path)]) == 0
+    assert "no unstable mode" in capsys.readouterr().out
+    assert "branches" not in json.loads((tmp_path / "result.json").read_text())
+
+
+def test_a_traced_curve_has_no_branch_to_leave(tmp_path: Path, capsys) -> None:
+    assert main(["solve", "roof-b", "--mesh", "4x4", "--branch", "--out", str(tmp_path)]) == 2
+    assert "traced curve" in capsys.readouterr().err
 
 
 def test_an_unstable_equilibrium_has_converged_and_is_called_unstable(tmp_path: Path, capsys) -> None:

@@ -83,6 +83,7 @@ def test_the_tyre_turns_back_and_goes_on(tmp_path: Path) -> None:
     assert "turning-back.svg" in {path.name for path in draw_result(tmp_path / "arc")}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("measure", ["exact", "moderate-rotation"])
 def test_a_coarse_tyre_that_cannot_be_pressed_further_is_given_up_early(measure: str) -> None:
     """Its path turns back before 20 mm: that is known within twenty good steps, each of twelve factorisations."""
