@@ -201,6 +201,8 @@ def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
     try:
         return np.asarray(active_set(M, q).z > 0)
     except LcpError:
+        if np.linalg.slogdet(M)[0] <= 0:  # no P-matrix: there may be no end to find
+            raise
         return np.asarray(lemke(M, q).z > 0)
 
 

@@ -113,11 +113,11 @@ def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) ->
     """Primal-dual active set from ``start`` (n,) bool, default none: all violating indices are swapped at once.
 
     When a set comes back, or the violations have not become fewer in 10 updates, only the last violating index is
-    swapped until they have: finite for every P-matrix.
+    swapped until they have: finite for every P-matrix. Single swaps that come back to a set prove that M is none.
     Source of the safeguard: Júdice and Pires, Comput. Oper. Res. 21 (1994) 587-596.
     """
     active = np.zeros(len(q), bool) if start is None else start
-    seen: set[bytes] = set()
+    seen, singly = set[bytes](), set[bytes]()
     fewest, patience = len(q) + 1, PATIENCE
     event: Event | None = None
     most = 10 * len(q) + 100
@@ -129,8 +129,13 @@ def active_set(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) ->
             fewest, patience = int(wrong.sum()), PATIENCE
         elif patience > 0:
             patience = 0 if active.tobytes() in seen else patience - 1
-        if patience == 0:
+        if patience > 0:
+            singly.clear()
+        else:
             event = SINGLY
+            if active.tobytes() in singly:
+                raise LcpError(f"single swaps have come back to a set after {pivots} updates: M is no P-matrix")
+            singly.add(active.tobytes())
             wrong[: np.flatnonzero(wrong)[-1]] = False
         seen.add(active.tobytes())
         active = active ^ wrong

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -95,6 +96,17 @@ def test_iterations_that_only_release_do_not_count(n, fewest) -> None:
     # what counts: the free step and the set that it closes, on one linearisation
     enough, short = (solve_from_rest("semismooth", data.problem(), n - 1, max_iterations=k) for k in (1, 0))
     assert (enough.outcome, short.outcome) == (Outcome.CONVERGED, Outcome.ITERATION_LIMIT)
+
+
+def test_sets_that_only_release_do_not_count_in_trial_and_error() -> None:
+    """Begun with every node held, it opens one on either side after the other: as many sets as rows."""
+    n = 64
+    start = replace(ContactSolution.at_rest(n - 1, n - 1), active=np.ones(n - 1, bool))
+    algorithm = ALGORITHMS["trial-and-error"](epsilon=math.inf, max_sets=2)
+    solution = algorithm.solve(string(n).problem(), start)
+    assert solution.outcome is Outcome.CONVERGED
+    assert 5 < solution.counters["set_changes"] <= n / 2
+    assert judge(string(n).problem(), solution.u, solution.pressure).failures() == []
 
 
 @each_pair

@@ -15,7 +15,7 @@ from scipy import sparse
 from contact.algorithms.lcp import Lcp
 from contact.algorithms.qp import Qp
 from contact.problem import ContactSolution, Outcome
-from contact.solvers.lcp_pivoting import LcpError, by_nnls, lemke
+from contact.solvers.lcp_pivoting import LcpError, active_set, by_nnls, lemke
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
 from support.contact_problems import (
@@ -237,3 +237,12 @@ def test_no_solution_is_said() -> None:
 )
 def test_unknown_methods_are_refused_with_the_choices(rng, algorithm, hint) -> None:
     assert hint in algorithm.supports(random_quadratic(rng, "definite").problem())
+
+
+def test_single_swaps_that_come_back_are_given_up_at_once() -> None:
+    """-z - 1 >= 0 has no solution with z >= 0: either set of its index is wrong, and no size is a reason to go on."""
+    for n in (1, 50):
+        M, q = np.eye(n), np.zeros(n)
+        M[-1, -1], q[-1] = -1.0, -1.0
+        with pytest.raises(LcpError, match=r"after \d updates: M is no P-matrix"):
+            active_set(M, q)

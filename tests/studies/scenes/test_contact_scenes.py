@@ -7,10 +7,11 @@ import math
 import numpy as np
 import pytest
 
+from contact.catalogue import ALGORITHMS
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, lifted_strip, plate_contact, strip_contact
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
-from studies.solving import Result, resolve, solve
+from studies.solving import CONVERGED, Result, resolve, solve
 from support.differences import fitted_order
 
 DIGITS = 6e-7  # of the tables, relative: they have eight
@@ -172,6 +173,15 @@ def test_heavy_strip_converges(lam) -> None:
     assert found["lift_force"][-1] <= 1e-4
     assert fitted_order(SIZES, found["free_length"]) >= 1.0
     assert found["free_length"][-1] <= 5e-4
+
+
+@pytest.mark.parametrize("contact", ALGORITHMS)
+def test_every_algorithm_peels_the_strip_off(contact) -> None:
+    """All of it lies on the plane at first, with gaps that are rounding and nothing but the plane's place to say so."""
+    found = solve(*resolve("heavy-strip", {}, "16x1", measure="linear", contact=contact))
+    assert found.verdict == CONVERGED
+    assert found.quantities["lift_force"] == pytest.approx(lifted_strip(0.2)[1], rel=4e-3)
+    assert found.counters["factorisations"] <= 16
 
 
 def test_lifting_twice_as_high_follows_the_scaling_of_the_beam() -> None:
