@@ -21,7 +21,7 @@ BALANCES = ("energy", "force")
 _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
 EQUILIBRIUM, BALANCE = 1e-8, 1e-8
-GAP = 1e-11  # of a large gap: ten times what an algorithm leaves
+GAP = 2e-12  # of a large gap: twice what an algorithm may leave
 POSITION = 10 * float(np.finfo(float).eps)  # of where the foundation is: the rounding of a gap
 LOBATTO = ((0.0, 1 / 20), (0.5 - _INNER, 49 / 180), (0.5, 16 / 45), (0.5 + _INNER, 49 / 180), (1.0, 1 / 20))
 
