@@ -64,10 +64,10 @@ def stable_branches(
 
     Raises SingularMatrixError, ValueError where the tangent does not tell.
     """
-    found = spectrum(problem, state, algorithm.epsilon)
-    if not np.any(found.eigenvalues < 0):
+    judged = stability(problem, state, algorithm.epsilon)
+    if judged.word != UNSTABLE:
         return None
-    mode = found.modes[:, int(np.argmin(found.eigenvalues))]
+    mode = _most_negative(problem, state, algorithm.epsilon, judged)
     return _descended(problem, state, algorithm, mode, 1), _descended(problem, state, algorithm, mode, -1)
 
 
@@ -85,18 +85,18 @@ def _descended(
         judged = stability(problem, end, algorithm.epsilon)
         if judged.word != UNSTABLE:
             break
-        at, along = end, _most_negative(problem, end, algorithm.epsilon, mode)
+        at, along = end, _most_negative(problem, end, algorithm.epsilon, judged)
+        along = -along if along @ mode < 0 else along
     reason = "" if judged.word == STABLE else f"the descent ends at a state that is {judged.sentence}"
     if away <= SAME:
         reason = "the descent goes back to the same state"
     return Branch(mode, sign, end, judged, away, reason)
 
 
-def _most_negative(problem: ContactProblem, state: ContactSolution, epsilon: float, before: np.ndarray) -> np.ndarray:
-    """The mode (n,) of the most negative eigenvalue, in the sense of the one before."""
-    found = spectrum(problem, state, epsilon)
-    mode = found.modes[:, int(np.argmin(found.eigenvalues))]
-    return -mode if mode @ before < 0 else mode
+def _most_negative(problem: ContactProblem, state: ContactSolution, epsilon: float, judged: Stability) -> np.ndarray:
+    """The mode (n,) of the most negative eigenvalue among the softest of those that the verdict has counted."""
+    found = spectrum(problem, state, epsilon, negative=judged.negative or 0)
+    return np.asarray(found.modes[:, int(np.argmin(found.eigenvalues))])
 
 
 def _down(

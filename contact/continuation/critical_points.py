@@ -151,10 +151,13 @@ def _passed(first: float, found: Sequence[Spectrum]) -> str:
     )
 
 
-def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf) -> Spectrum:
+def spectrum(
+    problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf, *, negative: int = 0
+) -> Spectrum:
     """The softest motions that the contact set of a converged state leaves free.
 
-    Raises SingularMatrixError, and ValueError when two candidates share an unknown.
+    negative: how many of the negative eigenvalues of a symmetric tangent are wanted instead, of those that it has: they
+    may be far from the softest.  Raises SingularMatrixError, and ValueError when two candidates share an unknown.
     """
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     energetic = problem.coupling is None and symmetric(K)
@@ -167,7 +170,7 @@ def spectrum(problem: ContactProblem, state: ContactSolution, epsilon: float = n
     def comply(b: np.ndarray) -> np.ndarray:
         return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]
 
-    compliances, modes = _largest(comply, K.shape[0], symmetric=energetic)
+    compliances, modes = _largest(comply, K.shape[0], symmetric=energetic, negative=negative)
     return Spectrum(1.0 / compliances, modes, _negative(problem, state.u, K, nodes, epsilon) if energetic else None)
 
 
@@ -191,8 +194,12 @@ def negative_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilo
         return None
 
 
-def _largest(comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool) -> tuple[np.ndarray, np.ndarray]:
+def _largest(
+    comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: bool, negative: int = 0
+) -> tuple[np.ndarray, np.ndarray]:
     """Eigenvalues of largest size of a compliance (n, n), given by its products, and unit vectors (n, k).
+
+    negative: the so many most negative ones of a symmetric compliance instead.
 
     Of a complex pair of an unsymmetric one: the size with the sign of the real part, and the real part of its vector.
     """
@@ -201,7 +208,10 @@ def _largest(comply: Callable[[np.ndarray], np.ndarray], n: int, *, symmetric: b
     else:
         C, start = LinearOperator((n, n), matvec=comply, dtype=float), np.random.default_rng(0).normal(size=n)
         try:
-            values, vectors = (eigsh if symmetric else eigs)(C, k=MODES, which="LM", v0=start, tol=PRECISE)
+            if symmetric and negative:
+                values, vectors = eigsh(C, k=min(negative, MODES), which="SA", v0=start, tol=PRECISE)
+            else:
+                values, vectors = (eigsh if symmetric else eigs)(C, k=MODES, which="LM", v0=start, tol=PRECISE)
         except ArpackNoConvergence as error:
             raise SingularMatrixError(f"its lowest eigenvalues were not found: {error}") from error
     size = np.abs(values)

@@ -66,7 +66,7 @@ class PressedCurve:
         return curve.scaled(float(np.linalg.norm(tangent[:-1])), float(tangent[-1])), start
 
     def scaled(self, displacement: float, travel: float) -> PressedCurve:
-        """The curve in the scale in which so much displacement counts like so much travel; as it is where none moves."""
+        """The curve in the scale in which so much displacement counts like so much travel; as it is at rest."""
         return replace(self, m=travel / displacement) if displacement > 0 else self
 
     def place(self, point: ArcPoint) -> np.ndarray:

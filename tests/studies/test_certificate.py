@@ -13,6 +13,7 @@ from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import Ending, PathEnd
 from contact.continuation.load_stepping import PathPoint
 from contact.problem import ContactProblem, ContactSolution, Outcome
+from studies.branching import branches_of
 from studies.scene import Stage
 from studies.solving import CAP_HIT, CONVERGED, NOT_CONVERGED, UNSTABLE, Result, certificate, resolve, solve
 from studies.walk import Visited, walk
@@ -186,3 +187,18 @@ def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytes
     assert step["failures"] == ["swept"]
     (told,) = step["diagnosis"]
     assert told.startswith("swept: candidate 4 passes through the foundation, from 0")  # of 9, the one at the crown
+
+
+@pytest.mark.slow
+def test_of_two_equilibria_of_one_question_the_certificate_says_which_is_stable() -> None:
+    """On a cleat two algorithms end at 761.2 and 712.2 N; the second is a saddle, and leads down to the first."""
+    given = {"gamma_deg": "70", "p0_MPa": "0.1", "delta_mm": "20", "pressure_area": "face", "foundation": "cleat"}
+    given |= {"thickness_strain": "balanced", "interpolation": "isoparametric"}
+    stable = solve(*resolve("tyre", given, "14x12"))
+    saddle = solve(*resolve("tyre", given | {"epsilon": "inf"}, "14x12", contact="trial-and-error"))
+    assert (stable.verdict, saddle.verdict) == (CONVERGED, UNSTABLE)
+    assert saddle.steps[-1]["force_N"] < 0.95 * stable.steps[-1]["force_N"]
+    assert saddle.steps[-1]["stability"]["negative"] == 1
+    forces = [row["force_N"] for row in branches_of(saddle) if row["found"]]
+    assert len(forces) == 2
+    assert max(forces) == pytest.approx(stable.steps[-1]["force_N"], rel=1e-6)

@@ -10,6 +10,7 @@ from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.branches import held_at, stable_branches
+from contact.continuation.critical_points import spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, stability
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearise, Outcome
 
@@ -119,3 +120,22 @@ def test_springs_add_their_stiffness_and_vanish_where_they_hold() -> None:
     assert held.tangent.toarray() - free.tangent.toarray() == pytest.approx(7.0)
     away = held_at(problem, here, np.array([7.0])).linearise(here + 0.1, None)
     assert away.residual - problem.linearise(here + 0.1, None).residual == pytest.approx(0.7)
+
+
+def test_the_unstable_mode_may_be_far_stiffer_than_the_softest() -> None:
+    """Thirty soft springs of 1, and an unknown with -5 + y^2: its branches are y^2 = 5, whatever the others."""
+    n, soft = 31, np.ones(30)
+
+    def linearise(u, memory):
+        y = float(u[-1])
+        tangent = sparse.csc_matrix(sparse.diags_array(np.append(soft, 3 * y**2 - 5)))
+        return Linearisation(np.append(soft * u[:-1], (y**2 - 5) * y), tangent, 1.0)
+
+    nothing = sparse.csr_matrix((0, n))
+    problem = ContactProblem(linearise, lambda u: np.zeros(0), lambda u: nothing, np.zeros(0))
+    middle = ContactSolution(np.zeros(n), np.zeros(0), np.zeros(0, bool), Outcome.CONVERGED)
+    assert min(spectrum(problem, middle).eigenvalues) > 0  # the softest do not show it
+    assert spectrum(problem, middle, negative=1).eigenvalues == pytest.approx([-5.0], rel=EXACT)
+    found = stable_branches(problem, middle, ALGORITHMS["semismooth"](tolerance=1e-12))
+    assert found is not None
+    assert sorted(float(branch.solution.u[-1]) for branch in found) == pytest.approx([-(5**0.5), 5**0.5], rel=EXACT)
