@@ -50,8 +50,7 @@ class Crossing:
     leaves: float
 
     def __str__(self) -> str:
-        share = f"{self.enters:.3g} to {self.leaves:.3g} of its way"
-        return f"candidate {self.candidate} passes through the foundation, from {share}"
+        return f"candidate {self.candidate} passes through the foundation"
 
 
 def crossings(before: Standing | None, u0: np.ndarray, after: Standing | None, u1: np.ndarray) -> list[Crossing]:

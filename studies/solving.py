@@ -278,7 +278,8 @@ def certificate(
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
     if passed:
         found["failures"].append(SWEPT)
-        found["diagnosis"].append(f"{SWEPT}: {passed[0]}")
+        shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
+        found["diagnosis"].append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
     found["stability"] = stability(problem, state, epsilon).record
     return found
 

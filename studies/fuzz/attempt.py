@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from contact.continuation.critical_points import PathEnd
+from contact.events import EventKind, events
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
 from studies.fuzz.cases import Asked
 from studies.request import Request
@@ -130,6 +131,8 @@ def cause(result: Result) -> str:
     point = None if result.end is None else result.end.point
     if point is not None and point.end is not None and point.end.kind is not PathEnd.NEITHER:
         return point.end.kind.value
+    if any(EventKind.PASSED & event.kind for event in events(result.history[-1:], EventKind.PATH_END)):
+        return "through the foundation"
     last = result.cause if result.outcome is Outcome.STEP_LIMIT else result.outcome
     return "beyond the path" if last.converged else last.word  # every step finds a state, but none of the path
 
