@@ -86,7 +86,8 @@ class NewtonRun:
             residual = imbalance / scale if scale > 0 else imbalance
         stiffness = before.stiffness if before else Stiffness.of(self.problem, lin, u)
         # a body that goes back to zero brings the rounding of its way with it: no less than the first that was not zero
-        large = length(self.problem, stiffness, u, scale)
+        # a start may have pressures that balance nothing, as springs do into which a foundation has been pushed
+        large = length(self.problem, stiffness, u, scale if before else lin.scale)
         first_length = (before.first_length if before else 0.0) or large
         sizes = (max(large, first_length), first_length, stiffness)
         found = Iterate(lin, u, gap, pressure, active, push, scale, first, residual, *sizes)

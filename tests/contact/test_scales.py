@@ -9,6 +9,7 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
+from contact.newton.step import NewtonRun
 from contact.obstacles.cleat import Profile, cleat
 from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, RigidPlane, against
@@ -129,3 +130,13 @@ def test_a_force_that_is_next_to_nothing_of_all_is_judged_by_itself(touch) -> No
     assert judge(problem, u, right).failures() == []
     for factor in (0.5, 0.99, 1.01, 2.0):
         assert "equilibrium" in judge(problem, u, factor * right).failures()
+
+
+def test_a_start_has_no_size_from_pressures_that_balance_nothing(rng) -> None:
+    """Stiff springs into which the foundation has been pushed would make every later gap a small one."""
+    data = random_quadratic(rng, "inclined")
+    problem, u = data.problem(), rng.normal(size=len(data.f))
+    run, m = NewtonRun(problem), len(data.w)
+    lin = run.linearise(u, None)
+    found = [run.at(lin, u, p, p > 0).length for p in (np.zeros(m), np.full(m, 1e12))]
+    assert found[0] == found[1] == length(problem, Stiffness.of(problem, lin, u), u, lin.scale)
