@@ -73,7 +73,8 @@ def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
 def _algorithms(one: Attempt, seed: int) -> str:
     """By another algorithm, with the same epsilon and its own parameters."""
     contact, settings = one.asked.options.get("contact", Request.contact), dict(one.asked.settings)
-    others = [name for name in EXACT if name != contact]
+    finite = np.isfinite(one.found.request.number("epsilon"))  # of which a multiplier that is exact knows nothing
+    others = [name for name in EXACT if name != contact and not (finite and name == "augmented-lagrangian")]
     rng = generator(seed, "other algorithm")
     other = str(rng.choice(others)) if contact == "semismooth" or rng.random() < 0.5 else "semismooth"
     for setting in settings_of(contact):
