@@ -68,18 +68,22 @@ class AugmentedLagrangian(NewtonAlgorithm):
             gap = problem.gap(state.u)
             # a node in the set is off by its spring, which is what the pressure has just changed by
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
+            first = first or motion(problem, state.u)
             push = float(np.linalg.norm(problem.contact_force(state.u, state.pressure)))
-            large = length(problem, stiffness, state.u, push)
-            first = first or large
-            # or the problem of the next update is solved already, for all that its Newton can tell
-            repeats = tally.counters["newton_iterations"] == spent
-            exact = repeats or error <= gap_rounding(problem, max(large, first))
+            bound = gap_rounding(problem, max(length(problem, stiffness, state.u, push), first))
+            if gap_rounding(problem, max(motion(problem, state.u), first)) < error <= bound:
+                # the forces decide what a large gap is: those that a body of the stiffness of now would need for it
+                stiffness = Stiffness.of(problem, inner.linearise(state.u, None), state.u)
+                bound = gap_rounding(problem, max(length(problem, stiffness, state.u, push), first))
+            # the problem of this update was solved already, for all that its Newton can tell: stiffer springs tell more
+            repeats, stiffest = tally.counters["newton_iterations"] == spent, STIFFEST * unit
+            exact = (repeats and c >= stiffest) or error <= bound
             update = f"update {outer}: c = {c:g}, inner tolerance {tolerance:.0e}"
             tally.tell(Event(EventKind.UPDATE, update), first_row)
             if exact and tolerance == self.tolerance:
                 return state
-            if error > SLOW * before:
-                c = min(self.growth * c, STIFFEST * unit)
+            if repeats or error > SLOW * before:
+                c = min(self.growth * c, stiffest)
             change = float(np.max(np.abs(state.pressure - known), initial=0.0))
             relative = change / max(float(np.max(state.pressure, initial=0.0)), np.finfo(float).tiny)
             tolerance = self.tolerance if exact else float(np.clip(TIGHTENING * relative, self.tolerance, loosest))
