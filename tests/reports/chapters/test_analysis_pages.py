@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.contents import CHAPTERS
+from reports.chapters.trade import advice, tradeoff
 from reports.files import write_texts
 from reports.site import check_pages, compare_pages, rendered
 from reports.tables import Store, StoreError, load_store
@@ -19,7 +19,7 @@ from studies.analysis.everything import analyse
 from studies.campaigns.file import read
 from studies.campaigns.run import run
 
-ANALYSIS = {each.file: each for each in CHAPTERS if not each.always}
+ANALYSIS = {each.file: each for each in (tradeoff.CHAPTER, advice.CHAPTER)}
 
 
 def analysis_pages(store: Store) -> list[str]:
