@@ -74,7 +74,7 @@ WAYS = {
     "trial-and-error": {},
     "augmented-lagrangian": {},
 }
-FEW = ("semismooth", "qp")
+FEW = ("semismooth",)
 
 
 @pytest.mark.parametrize("name", [*FEW, *(pytest.param(name, marks=pytest.mark.slow) for name in [*WAYS][len(FEW) :])])
