@@ -78,8 +78,9 @@ def iterate(
         if np.isinf(at.residual):
             return run.finish(at, Outcome.DIVERGED)
         settled = np.array_equal(expected, at.active) and run.closed(at)
-        if settled and run.balanced(at):
-            return run.finish(run.known(at, last), Outcome.CONVERGED)
+        known = run.known(at, last) if settled and run.balanced(at) else None
+        if known is not None:
+            return run.finish(known, Outcome.CONVERGED)
         if settled and run.stuck(at):
             return run.finish(at, Outcome.ROUNDING)
         if only_released(at.active, expected) and (released is None or only_released(released, expected)):

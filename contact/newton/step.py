@@ -106,23 +106,22 @@ class NewtonRun:
         size = float(norm(at.u, check_finite=False))
         return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
 
-    def known(self, at: Iterate, last: Iterate | None) -> Iterate:
-        """Of a balanced iterate and the ``last`` one on its set, that whose rounding is known to move nothing.
+    def known(self, at: Iterate, last: Iterate | None) -> Iterate | None:
+        """Of a balanced iterate and the ``last`` one on its set, that whose rounding is known to move nothing, if any.
 
         What the residual of an iterate asks for is what the next step moves. That of the last one has been seen; the
         iterate has a rounding of its own, and is taken where its next step is negligible, too: one more factorisation.
         """
         if last is None or at.residual <= max(self.tolerance, min(ROUNDING_ALONE, _rounding(at))):
             return at
-        same = np.array_equal(last.active, at.active) and self.closed(last) and last.residual <= WORST_ROUNDING
-        if not same or last.residual > _rounding(last):
-            return at
+        same = np.array_equal(last.active, at.active) and self.closed(last)
+        before = last if same and last.residual <= min(WORST_ROUNDING, _rounding(last)) else None
         try:
             du, _ = self.step(at.lin, at.u, at.pressure, at.active)
         except SingularMatrixError:
-            return last
+            return before
         asked = float(norm(du, check_finite=False))
-        return at if asked <= NEGLIGIBLE * float(norm(at.u, check_finite=False)) else last
+        return at if asked <= NEGLIGIBLE * float(norm(at.u, check_finite=False)) else before
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""

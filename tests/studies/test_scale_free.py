@@ -16,7 +16,7 @@ from contact.verify import judge
 from studies import solve
 from studies.algorithm_settings import configured
 from studies.complete import complete
-from studies.experiments.extremes.maps import CONVERGED, UNSTABLE, UNTOUCHED, attempt, chart_of
+from studies.experiments.extremes.maps import CONVERGED, FAILED, UNSTABLE, UNTOUCHED, attempt, chart_of
 from studies.solving import certificate
 from studies.walk import Visited, walk
 
@@ -152,3 +152,10 @@ def test_a_tyre_is_pressed_under_any_pressure_down_to_none(p0, contact) -> None:
     """-7e-18 MPa is no reason to end otherwise than none; 1e-4 MPa, the control, is seen in the force."""
     assert math.isclose(force_on_tyre(contact, p0), force_on_tyre(contact, "0"), rel_tol=1e-12)
     assert not math.isclose(force_on_tyre(contact, "1e-4"), force_on_tyre(contact, "0"), rel_tol=1e-5)
+
+
+@pytest.mark.parametrize("nu", ["0.492501", "0.496838"])
+def test_what_rounding_leaves_is_not_called_converged_unless_it_is_known_to_move_nothing(nu: str) -> None:
+    """Nearly incompressible, 5e5 times thinner than its radius: residuals of 1e-4 ask for 1e-9 of all motion."""
+    found = attempt(chart_of("nu-thin").point(nu, "2.05353e-06"))
+    assert found.kind == FAILED
