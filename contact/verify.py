@@ -146,7 +146,7 @@ def judge(
         **gap_residuals(problem, u, pressure, epsilon),
         tension=float(np.max(-pressure, initial=0.0)),
         rounding=rounding,
-        correction=_correction(problem, lin, imbalance, u, pressure) if decides else np.inf,
+        correction=_correction(problem, lin, imbalance, u, pressure, epsilon) if decides else np.inf,
         energy=energy,
         force=force,
         energy_rounding=energy_rounding,
@@ -220,13 +220,21 @@ def _force_balance(
 
 
 def _correction(
-    problem: ContactProblem, lin: Linearised, imbalance: np.ndarray, u: np.ndarray, pressure: np.ndarray
+    problem: ContactProblem,
+    lin: Linearised,
+    imbalance: np.ndarray,
+    u: np.ndarray,
+    pressure: np.ndarray,
+    epsilon: float,
 ) -> float:
-    """|du|/|u| with K du - G^T W dp = -imbalance and G du = 0 on the pressed nodes; infinite when that is singular."""
+    """|du|/|u| with K du - G^T W dp = -imbalance and G du + dp/epsilon = 0 on the pressed nodes.
+
+    Infinite when that is singular.
+    """
     nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
     K = problem.stiffness(lin, u, pressure)
     above = sparse.hstack([K, -sparse.csc_matrix(G.T @ problem.weight_matrix)[:, nodes]])
-    below = sparse.hstack([G[nodes], sparse.csr_matrix((len(nodes), len(nodes)))])
+    below = sparse.hstack([G[nodes], sparse.diags_array(np.full(len(nodes), 1 / epsilon), format="csr")])
     A = sparse.csc_matrix(sparse.vstack([above, below]))
     b = np.append(-imbalance, np.zeros(len(nodes)))
     try:

@@ -34,6 +34,7 @@ from contact.solvers.sparse import AUTO, Factor, SingularMatrixError, checked_so
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to a large gap
 ROUNDING_MARGIN = 10.0
+ANEW = 2.0  # by which what rounding asks for may differ when the judge works it out anew, at the same state
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
 
 
@@ -104,7 +105,7 @@ class NewtonRun:
             share = at.push / at.scale if at.scale > 0 else 0.0
             return at.residual <= met(self.tolerance, share, _rounding(at)) or at.moved > 0.5 * at.moved_before
         size = float(norm(at.u, check_finite=False))
-        return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
+        return excused(at.residual, _rounding(at), ANEW * at.moved / size if size > 0 else np.inf)
 
     def known(self, at: Iterate, last: Iterate | None) -> Iterate | None:
         """Of a balanced iterate and the ``last`` one on its set, that whose rounding is known to move nothing, if any.
@@ -121,7 +122,7 @@ class NewtonRun:
         except SingularMatrixError:
             return before
         asked = float(norm(du, check_finite=False))
-        return at if asked <= NEGLIGIBLE * float(norm(at.u, check_finite=False)) else before
+        return at if ANEW * asked <= NEGLIGIBLE * float(norm(at.u, check_finite=False)) else before
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
