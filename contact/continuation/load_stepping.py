@@ -20,6 +20,7 @@ PATIENCE = 3  # attempts on the way to a target may fail before a path that has 
 FIRST_ARC = 0.125  # of the step that has failed last
 BRIEF = 20  # iterations of an attempt after a failure on the way to a target: a step that is small enough is easy
 WORTH = 20  # good steps: what may be spent in vain on the way to a target, beyond what has led on
+ARC = 2  # times as much for the arc: on less it has lost limit points that it was about to find (measured)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +64,7 @@ def follow(
     Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
     A path that has ended is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
-    the arc may take as much again.
+    the arc may take twice as much again: what it ends at is the cause.
     """
     at, good = start, Good()
     for target in targets:
@@ -204,7 +205,7 @@ class Stepper:
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: by arc length from {self.reached:.6g} on")
         begun = self._spent(attempt, event)
         first = FIRST_ARC * (attempt.parameter - self.reached)
-        most = WORTH * self.good.each
+        most = ARC * WORTH * self.good.each
         turned = by_arc_length(self.problem_at, self.states, self.target, self.algorithm, first, most)
         said = None if turned.end is None else Event(EventKind.PATH_END, turned.end.sentence)
         ended = begun._spent(Attempt(turned.t, turned.solution, None), said)
