@@ -63,7 +63,7 @@ def follow(
     A state which a candidate reaches through the foundation is no state of the path, either: the step is cut.
     Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
-    A path that has ended is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
+    A path with contact is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
     the arc may take twice as much again: what it ends at is the cause.
     """
     at, good = start, Good()
@@ -144,6 +144,11 @@ class Stepper:
         return WORTH * self.good.each + self.counters.get("factorisations", 0.0) - self.vain
 
     @property
+    def bounded(self) -> bool:
+        """Whether a path may be given up: one with candidates; without, what was vain may still lead on (measured)."""
+        return len(self.states[0][1].active) > 0
+
+    @property
     def reached(self) -> float:
         """Parameter of the last converged state."""
         return self.states[-1][0]
@@ -154,7 +159,7 @@ class Stepper:
         trial = self.target if last else self.reached + self.step
         (before, state), problem = self.states[-1], self.problem_at(trial)
         most = min(BRIEF, getattr(self.algorithm, "max_iterations", BRIEF))
-        algorithm = hasty(self.algorithm, most) if self.vain else self.algorithm
+        algorithm = hasty(self.algorithm, most) if self.vain and self.bounded else self.algorithm
         found = solve_within_reach(algorithm, problem, state)
         failure = None if found.outcome.converged else _why(found)
         if failure is None:
@@ -187,7 +192,7 @@ class Stepper:
         if self.failures + 1 >= PATIENCE and self.target > self.reached and self.problem_at(self.reached).travel:
             return self._by_arc_length(attempt, failure)
         vain = self.vain + (0.0 if attempt.solution.outcome.converged else _factorisations(attempt.solution))
-        spent = vain + BRIEF > self.allowed  # the next attempt would be beyond it
+        spent = self.bounded and vain + BRIEF > self.allowed  # the next attempt would be beyond it
         if spent or abs(self.step) / 2 < self.smallest:
             outcome = Outcome.GIVEN_UP if spent else Outcome.STEP_LIMIT
             end = why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
