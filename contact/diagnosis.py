@@ -24,7 +24,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import lsqr
 
-from contact.problem import ROUNDING_ALONE, ContactProblem
+from contact.problem import ContactProblem
+from contact.rounding import ROUNDING_ALONE
 from contact.verify import judge
 
 SWAPPED_FACE = "swapped face"

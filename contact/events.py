@@ -23,6 +23,7 @@ class EventKind(enum.Flag):
     UPDATE = enum.auto()  # of the known pressure of an outer loop
     FAILED = enum.auto()  # why there is no step; the outcome says the rest
     PASSED = enum.auto()  # a candidate passes through the foundation
+    BIFURCATION = enum.auto()  # the path has passed one
     POINT = enum.auto()  # which point of a curve is looked for
 
 

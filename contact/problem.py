@@ -143,40 +143,6 @@ class ContactProblem:
         return sparse.diags_array((np.arange(n) < n - self.driven).astype(float))
 
 
-def rounding_floor(lin: Linearised, u: np.ndarray) -> float:
-    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| |.
-
-    Thin shells reach it long before 1e-9 of the load (measured: residuals stagnate at 0.1 to 0.2 of this estimate).
-    """
-    return float(np.finfo(float).eps * np.linalg.norm(abs(lin.tangent) @ np.abs(u)))
-
-
-ROUNDING_ALONE = 1e-6  # relative residual up to which rounding is an excuse by itself
-WORST_ROUNDING = 1e-4  # up to which it is one if it moves nothing, and beyond which it never is
-SLIGHT = 1e-5  # forces of the foundation below this share of those in balance must be met themselves
-NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that moves nothing
-
-
-def excused(residual: float, rounding: float, correction: float) -> bool:
-    """True when a relative residual is rounding and does not matter.
-
-    In face displacements rounding makes pairs of forces across the thickness, of the size eps E l^2 |u|/h, that move
-    nothing: a plate 300 times thinner than it is lifted keeps a residual of 1e-5 and is right to 1e-12 (measured).
-    """
-    harmless = residual <= WORST_ROUNDING and correction <= NEGLIGIBLE
-    return residual <= rounding and (residual <= ROUNDING_ALONE or harmless)
-
-
-def met(tolerance: float, push: float, rounding: float) -> float:
-    """The relative residual that ``tolerance`` asks for, where the foundation's own share of the forces is ``push``.
-
-    A foundation that has only just come carries next to nothing of an inflated body: what balances to 1e-9 of all
-    forces may have its force all wrong. So its share counts below SLIGHT, down to what is ``rounding``.
-    """
-    slight = tolerance * min(1.0, push / SLIGHT) if push > 0 else tolerance
-    return max(slight, min(rounding, tolerance))
-
-
 def without_contact(linearise: Linearise, n: int, *, ordered: bool = False) -> ContactProblem:
     """A problem of n unknowns with no candidate: plain equilibrium r(u) = 0."""
     empty = sparse.csr_matrix((0, n))

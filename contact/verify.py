@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 
-from contact.problem import ROUNDING_ALONE, WORST_ROUNDING, ContactProblem, Linearised, excused, met, rounding_floor
+from contact.problem import ContactProblem, Linearised
+from contact.rounding import ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
 BALANCES = ("energy", "force")
@@ -34,12 +33,12 @@ class Verdict:
     tension: largest -p [MPa].  complementarity: largest |p g| [MPa mm].  All are >= 0, best 0.
     rounding: the equilibrium that rounding alone would explain [-]; it excuses nothing above itself.
     correction: the displacement that the imbalance still asks for over all displacement [-], on the pressed nodes held
-    at their gaps; infinite unless it decides, see :func:`contact.problem.excused`.
+    at their gaps; infinite unless it decides, see :func:`contact.rounding.excused`.
     energy: mismatch of the work of all forces with the change of energy, over the largest part [-]; None without a
     potential.  force: |sum of the forces of the foundation + all others on the body| over the largest [-]; None where
     the problem does not tell the others.  energy_rounding, force_rounding: what rounding explains of each.
     push: |G^T W p| over the largest force [-]; where it is slight, equilibrium is judged by it, see
-    :func:`contact.problem.met`.
+    :func:`contact.rounding.met`.
     length [mm], pressure [MPa]: a large gap, see :func:`contact.scales.length`, and the largest pressure. The bounds of
     penetration and complementarity are relative to them.  gap_rounding [mm]: of the position of the foundation.
     """
@@ -138,7 +137,6 @@ def judge(
     large = length(problem, Stiffness.of(problem, lin, u), u, forces)
     imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
     equilibrium = float(np.linalg.norm(imbalance)) / scale
-    decides = ROUNDING_ALONE < equilibrium <= min(rounding, WORST_ROUNDING)
     energy, energy_rounding = _energy_balance(problem, np.zeros_like(u) if since is None else since, u, contact, lin)
     force, force_rounding = _force_balance(problem, lin, u, pressure)
     return Verdict(
@@ -146,7 +144,7 @@ def judge(
         **gap_residuals(problem, u, pressure, epsilon),
         tension=float(np.max(-pressure, initial=0.0)),
         rounding=rounding,
-        correction=_correction(problem, lin, imbalance, u, pressure, epsilon) if decides else np.inf,
+        correction=correction(problem, lin, u, pressure, epsilon) if decides(equilibrium, rounding) else np.inf,
         energy=energy,
         force=force,
         energy_rounding=energy_rounding,
@@ -217,28 +215,3 @@ def _force_balance(
     size = max(lin.scale, float(np.sum(np.abs(nodal)))) or 1.0
     noise = float(np.finfo(float).eps * np.sum(abs(lin.tangent) @ np.abs(u)))
     return float(np.linalg.norm(nodal @ problem.directions(u) + problem.others(u))) / size, noise / size
-
-
-def _correction(
-    problem: ContactProblem,
-    lin: Linearised,
-    imbalance: np.ndarray,
-    u: np.ndarray,
-    pressure: np.ndarray,
-    epsilon: float,
-) -> float:
-    """|du|/|u| with K du - G^T W dp = -imbalance and G du + dp/epsilon = 0 on the pressed nodes.
-
-    Infinite when that is singular.
-    """
-    nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
-    K = problem.stiffness(lin, u, pressure)
-    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ problem.weight_matrix)[:, nodes]])
-    below = sparse.hstack([G[nodes], sparse.diags_array(np.full(len(nodes), 1 / epsilon), format="csr")])
-    A = sparse.csc_matrix(sparse.vstack([above, below]))
-    b = np.append(-imbalance, np.zeros(len(nodes)))
-    try:
-        du = checked_solve(factorise(A), A, b)[: len(u)]
-    except SingularMatrixError:
-        return float("inf")
-    return float(np.linalg.norm(du) / np.linalg.norm(u))

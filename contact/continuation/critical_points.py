@@ -13,17 +13,21 @@ load on a mode, phi.v = f/mu but for the part that the foundation prescribes. So
                                path turns back
     bifurcation    f -> 0:     v has no more to do with phi than before, often nothing, and the path passes
 
+A path also turns back where the contact set changes, with a regular tangent on both sets: where its sense, the sign of
+det K on what a set leaves free, is not the same on both, that is where their numbers of negative eigenvalues differ.
+
 Several modes are looked at because a bifurcation may hide the limit point that follows: with the path near its limit
 everything goes like the square root, and the eigenvalue of least size need not be that of the path.
-Source: Wriggers, Simo, Int. J. Numer. Meth. Engng 30 (1990) 155-176; Seydel, Practical Bifurcation and Stability
-Analysis (2010), chapter 5. No algorithm may enter here.
+Sources: Wriggers, Simo, Int. J. Numer. Meth. Engng 30 (1990) 155-176; Seydel, Practical Bifurcation and Stability
+Analysis (2010), chapter 5; piecewise smooth paths: Kojima, Saigal, Math. Programming 21 (1981) 300-318. No algorithm
+may enter here.
 """
 
 from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -93,19 +97,26 @@ def why_it_ends(
     Four are best: the yardstick and three near the end, two secants to see the law by.
     """
     if len(states) < 3:
-        return Ending(PathEnd.NEITHER, "too few converged steps to tell why")
+        t, state = states[-1]
+        unstable = negative_eigenvalues(problem_at(t), state, epsilon)
+        since = f": {_many(unstable)} negative at {t + 0.0:g}" if unstable else ""
+        return Ending(PathEnd.NEITHER, f"too few converged steps to tell why{since}")
     try:
         found = [spectrum(problem_at(t), state, epsilon) for t, state in states]
     except (SingularMatrixError, ValueError) as error:
         return Ending(PathEnd.NEITHER, f"the tangent does not tell why: {error}")
-    if not all(len(each.eigenvalues) for each in found):
-        return Ending(PathEnd.NEITHER, "no limit point: nothing is free to move")
     (first, _), (last, _) = states[0], states[-1]
-    limit = _limit_point(states, found)
+    free = all(len(each.eigenvalues) for each in found)
+    limit = _limit_point(states, found) if free else None
     passed = _passed(first, found)
     if limit is not None:
         at, signs, mode = limit
         return Ending(PathEnd.LIMIT_POINT, f"limit point of the path at about {at:.7g}: {signs}{passed}", at, mode)
+    turned = _turned_at_a_change(problem_at, states, epsilon)
+    if turned is not None:
+        return turned
+    if not free:
+        return Ending(PathEnd.NEITHER, "no limit point: nothing is free to move")
     least, before = (abs(each.eigenvalues[0]) for each in (found[-1], found[0]))
     told = f"the eigenvalue of least size is {100 * least / before:.3g} % of that at {first + 0.0:g}"
     if least <= NEARLY_SINGULAR * before:
@@ -145,9 +156,46 @@ def _passed(first: float, found: Sequence[Spectrum]) -> str:
     before, now = found[0].negative, found[-1].negative
     if not now or before is None:
         return ""
-    many = f"{now} eigenvalues are" if now > 1 else "1 eigenvalue is"
-    return f"; {many} negative, {before or 'none'} at {first + 0.0:g}" + (
+    return f"; {_many(now)} negative, {before or 'none'} at {first + 0.0:g}" + (
         ": it has passed branches" if now > before else ""
+    )
+
+
+def _many(negative: int) -> str:
+    return f"{negative} eigenvalues are" if negative > 1 else "1 eigenvalue is"
+
+
+def _turned_at_a_change(
+    problem_at: Callable[[float], ContactProblem], states: Sequence[State], epsilon: float
+) -> Ending | None:
+    """The limit point where a candidate just ahead lifts off or touches, if the path turns back there.
+
+    Pressures of the set and gaps out of it are continued along the last secant.
+    """
+    (t0, before), (t1, last) = states[-2:]
+    same = before.active == last.active
+    left, since = (
+        np.where(last.active, state.pressure, problem_at(t).gap(state.u)) for t, state in ((t1, last), (t0, before))
+    )
+    rate = (left - since) / (t1 - t0)
+    falling = same & (rate * (t1 - t0) < 0)
+    if not falling.any():
+        return None
+    ahead = np.where(falling, np.maximum(left, 0.0) / np.where(falling, np.abs(rate), 1.0), np.inf)
+    changes = int(np.argmin(ahead))
+    if ahead[changes] > NEAR * abs(t1 - states[0][0]):
+        return None
+    changed = last.active.copy()
+    changed[changes] ^= True
+    counts = [negative_eigenvalues(problem_at(t1), replace(last, active=a), epsilon) for a in (last.active, changed)]
+    if None in counts or counts[0] == counts[1]:
+        return None
+    limit = float(t1 + np.copysign(ahead[changes], t1 - t0))
+    does = "lifts off" if last.active[changes] else "touches"
+    told = f"limit point of the path at about {limit:.7g}: it turns back where candidate {changes} {does}, "
+    told += f"{counts[0]} negative eigenvalues of the tangent before and {counts[1]} behind it"
+    return Ending(
+        PathEnd.LIMIT_POINT, told, limit, (last.u - before.u) / (float(np.linalg.norm(last.u - before.u)) or 1.0)
     )
 
 

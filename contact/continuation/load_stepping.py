@@ -6,8 +6,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+import numpy as np
+from scipy.linalg import norm
+
 from contact.continuation.candidates import solve_within_reach
-from contact.continuation.critical_points import Ending, State, branches_passed, why_it_ends
+from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
 from contact.continuation.pressed_curve import hasty
 from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
@@ -20,6 +23,7 @@ PATIENCE = 3  # attempts on the way to a target may fail before a path that has 
 FIRST_ARC = 0.125  # of the step that has failed last
 BRIEF = 20  # iterations of an attempt after a failure on the way to a target: a step that is small enough is easy
 WORTH = 20  # good steps: what may be spent in vain on the way to a target, beyond what has led on
+SMOOTH = 2.0**-0.5  # of the way to a state, with half the step: half on a smooth path, all of it in a jump
 ARC = 2  # times as much for the arc: on less it has lost limit points that it was about to find (measured)
 
 
@@ -60,6 +64,8 @@ def follow(
     iteration ends with the first point that is not converged. Once a step has been cut, a state in contact with more
     negative eigenvalues than that at the last target is no state of the path, but one beyond it: the step is cut again.
     Without contact, paths of large rotations pass bifurcations and are followed.
+    At the smallest step the way there decides: what half a step brings half as near is no jump but the path itself,
+    which has passed a bifurcation and is followed as an unstable one.
     A state which a candidate reaches through the foundation is no state of the path, either: the step is cut.
     Where only a foundation moves (``travel`` of the problems), three failures on the way to a target are answered by
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
@@ -102,11 +108,16 @@ class Good:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A step to ``parameter``: what the algorithm makes of it, and why that is no state of the path, if it is none."""
+    """A step to ``parameter``: what the algorithm makes of it, and why that is no state of the path, if it is none.
+
+    beyond: more negative eigenvalues than the path has had.  moved: |du| of the step.
+    """
 
     parameter: float
     solution: ContactSolution
     failure: Event | None
+    beyond: int = 0
+    moved: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +126,9 @@ class Stepper:
 
     asked: the step that is asked for, the largest; smallest: size below which it is not cut.  states: converged, the
     first and the last three; step: the next one; way: all states; good: the steps of the path so far.  cut: whether a
-    step has been; failures: how many; vain: factorisations of those that found nothing; the rest goes into the
-    :class:`PathPoint`.
+    step has been; failures: how many; vain: factorisations of those that found nothing; passed: negative eigenvalues
+    that the path has come by; jump: the last attempt that found a state beyond it, and the step to that; the rest goes
+    into the :class:`PathPoint`.
     """
 
     problem_at: Callable[[float], ContactProblem]
@@ -131,6 +143,8 @@ class Stepper:
     cut: bool = False
     failures: int = 0
     vain: float = 0.0
+    passed: int = 0
+    jump: tuple[float, float] = (0.0, np.inf)
     substeps: int = 0
     counters: Mapping[str, float] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
@@ -165,15 +179,17 @@ class Stepper:
         if failure is None:
             through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
             failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
+        beyond = 0
         if failure is None and self.cut and found.active.any():  # the way is difficult: is it still the same?
-            passed = branches_passed(self.problem_at, self.states[0], (trial, found), self.algorithm.epsilon)
-            if passed:
-                since = f"than at {self.states[0][0]:g}"
-                text = f"a state beyond the path, {passed} more eigenvalues are negative {since}"
-                failure = Event(EventKind.FAILED, text)
-        return Attempt(trial, found, failure)
+            more = branches_passed(self.problem_at, self.states[0], (trial, found), self.algorithm.epsilon)
+            beyond = max(0, more - self.passed)
+        if beyond:
+            eigenvalues = "1 more eigenvalue is" if beyond == 1 else f"{beyond} more eigenvalues are"
+            since = f"than at {(before if self.passed else self.states[0][0]) + 0.0:g}"
+            failure = Event(EventKind.FAILED, f"a state beyond the path, {eigenvalues} negative {since}")
+        return Attempt(trial, found, failure, beyond, float(norm(found.u - state.u, check_finite=False)))
 
-    def accept(self, attempt: Attempt) -> Stepper:
+    def accept(self, attempt: Attempt, passing: Event | None = None) -> Stepper:
         """At the new state; after an easy step the next one grows, up to the one asked for."""
         first, *others = self.states
         reached = (attempt.parameter, replace(attempt.solution, history=()))
@@ -182,6 +198,7 @@ class Stepper:
         grows = easy and abs(self.step) < abs(self.asked) and attempt.parameter != self.target
         step = 2 * self.step if grows else self.step
         event = Event(EventKind.STEP_GROWN, f"easy step: the next one grows to {step:.6g}") if grows else None
+        event = passing or event
         reached_by = replace(self._spent(attempt, event), states=states, way=way, substeps=self.substeps + 1)
         return replace(reached_by, step=step, good=self.good.after(attempt.solution))
 
@@ -193,17 +210,36 @@ class Stepper:
             return self._by_arc_length(attempt, failure)
         vain = self.vain + (0.0 if attempt.solution.outcome.converged else _factorisations(attempt.solution))
         spent = self.bounded and vain + BRIEF > self.allowed  # the next attempt would be beyond it
-        if spent or abs(self.step) / 2 < self.smallest:
+        width = attempt.parameter - self.reached
+        smallest = abs(self.step) / 2 < self.smallest
+        if smallest and attempt.beyond and self._smooth(attempt):
+            text = f"{failure}: a bifurcation, {attempt.moved / self.jump[1]:.2g} of the way with half the step"
+            return replace(
+                self.accept(attempt, Event(EventKind.BIFURCATION, text)), passed=self.passed + attempt.beyond
+            )
+        if spent or smallest:
             outcome = Outcome.GIVEN_UP if spent else Outcome.STEP_LIMIT
-            end = why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
+            end = self._end(attempt)
             text = f"{failure}; {outcome.value}; {end.sentence}"
             ended = self._spent(attempt, Event(failure.kind | EventKind.PATH_END, text))
             return replace(ended, outcome=outcome, end=end)
-        step = (attempt.parameter - self.reached) / 2
+        step = width / 2
         event = Event(failure.kind | EventKind.STEP_CUT, f"{failure}: step cut to {step:.6g}")
         asked = step if EventKind.PASSED & failure.kind else self.asked  # a longer one would pass again
         cut = replace(self._spent(attempt, event), step=step, asked=asked, cut=True, vain=vain)
-        return replace(cut, failures=self.failures + 1)
+        return replace(cut, failures=self.failures + 1, jump=(width, attempt.moved) if attempt.beyond else self.jump)
+
+    def _end(self, attempt: Attempt) -> Ending:
+        """Why there is no next state; where no digit of one is sure, a tangent in its neighbourhood tells nothing."""
+        if attempt.solution.outcome is Outcome.ROUNDING:
+            return Ending(PathEnd.NEITHER, "no step is nearer to balance than the digits of its displacements allow")
+        return why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
+
+    def _smooth(self, attempt: Attempt) -> bool:
+        """Whether a state beyond the path is on it, after all: half the step has brought it nearer by as much."""
+        width, moved = self.jump
+        half = abs(attempt.parameter - self.reached) <= 0.5 * abs(width) * (1 + 1e-9)
+        return half and attempt.moved <= SMOOTH * moved
 
     def _by_arc_length(self, attempt: Attempt, failure: Event) -> Stepper:
         """At the target or at the limit point before it, after the last failure that is put up with."""

@@ -16,25 +16,14 @@ from contact.newton.condensed import Condensed
 from contact.newton.held import holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
-from contact.problem import (
-    NEGLIGIBLE,
-    ROUNDING_ALONE,
-    WORST_ROUNDING,
-    ContactProblem,
-    ContactSolution,
-    Linearised,
-    Outcome,
-    excused,
-    met,
-    rounding_floor,
-)
+from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
+from contact.rounding import NEGLIGIBLE, ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
-from contact.solvers.sparse import AUTO, Factor, SingularMatrixError, checked_solve, factorise, instead
+from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to a large gap
 ROUNDING_MARGIN = 10.0
-ANEW = 2.0  # by which what rounding asks for may differ when the judge works it out anew, at the same state
 BLOW_UP = 1e12  # residual, relative to the forces at the start, beyond which nothing can be rescued
 
 
@@ -105,24 +94,25 @@ class NewtonRun:
             share = at.push / at.scale if at.scale > 0 else 0.0
             return at.residual <= met(self.tolerance, share, _rounding(at)) or at.moved > 0.5 * at.moved_before
         size = float(norm(at.u, check_finite=False))
-        return excused(at.residual, _rounding(at), ANEW * at.moved / size if size > 0 else np.inf)
+        return excused(at.residual, _rounding(at), at.moved / size if size > 0 else np.inf)
 
     def known(self, at: Iterate, last: Iterate | None) -> Iterate | None:
-        """Of a balanced iterate and the ``last`` one on its set, that whose rounding is known to move nothing, if any.
+        """Of a balanced iterate and the ``last`` one on its set, the first whose rounding moves nothing, if any.
 
-        What the residual of an iterate asks for is what the next step moves. That of the last one has been seen; the
-        iterate has a rounding of its own, and is taken where its next step is negligible, too: one more factorisation.
+        The last step has told what the residual before it asked for. What the next one will ask for is worked out as
+        the judge does it, without the memory of the way there: one linearisation and one factorisation more.
         """
         if last is None or at.residual <= max(self.tolerance, min(ROUNDING_ALONE, _rounding(at))):
             return at
         same = np.array_equal(last.active, at.active) and self.closed(last)
-        before = last if same and last.residual <= min(WORST_ROUNDING, _rounding(last)) else None
-        try:
-            du, _ = self.step(at.lin, at.u, at.pressure, at.active)
-        except SingularMatrixError:
-            return before
-        asked = float(norm(du, check_finite=False))
-        return at if ANEW * asked <= NEGLIGIBLE * float(norm(at.u, check_finite=False)) else before
+        return next((each for each in ((at, last) if same else (at,)) if self._moves_nothing(each)), None)
+
+    def _moves_nothing(self, at: Iterate) -> bool:
+        pressure = np.maximum(at.pressure, 0.0)
+        anew = self.at(self.linearise(at.u, None), at.u, pressure, at.active)
+        if not decides(anew.residual, _rounding(anew)):
+            return anew.residual <= ROUNDING_ALONE
+        return correction(self.problem, anew.lin, at.u, pressure, self.epsilon, self._as_judged) <= NEGLIGIBLE
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
@@ -178,6 +168,13 @@ class NewtonRun:
         self.tally.count(factor)
         if instead(factor, self.solver, ordered=self.problem.ordered):
             self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
+        return factor
+
+    def _as_judged(self, A: sparse.csc_matrix) -> Factor:
+        """The factor that the judge makes, counted and timed; raises SingularMatrixError."""
+        with self.tally.timed("factorisation_s"):
+            factor = factorise(A)
+        self.tally.count(factor)
         return factor
 
     def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:

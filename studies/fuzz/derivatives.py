@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.problem import ContactProblem, rounding_floor
+from contact.problem import ContactProblem
+from contact.rounding import rounding_floor
 
 STEPS = (1e-3, 1e-5)
 BOUND = 1e-4  # relative; a wrong term, wherever it matters, is of the order of one

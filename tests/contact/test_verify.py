@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactSolution, Outcome, rounding_floor, without_contact
+from contact.problem import ContactSolution, Outcome, without_contact
+from contact.rounding import rounding_floor
 from contact.verify import Verdict, claim, judge
 from support.contact_problems import Quadratic, linear_mechanics, random_quadratic
 

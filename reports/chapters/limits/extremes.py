@@ -42,8 +42,7 @@ hatches are classes of outcomes: *converged*; converged though *nothing touches*
 tangent has negative eigenvalues on the motions that contact leaves free; *wrong*, which is what the algorithm calls
 converged and the judge does not certify; the *end of the path*, where the tangent tells of a limit point or a
 bifurcation; *not converged* without such a reason; *refused*, by the range of a setting or by the algorithm; and
-*crashed*. Lines and small numbers are the cost in Newton iterations, all load steps and rejected attempts included. A
-step is cut to a sixteenth of the load and no further.""")
+*crashed*. Lines and small numbers are the cost in Newton iterations, all load steps and rejected attempts included.""")
 GOOD = ("converged", "converged, nothing touches")
 
 

@@ -18,7 +18,7 @@ nothing fails, the bound is all that is known. The error is relative, of the res
 from what stands above each table: where that is a closed form it counts the mesh and the assumptions of a measure, too,
 so that the error at the ordinary value, *at first*, stands beside it. *Right to* is the last value on the way up to
 which the error stays within 1 %. Measures are solved by `semismooth` (`regularised` for ε), algorithms with `exact`.
-A rotation is made in one step that is not cut; all other steps may be cut to a sixteenth."""
+A rotation is made in one step that is not cut; all other steps may be cut as in any solve."""
 HEADS = "of | name | last certified | error there | error at first | right to | fails at"
 LINE = "{part} | {name:code} | {value} | {error:off} | {error_ordinary:off} | {right:.3g} | {fails:.3g}"
 

@@ -17,9 +17,10 @@ import numpy as np
 import pandas as pd
 
 from contact.catalogue import ALGORITHMS
+from contact.continuation.load_stepping import SMALLEST
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
-from studies.experiments.extremes.maps import CONVERGED, CUT, UNTOUCHED, Found, attempt
+from studies.experiments.extremes.maps import CONVERGED, UNTOUCHED, Found, attempt
 from studies.scenes.benchmarks import pagano
 from studies.scenes.benchmarks.sze_moment import L, circular_arc
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring
@@ -54,7 +55,7 @@ class Limit:
     error: Callable[[Cell, Seen, Solve], float]
     reference: str
     settings: Mapping[str, str]
-    smallest: float = CUT
+    smallest: float = SMALLEST
     unit: float = 1.0
     contact: str = "semismooth"
     shown: Callable[[float], float] | None = None
@@ -98,7 +99,7 @@ def elasticity_error(cell: Cell, seen: Seen, solve: Solve) -> float:
 def units_error(cell: Cell, seen: Seen, solve: Solve) -> float:
     """Of the force: the same panel in four steps and in other units, so that no number is rounded alike."""
     options, settings = {**cell.options, "steps": 4}, {**cell.settings, "length_unit": "3", "stress_unit": "7"}
-    other = solve(replace(cell, options=options, settings=settings), CUT)
+    other = solve(replace(cell, options=options, settings=settings), SMALLEST)
     return abs(seen["force_N"] / other.quantities["force_N"] - 1) if other.kind in GOOD else float("nan")
 
 
@@ -126,8 +127,8 @@ FIBRES = replace(
     LAMINATED, scene="panel", mesh="4x4", bound=1e9, error=units_error, reference=UNITS, settings={"gamma_deg": "30"}
 )
 TRAVEL = "travel over thickness [-]"
-SMALLEST = _ring("smallest travel", TRAVEL, "delta_mm", 1e-2, 1e-14, PINCHED, unit=THIN)
-LARGEST = _ring("largest travel", TRAVEL, "delta_mm", 30.0, 80.0, ELASTICA, unit=THIN)
+SHORTEST = _ring("smallest travel", TRAVEL, "delta_mm", 1e-2, 1e-14, PINCHED, unit=THIN)
+LONGEST = _ring("largest travel", TRAVEL, "delta_mm", 30.0, 80.0, ELASTICA, unit=THIN)
 EPSILON = _ring("stiffest ε", "ε [MPa/mm]", "epsilon", 1e4, 1e20, ELASTICA, settings=FAR, contact="regularised")
 THIN_NEAR = _ring("thinnest shell", "h/R [-]", "h_mm", 1.0, 1e-4, PINCHED, settings=NEAR, unit=RADIUS)
 THIN_FAR = replace(THIN_NEAR, settings=FAR, reference=ELASTICA)
@@ -136,10 +137,10 @@ ROLLED = Limit(
     *("circular arc, closed form", {}, 1.0),
     shown=lambda fraction: 360 * float(f"{fraction:.4g}"),
 )
-FLATTENED = replace(LARGEST, name=ROLLED.name, symbol=ROLLED.symbol, smallest=1.0, shown=flat_angle)
+FLATTENED = replace(LONGEST, name=ROLLED.name, symbol=ROLLED.symbol, smallest=1.0, shown=flat_angle)
 LIMITS: dict[str, tuple[Limit, ...]] = {
-    MEASURE: (THIN_NEAR, ROLLED, SMALLEST, LARGEST, EPSILON, LAMINATED),
-    ALGORITHM: (THIN_FAR, FLATTENED, SMALLEST, LARGEST, EPSILON, FIBRES),
+    MEASURE: (THIN_NEAR, ROLLED, SHORTEST, LONGEST, EPSILON, LAMINATED),
+    ALGORITHM: (THIN_FAR, FLATTENED, SHORTEST, LONGEST, EPSILON, FIBRES),
 }
 
 

@@ -1,8 +1,7 @@
 """Where solving stops: maps of outcomes over pairs of extremes, their boundaries located by bisection.
 
 A point of a map is one small solve, followed by the judge. Its outcome is one of the classes below; a wrong answer is
-what the algorithm calls converged and the judge does not certify. Paths are cut to CUT of a step and no further, which
-a ``footprint solve`` of the same point would be: a failure here is one within that patience.
+what the algorithm calls converged and the judge does not certify.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
+from contact.continuation.load_stepping import SMALLEST
 from contact.problem import Outcome
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
@@ -30,7 +30,6 @@ from studies.solving import certificate
 from studies.walk import walk
 
 Point = tuple[int, int]  # row and column of a map
-CUT = 2.0**-4  # of a load step
 CONVERGED, UNTOUCHED, UNSTABLE = "converged", "converged, nothing touches", "converged, unstable"
 WRONG, END, FAILED, REFUSED = "wrong", "end of the path", "not converged", "refused"
 CRASHED = "crashed"
@@ -130,7 +129,7 @@ class Chart:
 # --- one point ------------------------------------------------------------------------------------------------------
 
 
-def attempt(cell: Cell, smallest: float = CUT) -> Found:
+def attempt(cell: Cell, smallest: float = SMALLEST) -> Found:
     """Solve one point and judge it; whatever it raises is its class.  smallest: step that it may cut to, 1 for none."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")

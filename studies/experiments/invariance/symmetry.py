@@ -19,7 +19,8 @@ import pandas as pd
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE, ROUNDING_MARGIN
-from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, rounding_floor
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
+from contact.rounding import rounding_floor
 from contact.verify import judge
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure

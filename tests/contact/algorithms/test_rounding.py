@@ -9,7 +9,8 @@ import pytest
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
-from contact.problem import NEGLIGIBLE, ROUNDING_ALONE, ContactProblem, Linearisation, Outcome
+from contact.problem import ContactProblem, Linearisation, Outcome
+from contact.rounding import NEGLIGIBLE, ROUNDING_ALONE
 from contact.verify import judge
 from support.contact_problems import EXACT, random_quadratic, solve_from_rest
 

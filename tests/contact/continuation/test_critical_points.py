@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -10,6 +12,7 @@ from scipy.linalg import null_space
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import MODES, PathEnd, spectrum, why_it_ends
 from contact.continuation.load_stepping import follow
+from contact.events import EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from support.contact_problems import Quadratic, random_quadratic
 
@@ -206,6 +209,52 @@ def test_an_unsymmetric_tangent_has_an_eigenvalue_but_no_count() -> None:
 def test_nothing_is_free_to_move() -> None:
     problem = Quadratic(np.eye(1), np.zeros(1), np.eye(1), np.zeros(1), np.ones(1)).problem()
     assert len(spectrum(problem, in_contact([0.0], 0.0)).eigenvalues) == 0
+
+
+@pytest.mark.parametrize(("stiffness", "turns"), [(-1.0, True), (1.0, False)])
+@pytest.mark.parametrize("epsilon", [np.inf, 10.0])
+def test_a_path_turns_back_where_a_candidate_lifts_off_a_softening_body(stiffness, turns, epsilon) -> None:
+    """-u = t - 1, u >= 0: p = 1 - t until t = 1, and u = 1 - t only before it; with u = t - 1 the path goes on."""
+
+    def at(t: float) -> ContactProblem:
+        K = sparse.csc_matrix([[stiffness]])
+        G = sparse.csr_matrix([[1.0]])
+        return ContactProblem(
+            lambda u, memory: Linearisation(K @ u - (t - 1.0), K, 1.0), lambda u: G @ u, lambda u: G, np.ones(1)
+        )
+
+    def state(t: float) -> ContactSolution:
+        u = (t - 1.0) / (stiffness + (0.0 if np.isinf(epsilon) else epsilon))
+        return in_contact([0.0 if np.isinf(epsilon) else u], 1.0 - t if np.isinf(epsilon) else -epsilon * u)
+
+    found = why_it_ends(at, [(t, state(t)) for t in (0.0, 0.95, 0.97, 0.98)], epsilon)
+    assert (found.kind is PathEnd.LIMIT_POINT) == turns
+    if turns:
+        assert found.limit == pytest.approx(1.0, rel=EXACT)
+        assert "turns back where candidate 0 lifts off, 0 negative eigenvalues" in found.sentence
+
+
+def test_a_path_is_followed_through_a_bifurcation_and_the_history_says_so() -> None:
+    """The upright link goes on, unstable, where its step was cut before; what has jumped is left out (below)."""
+
+    class Startled:  # fails once, so that steps are cut
+        epsilon, max_iterations, failed = np.inf, 40, False
+
+        def solve(self, problem, start):
+            found = ALGORITHMS["semismooth"]().solve(problem, start)
+            self.failed, failing = True, not self.failed
+            return replace(found, outcome=Outcome.ITERATION_LIMIT) if failing else found
+
+    (point,) = follow(link(), 0.0, [0.5], Startled(), in_contact([0.0, 0.0], 0.0), smallest=2.0**-6)
+    assert point.outcome is Outcome.CONVERGED
+    assert point.reached == 0.5
+    assert point.solution.u == pytest.approx([0.0, 0.5], abs=EXACT)
+    rows = [
+        row for row in point.solution.history if EventKind.BIFURCATION & getattr(row.get("event"), "kind", EventKind(0))
+    ]
+    assert len(rows) == 1
+    assert T_BUCKLING <= rows[0]["parameter"] <= T_BUCKLING + 2.0**-6
+    assert "0.5 of the way with half the step" in str(rows[0]["event"])
 
 
 @pytest.mark.slow
