@@ -68,7 +68,6 @@ class AugmentedLagrangian(NewtonAlgorithm):
             gap = problem.gap(state.u)
             # a node in the set is off by its spring, which is what the pressure has just changed by
             error = float(np.max(np.where(state.active, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
-            first = first or motion(problem, state.u)
             push = float(np.linalg.norm(problem.contact_force(state.u, state.pressure)))
             bound = gap_rounding(problem, max(length(problem, stiffness, state.u, push), first))
             if gap_rounding(problem, max(motion(problem, state.u), first)) < error <= bound:

@@ -135,7 +135,7 @@ class NewtonRun:
         A node that just touches without pressure has p and g of the size of rounding, and no set is the right one:
         near equilibrium, and where p and g have just been ``solved`` for, what rounding explains swaps nothing.
         """
-        c = c * at.stiffness.per_area or c
+        c *= at.stiffness.per_area or 1.0
         excess = np.where(at.active, 1.0, -1.0) * (at.pressure - c * at.gap)
         wrong = excess < 0
         if wrong.any() and (solved or at.residual <= ROUNDING_ALONE):
