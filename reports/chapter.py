@@ -10,8 +10,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from reports.markdown import Part
-from reports.reading import StoreError
-from reports.tables import Store
+from reports.store.reading import StoreError
+from reports.store.tables import Store
 
 ALL = "all"  # what a campaign says whose cells are those of all pages
 INDEX, INDEX_TITLE = "index.md", "All results"

@@ -17,7 +17,7 @@ from reports.chapters.tyre import figures as figures_tyre
 from reports.drawing import Picture, drawn
 from reports.files import write_texts
 from reports.maps import along_meridian, at_delta, pressure_map
-from reports.tables import TYRES, Cell, load_cell
+from reports.store.cells import TYRES, Cell, load_cell
 
 UNITS = ("mm", "MPa", "N", "deg")
 

@@ -18,8 +18,8 @@ from reports.contents import CHAPTERS
 from reports.files import write_texts
 from reports.html import REPORT, report_html
 from reports.markdown import Part
-from reports.reading import StoreError
-from reports.tables import Store, load_store
+from reports.store.reading import StoreError
+from reports.store.tables import Store, load_store
 
 FIGURES = "figures"
 UNDRAWN = "<svg/>\n"

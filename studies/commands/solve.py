@@ -76,8 +76,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _draw(out: Path) -> None:
-    from reports.reading import StoreError
     from reports.result_figures import draw_result
+    from reports.store.reading import StoreError
 
     try:
         draw_result(out)

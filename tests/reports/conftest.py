@@ -18,7 +18,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from reports.site import rendered
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import LADDERS, Ladder
 from studies.campaigns.plan import Row

@@ -16,7 +16,7 @@ from reports.contents import CHAPTERS
 from reports.drawing import KNOWN, looks
 from reports.html import REPORT
 from reports.site import rendered
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.analysis.everything import analysed
 from studies.store.atomic import write_json, write_table
 from support.sweeps import cells

@@ -20,7 +20,8 @@ from reports.html import REPORT
 from reports.markdown import END_MACHINE, Part
 from reports.result_figures import draw_result
 from reports.site import check_pages, compare_pages, rendered, write_pages
-from reports.tables import StoreError, load_store
+from reports.store.reading import StoreError
+from reports.store.tables import load_store
 from studies.campaigns.report_cells import LISTS
 from studies.store.atomic import write_json, write_text
 

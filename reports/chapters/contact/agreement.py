@@ -7,7 +7,7 @@ from reports.chapters.contact.agreement_cases import CASE, OF_CASE, SAME, Entry,
 from reports.chapters.tyre.figures import load_deflection
 from reports.formats import digits, fixed, scientific
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 
 def agreement_page(store: Store) -> Part:

@@ -10,8 +10,9 @@ from functools import cached_property
 from reports.chapters.tyre.cells import change, sets_unlike
 from reports.formats import code
 from reports.markdown import listing
-from reports.reading import StoreError
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.reading import StoreError
+from reports.store.tables import Store
 
 SAME = 1e-7  # relative difference of forces below which two algorithms agree
 

@@ -8,7 +8,7 @@ from reports.chapters.contact.robustness import robustness
 from reports.chapters.tyre.figures import iterations
 from reports.formats import fixed, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
 PARTS = ("assembly", "factorisation", "solve", "contact")

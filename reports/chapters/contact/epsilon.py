@@ -14,7 +14,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, fixed, scientific, share
 from reports.markdown import Part, joined, listing, machine, picture, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 PAPER = 1e4  # MPa/mm
 FORMS = {"multiplier": "-", "displacement": "--"}  # and how they are drawn

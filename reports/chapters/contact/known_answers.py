@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reports.formats import NOTHING, scientific
 from reports.markdown import Part, joined, listing, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 
 def known_answers(store: Store) -> list[Part]:

@@ -7,7 +7,8 @@ from reports.chapters.contact.known_answers import known_answers
 from reports.chapters.tyre.cells import DELTA, FAR, ONE_STEP
 from reports.formats import fixed, scientific
 from reports.markdown import Part, commands, filled, joined, listing, machine, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 SETTLE, MESHES = (0.05, 1.0), ("28x26", "42x40", "84x80")  # the algorithm's own, and the textbook's
 EXACT = 1e-9  # an error below it is no error

@@ -20,7 +20,7 @@ from reports.chapters.limits.limit_tables import limit_tables
 from reports.drawing import BLACK, canvas, svg
 from reports.formats import fixed, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 LOOKS: dict[str, tuple[str, str, str]] = {  # class: colour, hatch, marker of a point that was solved
     "converged": ("#CCE5F2", "", "."),

@@ -9,7 +9,7 @@ import pandas as pd
 from reports.chapter import Chapter
 from reports.formats import number
 from reports.markdown import Part, commands, joined, listing, machine, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 VERDICTS = ("agrees", "explained", "not compared", "broken")
 KINDS = {"scene": "requests of all scenes", "posed": "panels posed in two ways", "matrices": "matrices with an answer"}

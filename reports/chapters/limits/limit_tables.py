@@ -7,7 +7,7 @@ import pandas as pd
 from reports.chapters.limits.causes import cause
 from reports.formats import code, formatted, share
 from reports.markdown import Part, commands, joined, listing, machine, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 HOW = """## Limits
 

@@ -11,7 +11,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, looks, svg
 from reports.formats import digits, scientific, share
 from reports.markdown import Part, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 DEFAULT = "default"
 PASSED = {"boundary_1": 0.01, "boundary_5": 0.05}

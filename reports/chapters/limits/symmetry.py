@@ -14,7 +14,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, canvas, looks, svg
 from reports.formats import code, fixed, scientific
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 LOOKS: dict[str, dict[str, Any]] = {  # of the classes
     "exactly zero": {"color": BLUE, "marker": "o"},

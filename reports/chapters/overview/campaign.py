@@ -7,7 +7,8 @@ import pandas as pd
 from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.formats import NOTHING, code, scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 GOOD = ("converged", "unstable")
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")

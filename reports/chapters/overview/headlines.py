@@ -13,7 +13,7 @@ from reports.chapters.overview.outcomes import completeness_line
 from reports.chapters.trade.tradeoff import explained
 from reports.formats import fixed, interval, share
 from reports.markdown import filled, machine, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 COST = "seconds"  # of processor time
 DEFAULT = "semismooth"  # the contact algorithm that the others are held against

@@ -18,7 +18,8 @@ from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
 from reports.formats import fixed, percent, scientific, share
 from reports.markdown import Part, commands, folded, joined, machine, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 
 def index_page(store: Store, contents: str) -> Part:

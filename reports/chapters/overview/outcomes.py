@@ -8,7 +8,8 @@ from typing import Any
 
 from reports.formats import digits
 from reports.markdown import Part, joined, listing, machine, prose, table
-from reports.tables import CLASSES, Cell, Store
+from reports.store.cells import CLASSES, Cell
+from reports.store.tables import Store
 
 WORDS = {  # of each class, for people
     "converged": "and the judge agrees",

@@ -13,7 +13,7 @@ from reports.chapters.shells import figures_benchmarks
 from reports.chapters.shells.newton_steps import newton_part
 from reports.formats import fixed, percent
 from reports.markdown import Part, commands, joined, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Benchmarks without contact
 

@@ -13,7 +13,7 @@ from reports.chapters.shells.thickness_share import thickness_share_part
 from reports.drawing import BLACK, LINES, MARKERS, canvas, look, svg, ticks
 from reports.formats import NOTHING, code, fixed, number, share
 from reports.markdown import Part, commands, filled, folded, joined, listing, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 DEFAULT = "refined"  # the element of the page
 

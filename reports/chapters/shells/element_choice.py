@@ -6,7 +6,7 @@ import pandas as pd
 
 from reports.formats import NOTHING, code, fixed, percent, share
 from reports.markdown import Part, commands, joined, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 SHOWN, COUNTS = 3, ("elements", "iterations")  # meshes; what is counted of both elements
 

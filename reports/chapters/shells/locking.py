@@ -14,7 +14,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, lines, looks, svg
 from reports.formats import NOTHING, code, fixed, scientific, share
 from reports.markdown import Part, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Locking
 

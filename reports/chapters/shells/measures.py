@@ -11,7 +11,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, digits, fixed, percent
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Strain measures
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from reports.formats import fixed, scientific
 from reports.markdown import Part, commands, joined, machine, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 WHOLE = {"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible", "lines": "even"}
 ELEMENT = {"interpolation": "curvilinear", "thickness_strain": "projected"}

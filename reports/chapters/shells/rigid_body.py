@@ -14,7 +14,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, looks, svg
 from reports.formats import NOTHING, fixed, scientific
 from reports.markdown import Part, joined, listing, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Rigid motions
 

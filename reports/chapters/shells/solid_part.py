@@ -9,7 +9,7 @@ import pandas as pd
 from reports.chapters.tyre.cells import ISOTROPIC_FINE
 from reports.formats import digits, fixed, percent, share
 from reports.markdown import Part, commands, filled, joined, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 PENALTY = 20.0  # MPa/mm, NGSolve's
 

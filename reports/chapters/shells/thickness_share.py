@@ -9,7 +9,7 @@ import pandas as pd
 
 from reports.formats import NOTHING, code, fixed, percent, share
 from reports.markdown import Part, commands, joined, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 SHARES = ("projected", "balanced", "nodal")  # none, half, all
 

@@ -10,7 +10,7 @@ from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
 from reports.formats import NOTHING, code, fixed, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 ENGINEER = 0.01  # the tolerance that is listed in full
 AIM_REGRET, AIM_MET = 1.5, 0.95

@@ -16,7 +16,7 @@ from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
 from reports.formats import fixed, number, scientific, share
 from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 LEAST = 1e-5  # below it an error is chance
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from reports.drawing import BLACK, canvas, lines, svg
 from reports.formats import fixed, number, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 LEAST = 1e-5  # below it an error is chance
 OURS = "footprint"

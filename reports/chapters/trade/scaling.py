@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from reports.drawing import BLACK, canvas, legend_above, lines, svg
 from reports.formats import NOTHING, fixed, interval, scientific
 from reports.markdown import Part, commands, joined, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 STEP = ("elements", "scatter", "factorisation", "solve", "contact", "total")
 DRAWN = ("total", "factorisation", "elements", "solve")

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from reports.drawing import canvas, legend_above, looks, svg
 from reports.formats import fixed, formatted, share
 from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 COMMAND = "footprint bench --table .footprint/store/tables/costs.csv"
 PART = "part "  # of the time of a line

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import fixed, share
 from reports.markdown import Part, commands, joined, listing, picture, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 WORDS = ("settings", "reason")
 COMMAND = "footprint run statements"

@@ -11,7 +11,7 @@ from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
 from reports.formats import code, share
 from reports.markdown import Part, commands, filled, folded, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 COST = "seconds"  # of processor time; other runs and machines have others
 OPERATIONS = "flops"  # of the factorisations only, the same on every machine

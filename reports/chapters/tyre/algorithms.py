@@ -13,7 +13,8 @@ from reports.chapters.tyre.printed_pressures import HALF
 from reports.formats import NOTHING, digits, fixed, percent, scientific
 from reports.maps import at_delta, pressure_map
 from reports.markdown import Part, commands, folded, joined, listing, machine, picture, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 ELSEWHERE = ("agreement", "models")  # lists of cells whose costs are on other pages

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from reports.maps import at_delta, different_nodes
-from reports.tables import Cell
+from reports.store.cells import Cell
 
 Asked = dict[str, Any]
 DELTA = 20.0  # mm, the travel of the printed table

@@ -9,7 +9,8 @@ from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import BASE, DELTA, FINE, FOLLOWER, FOLLOWER_FINE, ISOTROPIC, ISOTROPIC_FINE, change
 from reports.formats import fixed, percent, share
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 SOLID, INFLATION = "isotropic_tyre_3d_solid.csv", "isotropic_tyre_3d_inflation.csv"
 SOLID_COLUMNS = ("delta_mm", "force_N_ngsolve", "force_N_calculix", "half_length_mm", "half_width_mm")

@@ -9,7 +9,7 @@ from reports.chapters.tyre.meshes import meshes_part
 from reports.chapters.tyre.paper import paper_part
 from reports.chapters.tyre.printed_pressures import printed_part
 from reports.markdown import Part, joined
-from reports.tables import Store
+from reports.store.tables import Store
 
 INTRODUCTION = """# The tyre
 

@@ -12,7 +12,8 @@ from reports.formats import fixed
 from reports.maps import along_meridian, at_delta, pressure_map
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
 from reports.result_figures import mm_per_degree
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 
 def paper_part(store: Store) -> Part:

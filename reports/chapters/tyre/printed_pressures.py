@@ -13,7 +13,8 @@ from reports.chapters.tyre.cells import DELTA, PAPER
 from reports.formats import fixed, scientific, share
 from reports.maps import at_delta
 from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
-from reports.tables import Cell, Store
+from reports.store.cells import Cell
+from reports.store.tables import Store
 
 PRINTED_FACTOR = 10.0  # the table gives -10 q
 PRINTED_DIGIT = 0.001  # MPa, one unit of its last digit

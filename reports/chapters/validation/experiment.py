@@ -14,7 +14,7 @@ from reports.chapters.validation.law_part import law_part
 from reports.drawing import BLACK, COLOURS, canvas, looks, svg
 from reports.formats import digits, fixed, percent, share
 from reports.markdown import Part, commands, filled, joined, listing, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")
 BUDGETS = ("solid hencky", "shell exact", "shell von-karman", "shell exact, ν = 0", "shell von-karman, ν = 0")

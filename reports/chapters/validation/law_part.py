@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from reports.drawing import BLACK, canvas, looks, svg
 from reports.formats import digits, share
 from reports.markdown import Part, joined, listing, picture, prose
-from reports.tables import Store
+from reports.store.tables import Store
 
 
 def law_part(store: Store) -> Part:

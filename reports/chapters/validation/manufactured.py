@@ -11,7 +11,7 @@ from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, lines, svg, ticks
 from reports.formats import fixed
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
-from reports.tables import Store
+from reports.store.tables import Store
 
 COMMAND = "footprint run truth"
 NORMS = {

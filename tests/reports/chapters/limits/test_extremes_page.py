@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from reports.chapters.limits.extremes import LOOKS, cause, extremes_page, faults, outcome_map
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.experiments.extremes.maps import CLASSES
 from studies.store.atomic import write_table
 

@@ -9,7 +9,7 @@ import pytest
 from reports.chapters.validation.experiment import CHAPTER, experiment_page
 from reports.drawing import drawn
 from reports.markdown import Part
-from reports.tables import load_store
+from reports.store.tables import load_store
 
 
 @pytest.fixture(scope="module")

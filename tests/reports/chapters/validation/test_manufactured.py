@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from reports.chapters.validation.manufactured import CHAPTER, manufactured_page
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.store.atomic import write_table
 from support.made_up import analysed_again
 from support.manufactured import made_up_manufactured, made_up_statements

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from reports.chapters.limits.fuzz import fuzz_page
-from reports.tables import load_store
+from reports.store.tables import load_store
 
 
 def test_counts_explanations_findings_and_faults(store: Path) -> None:

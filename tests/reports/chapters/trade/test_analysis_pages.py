@@ -14,7 +14,8 @@ import pytest
 from reports.chapters.trade import advice, tradeoff
 from reports.files import write_texts
 from reports.site import check_pages, compare_pages, rendered
-from reports.tables import Store, StoreError, load_store
+from reports.store.reading import StoreError
+from reports.store.tables import Store, load_store
 from studies.analysis.everything import analyse
 from studies.campaigns.file import read
 from studies.campaigns.run import run

@@ -12,7 +12,9 @@ import pytest
 
 from reports.chapters.shells.solid_part import solid_part
 from reports.result_figures import draw_result
-from reports.tables import StoreError, load_cell, load_store
+from reports.store.cells import load_cell
+from reports.store.reading import StoreError
+from reports.store.tables import load_store
 from studies.analysis.comparisons.solid_shell import cancellation
 from studies.campaigns.cell import Cell
 from studies.campaigns.plan import Row

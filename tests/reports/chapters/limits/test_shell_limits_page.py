@@ -8,7 +8,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from reports.chapters.limits.shell_limits import errors, limits_page
-from reports.tables import StoreError, load_store
+from reports.store.reading import StoreError
+from reports.store.tables import load_store
 from studies.experiments.shell_limits.ladder import DEFAULT
 from support.walls import made_up_walls
 

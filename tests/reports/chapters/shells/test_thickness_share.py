@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from reports.chapters.shells.thickness_share import SHARES, said, thickness_share_part
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.store.atomic import write_json
 from support.made_up import analysed_again
 

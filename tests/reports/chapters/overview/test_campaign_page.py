@@ -10,7 +10,8 @@ import pytest
 from reports.chapters.overview.campaign import campaign_page
 from reports.chapters.overview.outcomes import completeness_line
 from reports.site import place_of, rendered
-from reports.tables import StoreError, load_store
+from reports.store.reading import StoreError
+from reports.store.tables import load_store
 from studies.campaigns.cell import Cell
 from studies.campaigns.plan import Row
 from studies.store.atomic import SCHEMA, write_json, write_text

@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from reports.chapters.limits.symmetry import accidents, symmetry_page
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.store.atomic import write_table
 
 

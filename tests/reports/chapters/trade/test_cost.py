@@ -13,7 +13,7 @@ import pytest
 
 from reports.chapters.trade.cost import cost_page
 from reports.chapters.trade.scaling import STEP
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.campaigns.report_cells import MODELS
 from studies.store.atomic import write_json, write_table
 from support.made_up import analysed_again

@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 
 from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.analysis.answers import Answers
 from studies.analysis.collect import collect
 from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, convergence

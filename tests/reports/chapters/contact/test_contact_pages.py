@@ -16,7 +16,7 @@ from reports.chapters.contact.agreement_cases import entries
 from reports.chapters.contact.algorithms import algorithms_page
 from reports.chapters.contact.epsilon import epsilon_page
 from reports.chapters.overview.index import index_page
-from reports.tables import load_store
+from reports.store.tables import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
 from studies.campaigns.report_cells import agreement, enforcements

@@ -11,7 +11,7 @@ import pytest
 
 from reports.chapters.shells.locking import excess, locking_page, worst_energy
 from reports.chapters.shells.rigid_body import rigid_body_page, shared_curves
-from reports.tables import Store, load_store
+from reports.store.tables import Store, load_store
 from studies.experiments.locking import MESHES, THINNESS
 from studies.store.atomic import write_table
 
