@@ -10,7 +10,7 @@ import numpy as np
 from contact.obstacles.foundation import require_unit
 
 
-class _Round(ABC):
+class Round(ABC):
     """g = d - R outside, R - d inside it, d the distance from the centre, in some of the directions of space.
 
     At the centre itself the direction is not unique: one is chosen and its curvature left out; a body inside may well
@@ -81,7 +81,7 @@ class _Round(ABC):
 
 
 @dataclass(frozen=True, eq=False)
-class Drum(_Round):
+class Drum(Round):
     """An infinite cylinder: d is the distance from its axis.
 
     centre (3,): any point of the axis.  axis (3,): unit vector.  radius [mm].  hollow: the body is inside the drum.
@@ -111,7 +111,7 @@ class Drum(_Round):
 
 
 @dataclass(frozen=True, eq=False)
-class Sphere(_Round):
+class Sphere(Round):
     """A ball: d is the distance from its centre (3,).  radius [mm].  hollow: the body is inside the ball."""
 
     centre: np.ndarray

@@ -17,7 +17,7 @@ from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.obstacles.drum_sphere import Drum, Sphere
+from contact.obstacles.drum_sphere import Round
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.shell import ShellModel
 from studies.fuzz.examine import BROKEN, examine
@@ -173,12 +173,12 @@ def silent(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> 
 @contextmanager
 def _one_gradient_turned() -> Iterator[None]:
     """Of the first candidate."""
-    sphere, drum = Sphere.gradient, Drum.gradient
+    sound = Round.gradient
 
-    def turned(gradient: Callable[[Any, np.ndarray], np.ndarray]) -> Callable[[Any, np.ndarray], np.ndarray]:
-        return lambda self, x: gradient(self, x) * np.where(np.arange(len(x)) == 0, -1.0, 1.0)[:, None]
+    def turned(self: Round, x: np.ndarray) -> np.ndarray:
+        return sound(self, x) * np.where(np.arange(len(x)) == 0, -1.0, 1.0)[:, None]
 
-    with swapped(Sphere, "gradient", turned(sphere)), swapped(Drum, "gradient", turned(drum)):
+    with swapped(Round, "gradient", turned):
         yield
 
 
@@ -187,7 +187,7 @@ def _no_curvature() -> Iterator[None]:
     def flat(self: Any, x: np.ndarray) -> np.ndarray:
         return np.zeros((len(x), 3, 3))
 
-    with swapped(Sphere, "curvature", flat), swapped(Drum, "curvature", flat):
+    with swapped(Round, "curvature", flat):
         yield
 
 
