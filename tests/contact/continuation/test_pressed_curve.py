@@ -238,7 +238,8 @@ def cornered(stiffness: float):
     return at, state
 
 
-@pytest.mark.parametrize("stiffness", [-2.0, pytest.param(-5.0, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [-2.0, -5.0])
 def test_a_path_turns_back_where_a_point_without_stiffness_of_its_own_comes_off(stiffness) -> None:
     """p2 = -(1 + k)(1 - t), with k + 1 < 0, is gone at t = 1; off the plane g2 = -p2/k, positive for t < 1 only."""
     at, state = cornered(stiffness)

@@ -137,6 +137,7 @@ def tyre(contact: str, **settings: str) -> tuple[dict[str, float], float, np.nda
     return dict(result.counters), float(result.steps[-1]["force_N"]), result.last.pressure
 
 
+@pytest.mark.slow
 def test_one_factorisation_an_iteration_is_enough() -> None:
     """Of the tyre pressed in one step, by every algorithm that enforces contact; the same answer as in full."""
     exact = {"epsilon": "inf"}

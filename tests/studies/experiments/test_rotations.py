@@ -35,7 +35,8 @@ def test_rotations_are_those_of_scipy_and_may_not_be_exchanged() -> None:
         assert np.abs(wrong - turned(BACK, 3)).max() > 0.1
 
 
-@pytest.mark.parametrize("strained", [pytest.param(False, marks=pytest.mark.slow), True])
+@pytest.mark.slow
+@pytest.mark.parametrize("strained", [False, True])
 def test_exact_measure_is_left_with_nothing_after_each_rotation(strained: bool) -> None:
     found = left("exact", strained)
     assert (found["outcome"] == "converged").all()

@@ -112,6 +112,7 @@ class Unsigned(Semismooth):
         return super().solve(own, start)
 
 
+@pytest.mark.slow
 def test_a_wrong_sign_in_an_algorithm_is_found() -> None:
     """By the asymmetry itself, whatever the judge says."""
     found = symmetry_table({"exact": EXACT}, {"unsigned": Unsigned}).set_index("check")

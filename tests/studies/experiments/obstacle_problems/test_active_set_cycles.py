@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from studies.experiments.obstacle_problems.active_set_cycles import cycles, plain_period, small
 from studies.experiments.obstacle_problems.collection import obstacle, torsion
 
 
+@pytest.mark.slow
 def test_periods_and_what_becomes_of_them() -> None:
     found = cycles().set_index("problem")
     periods = {"3x3": 3, "Ben Gharbia-Gilbert 3": 3, "Ben Gharbia-Gilbert 5": 5, "Ben Gharbia-Gilbert 7": 7}

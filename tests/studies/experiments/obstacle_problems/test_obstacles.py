@@ -89,6 +89,7 @@ def test_bounds_as_candidates_of_their_own_do_not_cycle(start) -> None:
         assert not events(solution.history, EventKind.CYCLE)
 
 
+@pytest.mark.slow
 def test_nobody_of_ours_claims_falsely_and_osqp_alone_does() -> None:
     problems = [obstacle("OBSTCLBL", 10), torsion(5.0, 10), classic("Fathi", 8), classic("Murty", 5)]
     found = table(problems, contenders()).set_index("contender")
