@@ -17,7 +17,7 @@ from contact.newton.held import holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
-from contact.rounding import NEGLIGIBLE, ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
+from contact.rounding import ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
 from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
 
@@ -110,9 +110,10 @@ class NewtonRun:
     def _moves_nothing(self, at: Iterate) -> bool:
         pressure = np.maximum(at.pressure, 0.0)
         anew = self.at(self.linearise(at.u, None), at.u, pressure, at.active)
-        if not decides(anew.residual, _rounding(anew)):
-            return anew.residual <= ROUNDING_ALONE
-        return correction(self.problem, anew.lin, at.u, pressure, self.epsilon, self._as_judged) <= NEGLIGIBLE
+        rounding, asked = _rounding(anew), np.inf
+        if decides(anew.residual, rounding):
+            asked = correction(self.problem, anew.lin, at.u, pressure, self.epsilon, self._as_judged)
+        return anew.residual <= self.tolerance or excused(anew.residual, rounding, asked)
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
