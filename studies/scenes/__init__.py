@@ -12,11 +12,11 @@ from studies.scenes.benchmarks.pressurised import PressurisedCylinder, Pressuris
 from studies.scenes.benchmarks.roofs import ROOFS
 from studies.scenes.benchmarks.scordelis_lo import ScordelisLo
 from studies.scenes.benchmarks.shallow_cap import ShallowSphericalCap
-from studies.scenes.benchmarks.sze_annulus import SlitAnnulus
-from studies.scenes.benchmarks.sze_moment import RolledCantilever
-from studies.scenes.benchmarks.sze_pinched import PinchedBetweenDiaphragms
-from studies.scenes.benchmarks.sze_pullout import PullOut
-from studies.scenes.benchmarks.sze_semicylinder import SEMICYLINDERS
+from studies.scenes.benchmarks.sze.annulus import SlitAnnulus
+from studies.scenes.benchmarks.sze.moment import RolledCantilever
+from studies.scenes.benchmarks.sze.pinched import PinchedBetweenDiaphragms
+from studies.scenes.benchmarks.sze.pullout import PullOut
+from studies.scenes.benchmarks.sze.semicylinder import SEMICYLINDERS
 from studies.scenes.contact.crushed_ring import CrushedRing
 from studies.scenes.contact.crushed_ring_solid import SolidRing
 from studies.scenes.contact.heavy_strip import HeavyStrip

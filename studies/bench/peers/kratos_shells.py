@@ -20,7 +20,8 @@ import numpy as np
 from KratosMultiphysics import python_linear_solver_factory
 
 from studies.bench.peers.problems import Solved, size
-from studies.scenes.benchmarks import cantilever, hemisphere, sze_pullout
+from studies.scenes.benchmarks import cantilever, hemisphere
+from studies.scenes.benchmarks.sze import pullout
 
 STEPS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 20, 30, 40, 80)  # numbers of equal load steps that are tried
 ITERATIONS = 40  # of a step
@@ -81,16 +82,16 @@ def _hemisphere(n1: int, n2: int) -> Shell:
 
 def _pull_out(n1: int, n2: int) -> Shell:
     along, around = np.meshgrid(
-        np.linspace(0, sze_pullout.LENGTH / 2, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1), indexing="ij"
+        np.linspace(0, pullout.LENGTH / 2, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1), indexing="ij"
     )
-    x = np.stack([sze_pullout.RADIUS * np.cos(around), sze_pullout.RADIUS * np.sin(around), along], axis=-1)
+    x = np.stack([pullout.RADIUS * np.cos(around), pullout.RADIUS * np.sin(around), along], axis=-1)
     at = np.arange((n1 + 1) * (n2 + 1)).reshape(n1 + 1, n2 + 1)
     return Shell(
-        *(x, sze_pullout.E, sze_pullout.NU, sze_pullout.H),
+        *(x, pullout.E, pullout.NU, pullout.H),
         planes=((at[:, 0], 1), (at[:, -1], 0), (at[0], 2)),
         held=(),
         clamped=at[:0].ravel(),
-        forces=((int(at[0, 0]), 0, sze_pullout.P_MAX / 4),),
+        forces=((int(at[0, 0]), 0, pullout.P_MAX / 4),),
         read=lambda u: float(u[at[0, 0], 0]),
     )
 

@@ -22,7 +22,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
 from studies.experiments.extremes.maps import CONVERGED, UNTOUCHED, Found, attempt
 from studies.scenes.benchmarks import pagano
-from studies.scenes.benchmarks.sze_moment import L, circular_arc
+from studies.scenes.benchmarks.sze.moment import L, circular_arc
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring
 from studies.scenes.closed_forms.laminated_plate import middle_deflection
 from studies.scenes.contact.ring import RADIUS, THIN

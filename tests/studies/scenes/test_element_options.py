@@ -16,7 +16,7 @@ from studies.cli import main
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.area_loads import area_load
-from studies.scenes.benchmarks.sze_moment import H, L
+from studies.scenes.benchmarks.sze.moment import H, L
 from studies.scenes.element import PRESETS
 from studies.solving import resolve, solve
 

@@ -17,8 +17,8 @@ from contact.problem import Outcome
 from studies.refinement.trees import Family
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.pressurised import sphere_load
-from studies.scenes.benchmarks.sze_annulus import P_MAX
-from studies.scenes.benchmarks.sze_moment import EI, M_MAX, H, L
+from studies.scenes.benchmarks.sze.annulus import P_MAX
+from studies.scenes.benchmarks.sze.moment import EI, M_MAX, H, L
 from studies.solving import Result, resolve, solve
 
 CLOSE = 5e-3  # of a published value, after refinement
