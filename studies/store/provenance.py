@@ -6,25 +6,66 @@ import importlib.metadata
 import os
 import platform
 import subprocess
+from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("numpy", "scipy", "scikit-fem", "pandas", "osqp", "clarabel", "cvxpy")
+import numpy as np
+import scipy
+
+PACKAGES = (
+    *("numpy", "scipy", "scikit-fem", "pandas", "meshio", "osqp", "clarabel", "cvxpy", "qdldl"),
+    *("proxsuite", "piqp", "daqp", "pypardiso", "mkl", "ngsolve", "KratosMultiphysics"),
+)
+THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+GIB = 2**30
+
+
+def provenance() -> dict[str, Any]:
+    """As of now: commit (or "unknown"), and whether the work tree differs from it (None where there is none).
+
+    Packages that are not installed have no entry. The date is that of the call; all the rest is asked for once.
+    """
+    return {**_steady(), "date": datetime.now(UTC).isoformat(timespec="seconds")}
 
 
 @cache
-def provenance() -> dict[str, Any]:
-    """Asked for once: commit (or "unknown"), and whether the work tree differs from it (None where there is none)."""
+def _steady() -> dict[str, Any]:
     told = _git_status()
-    machine = {"system": platform.system(), "processor": platform.machine(), "cores": os.cpu_count()}
+    versions = {name: _version(name) for name in PACKAGES}
     return {
         "version": _version("footprint"),
         "commit": next((line.split()[-1] for line in told or () if line.startswith("# branch.oid ")), "unknown"),
         "modified": None if told is None else any(not line.startswith("#") for line in told),
-        "packages": {name: _version(name) for name in PACKAGES},
-        "machine": {**machine, "cpu": _cpu(), "python": platform.python_version()},
+        "packages": {name: version for name, version in versions.items() if version},
+        "blas": {**{each.__name__: _blas(each) for each in (np, scipy)}, "threads": _threads()},
+        "machine": _machine(),
     }
+
+
+def _machine() -> dict[str, Any]:
+    pages = {name: os.sysconf(name) for name in ("SC_PAGE_SIZE", "SC_PHYS_PAGES") if name in os.sysconf_names}
+    memory = round(pages["SC_PAGE_SIZE"] * pages["SC_PHYS_PAGES"] / GIB, 1) if len(pages) == 2 else None
+    return {
+        "system": platform.system(),
+        "processor": platform.machine(),
+        "cores": os.cpu_count(),
+        "memory_GiB": memory,
+        "cpu": _cpu(),
+        "python": platform.python_version(),
+    }
+
+
+def _blas(package: Any) -> str:
+    """Name and version of the BLAS that a package was built with."""
+    told = package.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    return " ".join(str(told[key]) for key in ("name", "version") if told.get(key))
+
+
+def _threads() -> str:
+    """How many threads BLAS was allowed, as the environment says; "any" where it says nothing."""
+    return next((os.environ[name] for name in THREADS if os.environ.get(name)), "any")
 
 
 def _git_status() -> list[str] | None:
@@ -50,10 +91,12 @@ def _version(package: str) -> str | None:
 
 
 def _cpu() -> str:
-    """The model of the processor, as far as the system tells."""
+    """The processor, as far as the system tells: its name, and the numbers of its family and model."""
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         lines = []
-    names = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(names, "") or platform.processor()  # which starts a process to ask
+    told = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in lines)}
+    numbers = ", ".join(f"{key.split()[-1]} {told[key]}" for key in ("cpu family", "model") if key in told)
+    name = told.get("model name") or platform.processor()  # which starts a process to ask
+    return f"{name} ({numbers})" if name and numbers else name

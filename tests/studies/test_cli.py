@@ -70,7 +70,7 @@ def test_result_has_the_documented_keys(solved: Path) -> None:
     assert step["failures"] == step["diagnosis"] == []
     assert {"dofs", "newton_iterations", "factorisations", "assemblies"} <= set(result["counters"])
     assert {"total", "assembly", "factorisation"} <= set(result["timing_s"])
-    assert set(result["provenance"]) == {"version", "commit", "modified", "packages", "machine"}
+    assert set(result["provenance"]) == {"version", "commit", "modified", "packages", "blas", "machine", "date"}
     assert {"osqp", "clarabel", "cvxpy"} <= set(result["provenance"]["packages"])
     assert result["provenance"]["machine"]["cpu"]
     assert result["settings"]["epsilon"] == "inf"
