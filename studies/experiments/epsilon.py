@@ -8,6 +8,7 @@ method does: the matrix loses its condition, and the pressure, epsilon times a g
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -41,6 +42,7 @@ def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPS
     penetration_mm: the largest.  force_error: relative to the exact multiplier's sum of nodal forces.  nodes_unlike:
     contact nodes in only one of the two sets.  condition: 1-norm estimate of the matrix of the last iteration, with
     epsilon inf the saddle-point one.  outcome: of the solve; its numbers are those of the last iterate, whatever it is.
+    command: solves the same case with the multiplier form, whose answer it is.
     """
     rows = []
     for case in cases:
@@ -52,9 +54,16 @@ def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPS
             for form in FORMS if np.isfinite(epsilon) else FORMS[:1]:
                 solve = _solved if form == "multiplier" else by_displacements
                 found = solve(problem, start, epsilon)
-                rows.append((case.label, form, epsilon, *_measured(problem, exact, found, form, epsilon)))
+                numbers = _measured(problem, exact, found, form, epsilon)
+                rows.append((case.label, form, epsilon, *numbers, case.options["mesh"], command(case, epsilon)))
     names = ["case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"]
-    return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition"])
+    return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition", "mesh", "command"])
+
+
+def command(case: Cell, epsilon: float) -> str:
+    """Solves a case with this epsilon, from the beginning of its path."""
+    settings = {**case.settings, "epsilon": f"{epsilon:g}"}
+    return replace(case, options={**case.options, "model": "full"}, settings=settings).command
 
 
 def _solved(problem: ContactProblem, start: ContactSolution, epsilon: float) -> ContactSolution:

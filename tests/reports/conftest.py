@@ -193,7 +193,8 @@ def epsilon_table() -> pd.DataFrame:
                 own = (outcome, 6, 0.1 / epsilon, 1e3 * (1 + error), error, 0, 1e3 * epsilon)
                 rows.append((case, "displacement", epsilon, *own))
     names = ["case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"]
-    return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition"])
+    table = pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition"])
+    return table.assign(mesh="20x20", command=[f"solve {row[0]} {row[2]:g}" for row in rows])
 
 
 def cycles_table() -> pd.DataFrame:

@@ -76,3 +76,10 @@ def test_rounding_stops_the_displacement_form() -> None:
     problem, start = data.problem(), ContactSolution.at_rest(2, 2)
     assert study.by_displacements(problem, start, 1e3).outcome is Outcome.CONVERGED
     assert not study.by_displacements(problem, start, 1e17).outcome.converged
+
+
+def test_a_case_and_its_epsilon_have_a_command() -> None:
+    case = Cell("strip", "strip-contact", {"mesh": "16x1"}, {"load_fraction": "5"})
+    options = "--mesh 16x1 --model full --set load_fraction=5 --set epsilon=10000"
+    assert study.command(case, 1e4) == f"footprint solve strip-contact {options} --out DIR"
+    assert "--set epsilon=inf" in study.command(case, np.inf)
