@@ -25,7 +25,7 @@ from studies.scene import UsageError
 from studies.scenes import SCENES
 
 CONFIGURATION = ("measure", "contact", "newton", "element")  # two cells that differ in one of them are two ways
-COST = "seconds"  # what a user pays; operations are counted in the factorisations only
+COST = "seconds"  # what a user pays
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)  # of the table
 COVER = 0.9  # of the interval of the seconds
@@ -162,17 +162,17 @@ def _cheapest(cells: pd.DataFrame, tolerance: float) -> dict[str, Any] | None:
 
 
 def seconds_interval(question: Question, cell: Mapping[str, Any]) -> tuple[float, float, float]:
-    """Seconds that a cell takes, and between what: its flops by the machine's law, with the spread of all its cells.
+    """Seconds that a cell takes, and between what: its operations by the law of all its cells, with their spread.
 
-    log seconds = a + b log flops over the cells of the scene; NaN when there are less than three.
+    log seconds = a + b log operations over the cells of the scene; NaN when there are less than three.
     """
-    timed = question.cells.reindex(columns=["cost.flops", "cost.seconds"]).astype(float)
+    timed = question.cells.reindex(columns=["cost.operations", "cost.seconds"]).astype(float)
     timed = timed[(timed > 0).all(axis=1)]
-    if len(timed) < 3 or timed["cost.flops"].nunique() < 2:
+    if len(timed) < 3 or timed["cost.operations"].nunique() < 2:
         return math.nan, math.nan, math.nan
     x, y = np.log(timed.to_numpy().T)
     law = np.polyfit(x, y, 1)
-    at = float(np.polyval(law, math.log(cell["cost.flops"])))
+    at = float(np.polyval(law, math.log(cell["cost.operations"])))
     low, high = np.quantile(y - np.polyval(law, x), [(1 - COVER) / 2, (1 + COVER) / 2])
     return math.exp(at + low), math.exp(at), math.exp(at + high)
 

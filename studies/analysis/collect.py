@@ -6,6 +6,7 @@ taken for rungs of the ladders of their scenes.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,7 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.answers import Answers, number
+from studies.bench.timing_lane import interval, read_times, times_path
 from studies.campaigns.share_cells import GROUP
 from studies.request import Request, Settings
 from studies.scenes.element import PRESETS
@@ -25,7 +27,7 @@ SETTINGS = ("section", "load", "epsilon", "tolerance")
 COLUMNS = (
     *("label", "id", "scene", "measure", "contact", "newton", "mesh", "n1", "n2", "model"),
     *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason"),
-    *("path_end", "path_end_at", "path_end_by", "command", "request"),
+    *("path_end", "path_end_at", "path_end_by", "command", "canary", "request"),
 )
 NUMBERS = ("epsilon", "tolerance", "path_end_at")
 
@@ -33,6 +35,9 @@ NUMBERS = ("epsilon", "tolerance", "path_end_at")
 def collect(store: Path, campaign: str) -> pd.DataFrame:
     """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, t.<time in s>, k.<residual of the judge>.
 
+    t.seconds: processor time, the median of the timing lane with its interval t.seconds_low to t.seconds_high where the
+    cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
+    "moved" where the cell was timed in vain, nothing where it was not timed.  c.operations: of all kinds.
     request: what was asked, by whose key rows are compared.
     outcome: a class of :data:`studies.solving.CLASSES`, or "missing".  q: headline quantities and the numbers of the
     last step.  path_end: kind of what the path of the problem itself ends at, with its parameter and what has found
@@ -41,7 +46,9 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     """
     answers = Answers.of(store, campaign)
     rows = (planned for planned in answers.planned.values() if planned.get("group") != GROUP)
-    table = pd.DataFrame([_row(answers, planned) for planned in rows])
+    timed = _timed(store, campaign)
+    table = pd.DataFrame([{**_row(answers, planned), **timed.get(planned["id"], {})} for planned in rows])
+    table = table.assign(canary=table["canary"].fillna("") if "canary" in table else "")
     more = [name for kind in "qctk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
     table = table.reindex(columns=[*COLUMNS, *more])
     for name in NUMBERS:
@@ -66,6 +73,7 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
         **_end(found.get("path_end") or {}),
         **{f"q.{key}": number(value) for key, value in {**numbers, **found["quantities"]}.items()},
         **{f"c.{key}": value for key, value in found["counters"].items()},
+        "c.operations": found["counters"].get("operations", found["counters"].get("flops")),
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
         **{f"t.{key}": value for key, value in found["timing_s"].items()},
         **_seconds(found["timing_s"]),
@@ -82,6 +90,20 @@ def _seconds(timing: Mapping[str, float]) -> dict[str, float]:
     """The processor time of a cell; where an old record has none, the time on the clock."""
     spent = timing.get("cpu", timing.get("total"))
     return {} if spent is None else {"t.seconds": spent}
+
+
+def _timed(store: Path, campaign: str) -> dict[str, dict[str, Any]]:
+    """What the timing lane says of each cell that it has timed, by its id."""
+    if not times_path(store, campaign).exists():
+        return {}
+    return {cell["id"]: _median(cell["warm"]) for cell in read_times(store, campaign)["cells"]}
+
+
+def _median(samples: list[float]) -> dict[str, Any]:
+    median, low, high = interval(samples)
+    if math.isnan(median):
+        return {"canary": "moved"}
+    return {"t.seconds": median, "t.seconds_low": low, "t.seconds_high": high, "canary": "quiet"}
 
 
 def _asked(planned: Mapping[str, Any]) -> dict[str, Any]:

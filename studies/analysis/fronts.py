@@ -10,13 +10,13 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from studies.analysis.rows import mesh_ranks
+from studies.analysis.rows import PRICES, mesh_ranks
 from studies.analysis.verify import CLAIMED, family_of, headline, questions
 from studies.solving import UNSUPPORTED
 
 WRONG = 0.1  # relative error from which an answer is none
 SAME = 0.01  # errors that differ by less of themselves are one: what is left is the solver's noise
-COSTS = {"dofs": "c.dofs", "factorisations": "c.factorisations", "flops": "c.flops", "seconds": "t.seconds"}
+COSTS = {"dofs": "c.dofs", **PRICES}
 NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
 SCENE_COLUMNS = (
     *("label", "scene", "family", "main", *NAMES, "mesh", "outcome", "path_end"),

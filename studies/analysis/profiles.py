@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from studies.algorithm_settings import settings_of
+from studies.analysis.rows import PRICES
 from studies.request import Request
 from studies.solving import SOLVED
 
@@ -22,7 +23,7 @@ TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 FACTORS = tuple(np.round(np.geomspace(1, 20, 40), 4))
 RANKED_AT = 2.0  # the factor at which the ranking is read
 SEED, RESAMPLES, COVER = 2004, 999, 0.95
-RANKED_BY = ("seconds", "flops")
+RANKED_BY = tuple(PRICES)
 FEWEST = 5  # problems that a ranking needs
 NOT_ASKED = ("unsupported", "missing")  # outcomes that are no failure
 PROFILE_COLUMNS = ("axis", "cost", "competitor", "problems", "solved", "factor", "share")

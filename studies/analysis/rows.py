@@ -15,6 +15,7 @@ from studies.solving import SOLVED
 
 STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
 REFINED = 1.3  # between two meshes of a ladder at the least, as Roache and ASME V&V 20 ask for: else an order is noise
+PRICES = {"seconds": "t.seconds", "operations": "c.operations"}  # what an answer costs, each of them all of it
 ERROR, ORDER = "error.", "order."  # prefixes of derived columns, as q. and c. are of collected ones
 
 
@@ -68,10 +69,11 @@ def quantities(table: pd.DataFrame) -> list[str]:
 
 
 def answers(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each quantity that a cell has: label, quantity, value."""
+    """One row for each quantity that a cell has: label, quantity, value, and its PRICES, NaN where not known."""
     values = table.set_index("label")[[f"q.{name}" for name in quantities(table)]].astype(float)
     long = values.rename(columns=lambda name: name.removeprefix("q.")).melt(var_name="quantity", ignore_index=False)
-    return long.dropna().reset_index()
+    costs = table.set_index("label").reindex(columns=list(PRICES.values())).set_axis(list(PRICES), axis=1)
+    return long.dropna().join(costs.astype(float)).reset_index()
 
 
 def reference_rows(table: pd.DataFrame) -> pd.DataFrame:

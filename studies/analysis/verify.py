@@ -23,7 +23,7 @@ import pandas as pd
 
 from studies.algorithm_settings import own_keys
 from studies.analysis.richardson import limit_of
-from studies.analysis.rows import STEP_KEYS, answers, keys, ladders, quantities, reference_rows
+from studies.analysis.rows import PRICES, STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
 from studies.solving import SOLVED, WRONG
@@ -34,6 +34,7 @@ ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),
     *("mesh_error", "order", "asymptotic", "solver_error", "formulation_error", "reference_error", "largest"),
+    *PRICES,
 )
 LIMIT_NAMES = ("ladder", "asked", "quantity", "scene", "measure", "label")
 LIMIT_NUMBERS = ("size", "tolerance", "epsilon", "finest", "limit", "limit_uncertainty", "order", "asymptotic")

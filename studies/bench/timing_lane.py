@@ -35,7 +35,7 @@ DRIFT = 0.05  # of the canary, within a block and against the quickest one so fa
 REPEATS = 3  # of a block that was discarded
 BLOCKS, ROUNDS = 2, 4  # eight samples of each cell: the first number that a rank test over many cells can use
 CONFIDENCE = 0.95
-COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "flops")
+COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "operations")
 
 
 @dataclass
@@ -131,7 +131,7 @@ def time_campaign(
 
     def cell(label: str) -> float:
         told = ask(Task("cell", *rows[label], use=(*used(), *campaign.use)))
-        return float(told["timing_s"]["total"])
+        return float(told["timing_s"]["cpu"])
 
     try:
         watch = Stopwatch(child.end, lambda: float(ask(Task("canary", "canary"))["seconds"]), cell)
@@ -150,12 +150,17 @@ def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples) -> N
         | {kind: getattr(found, kind).get(label, []) for kind in ("warm", "cold", "discarded")}
         for label, cell_id in ids.items()
     ]
-    write_json(archive.root / "timing" / f"{name}.json", {**told, "cells": cells})
+    write_json(times_path(archive.root, name), {**told, "cells": cells})
+
+
+def times_path(store: Path, campaign: str) -> Path:
+    """Where the samples of a campaign are kept."""
+    return store / "timing" / f"{campaign}.json"
 
 
 def read_times(store: Path, campaign: str) -> dict[str, Any]:
     """What was kept of a campaign: canaries, and the samples of the cells; raises UsageError where nothing was."""
-    path = store / "timing" / f"{campaign}.json"
+    path = times_path(store, campaign)
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
         return {key: found[key] for key in ("canaries", "cells")}

@@ -21,7 +21,7 @@ LEAST_SPAN = 12.0  # of an axis, so that a power of ten is on it
 WORST = 0.1  # relative error from which an answer is wrong
 FACTORS = ("mesh", "measure", "contact", "tolerance", "newton", "element", "section", "load", "model")
 COST_WORDS = {
-    "flops": "floating-point operations of factorisations",
+    "operations": "floating-point operations",
     "factorisations": "factorisations",
     "dofs": "unknowns",
     "seconds": "processor time [s]",

@@ -14,7 +14,7 @@ from reports.markdown import Part, commands, filled, folded, joined, listing, ma
 from reports.store.tables import Store
 
 COST = "seconds"  # of processor time; other runs and machines have others
-OPERATIONS = "flops"  # of the factorisations only, the same on every machine
+OPERATIONS = "operations"  # of all kinds, the same on every machine
 LARGEST = ("mesh", "solver", "formulation", "reference")
 FEW = 12  # rows of a family's front
 

@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
     add_store(parser)
     parser.add_argument("--campaign", default="standard", help="default standard")
-    parser.add_argument("--cost", default="seconds", help="dofs, factorisations, flops or seconds; default seconds")
+    parser.add_argument("--cost", default="seconds", help="dofs, seconds or operations; default seconds")
     add_settings(parser)
 
 

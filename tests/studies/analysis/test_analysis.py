@@ -82,17 +82,17 @@ def test_without_a_reference_the_exact_measure_is_the_limit() -> None:
 def test_slow_but_accurate_and_fast_but_wrong_land_where_they_must() -> None:
     sweep = cells()
     slow, fast = sweep.tail(1).copy(), sweep.head(1).copy()
-    slow["label"], slow["c.flops"], slow["q.tip_deflection_mm"] = "slow", 1e9, EXACT * (1 + 3e-5)
+    slow["label"], slow["c.operations"], slow["q.tip_deflection_mm"] = "slow", 1e9, EXACT * (1 + 3e-5)
     slow["request"] = [replace(request, mesh=(512, 1)) for request in slow["request"]]
-    fast["label"], fast["c.flops"], fast["q.tip_deflection_mm"] = "fast", 1.0, EXACT * 1.5
+    fast["label"], fast["c.operations"], fast["q.tip_deflection_mm"] = "fast", 1.0, EXACT * 1.5
     fast["request"] = [replace(request, mesh=(1, 1)) for request in fast["request"]]
     table = pd.concat([sweep, slow, fast], ignore_index=True)
     found = fronts(table, verified(table)).set_index("label")
-    assert bool(found.loc["slow", "front.flops"])
+    assert bool(found.loc["slow", "front.operations"])
     assert found.loc["slow", "flag"] == ""
-    assert not found.loc["fast", "front.flops"]
+    assert not found.loc["fast", "front.operations"]
     assert found.loc["fast", "flag"] == "wrong"
-    assert found["front.flops"].sum() == 5  # each mesh of the ladder buys accuracy, too
+    assert found["front.operations"].sum() == 5  # each mesh of the ladder buys accuracy, too
 
 
 def test_a_claim_that_the_judge_rejects_is_on_no_front() -> None:
@@ -102,7 +102,7 @@ def test_a_claim_that_the_judge_rejects_is_on_no_front() -> None:
     table.loc[2, "outcome"] = "unsupported"
     found = fronts(table, verified(table))
     assert list(found["flag"]) == ["wrong", "failed", "unsupported", ""]
-    assert not found["front.flops"][:3].any()
+    assert not found["front.operations"][:3].any()
 
 
 def test_two_errors_that_cancel_are_not_accuracy() -> None:
@@ -120,7 +120,7 @@ def test_two_errors_that_cancel_are_not_accuracy() -> None:
 def test_an_error_below_what_the_reference_knows_buys_nothing() -> None:
     table = cells()
     found = fronts(table, verified(table).assign(uncertainty=1.01 * 2 / 16**2))
-    assert list(found["front.flops"]) == [True, True, False, False]
+    assert list(found["front.operations"]) == [True, True, False, False]
 
 
 def test_the_front_itself() -> None:
@@ -142,16 +142,16 @@ def test_a_family_counts_what_all_its_scenes_have() -> None:
     assert list(found["scenes"]) == [2] * 4
     coarse = found[found["rung"] == 0].iloc[0]
     assert coarse["error"] == pytest.approx(2 / 64, rel=1e-3)
-    assert coarse["cost.flops"] == pytest.approx(1.0)
+    assert coarse["cost.operations"] == pytest.approx(1.0)
 
 
 def test_an_ignored_tolerance_is_flagged_and_one_that_is_read_is_not() -> None:
     reads = cells(tolerances={1e-2: 1e-3, 1e-6: 1e-7, 1e-10: 0.0})
     ignores = cells(contacts={"lcp": 1.0}, tolerances={1e-2: 0.0, 1e-6: 0.0, 1e-10: 0.0})
-    for column in ("c.newton_iterations", "c.factorisations", "c.flops"):
+    for column in ("c.newton_iterations", "c.factorisations", "c.operations"):
         ignores[column] = 7
     at_once = cells("hemisphere", "inward_mm", 8.178, tolerances={1e-2: 0.0, 1e-10: 0.0})
-    for column in ("c.newton_iterations", "c.factorisations", "c.flops"):
+    for column in ("c.newton_iterations", "c.factorisations", "c.operations"):
         at_once[column] = 1
     found = inert(pd.concat([reads, ignores, at_once]), "tolerance").set_index("subject")
     assert found.index.tolist() == ["lcp mixed", "semismooth mixed"]
@@ -245,7 +245,7 @@ def test_the_largest_problems_may_say_the_opposite() -> None:
 def test_profiles_rank_at_two() -> None:
     table = two_scenes({"semismooth": 1.0, "lcp": 3.0})
     profile, _, flips = profiles(fronts(table, verified(table)))
-    at_two = profile[(profile["cost"] == "flops") & np.isclose(profile["factor"], 2.0, atol=0.1)]
+    at_two = profile[(profile["cost"] == "operations") & np.isclose(profile["factor"], 2.0, atol=0.1)]
     assert set(at_two["share"][at_two["competitor"] == "lcp"]) == {0.0}
     assert set(flips["flips"]) == {""}
 
@@ -309,12 +309,12 @@ def test_who_was_not_asked_has_not_failed() -> None:
     more = cells("hemisphere", "inward_mm", 8.178, contacts={"semismooth": 1.0, "lcp": 3.0})
     more.loc[more["contact"] == "lcp", "outcome"] = "not-converged"
     both = pd.concat([table, more], ignore_index=True)
-    matrix = problems(field(fronts(both, verified(both)), "contact", "flops"), "contact")
+    matrix = problems(field(fronts(both, verified(both)), "contact", "operations"), "contact")
     assert list(matrix.columns) == ["semismooth", "lcp"]
     assert len(matrix) == 8
     assert np.isinf(matrix["lcp"]).sum() == 4
     refused = both.assign(outcome=both["outcome"].replace("not-converged", "unsupported"))
-    asked = field(fronts(refused, verified(refused)), "contact", "flops")
+    asked = field(fronts(refused, verified(refused)), "contact", "operations")
     assert len(problems(asked, "contact")) == 4
 
 
@@ -417,7 +417,7 @@ def test_an_uncertain_reference_cannot_show_what_it_does_not_know() -> None:
     [
         ({"scene": "tyre"}, "scene 'tyre' is not in this campaign; it has cantilever"),
         ({"scene": "cantilever", "quantity": "force_N"}, "no verified quantity 'force_N'; it has tip_deflection_mm"),
-        ({"scene": "cantilever", "cost": "beer"}, "cost 'beer' must be one of dofs, factorisations, flops, seconds"),
+        ({"scene": "cantilever", "cost": "beer"}, "cost 'beer' must be one of dofs, seconds, operations"),
         ({"scene": "cantilever", "settings": {"load_fraction": "2"}}, "it was with: load_fraction=1"),
     ],
 )
@@ -478,7 +478,9 @@ def test_all_tables_of_the_analysis() -> None:
     }
     assert len(tables["fronts"]) == 64
     assert (tables["fronts"]["flag"] == "").all()
-    by_factor = tables["attribution"].query("name == 'cantilever' and response == 'flops'").set_index("factor")["share"]
+    by_factor = (
+        tables["attribution"].query("name == 'cantilever' and response == 'operations'").set_index("factor")["share"]
+    )
     assert by_factor["mesh"] > 0.9 > by_factor["contact"] > 0.005 > by_factor["measure"]
     with pytest.raises(UsageError, match="nothing to analyse"):
         analysed(several_scenes().assign(outcome="time"))
