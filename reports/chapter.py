@@ -8,21 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from posixpath import dirname, relpath
 
 from reports.markdown import Part
 from reports.store.reading import StoreError
 from reports.store.tables import Store
 
 ALL = "all"  # what a campaign says whose cells are those of all pages
-INDEX, INDEX_TITLE = "index.md", "All results"
+INDEX, INDEX_TITLE = "index.md", "Results"
 
 
 @dataclass(frozen=True)
 class Chapter:
-    """One page; ``render`` is a function of the store, whose text begins with the heading of the page.
+    """One page; ``render`` is a function of the store, whose text begins with the heading of the page: its title.
 
-    needs: names of tables. always: a page of the whole report, where a missing table is an error; any other page is
-    made for each campaign that has its tables.
+    name: of the file, with its folder if it has one. needs: names of tables. always: a page of the whole report, where
+    a missing table is an error; any other page is made for each campaign that has its tables. group: that it is listed
+    in. under: the name of the page that lists it instead, as a catalogue lists its sheets.
     """
 
     name: str
@@ -31,6 +33,8 @@ class Chapter:
     render: Callable[[Store], Part]
     needs: tuple[str, ...] = ()
     always: bool = False
+    group: str = "More"
+    under: str = ""
 
     @property
     def file(self) -> str:
@@ -47,12 +51,39 @@ class Chapter:
         return not self.always and all(map(store.has_analysis, self.needs))
 
 
+def grouped(chapters: Iterable[Chapter]) -> dict[str, list[Chapter]]:
+    """The chapters of each group, but for those that a page lists."""
+    found: dict[str, list[Chapter]] = {}
+    for each in chapters:
+        if not each.under:
+            found.setdefault(each.group, []).append(each)
+    return found
+
+
 def link_line(chapters: Iterable[Chapter], page: str) -> str:
-    """Links to all pages but this one, on one line."""
-    titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
-    return " · ".join(f"[{title}]({name})" for name, title in titles.items() if name != page)
+    """Links to all pages but this one, by group, on one line; from a page that another one lists, to that one first."""
+    known = list(chapters)
+    above = next((each.under for each in known if each.file == page), "")
+    up = [f"up: {_linked(each.file, each.title, page)}" for each in known if above and each.name == above]
+    lines = [" · ".join([_linked(INDEX, INDEX_TITLE, page), *up])]
+    for group, pages in grouped(known).items():
+        links = [_linked(each.file, each.title, page) for each in pages if each.file != page]
+        lines += [f"**{group}:** {' · '.join(links)}"] if links else []
+    return " — ".join(lines)
+
+
+def _linked(file: str, title: str, page: str) -> str:
+    return f"[{title}]({relative(file, page)})"
+
+
+def relative(file: str, page: str) -> str:
+    """The way from a page to a file, both named from the folder of the report."""
+    return relpath(file, dirname(page) or ".")
 
 
 def listed(chapters: Iterable[Chapter], folder: str = "") -> str:
-    """A list item a page: its link and its question."""
-    return "\n".join(f"- [{each.title}]({folder}{each.file}): {each.question}" for each in chapters)
+    """A list item a page under its group: its link and its question."""
+    return "\n\n".join(
+        "\n".join([f"### {group}\n", *(f"- [{each.title}]({folder}{each.file}): {each.question}" for each in pages)])
+        for group, pages in grouped(chapters).items()
+    )

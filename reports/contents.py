@@ -1,9 +1,12 @@
-"""The list of all chapters, in the order of the report; a page from outside is one file and one line:
+"""The table of contents: all chapters in groups, in the order of the report.
 
-``from reports.contents import CHAPTERS; CHAPTERS.append(Chapter(...))``.
+A page from outside is one file and one line, ``from reports.contents import CHAPTERS; CHAPTERS.append(Chapter(...))``,
+and stands in the group that it names.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 from reports.chapter import Chapter
 from reports.chapters.contact import agreement, algorithms, epsilon
@@ -13,9 +16,13 @@ from reports.chapters.trade import advice, cost, tradeoff
 from reports.chapters.tyre import page as tyre
 from reports.chapters.validation import experiment, manufactured
 
-MECHANICS = (
-    *(tyre, benchmarks, convergence, manufactured, measures, rigid_body, locking, symmetry, extremes, fuzz),
-    *(shell_limits, experiment),
-)
-SOLVING = (agreement, algorithms, epsilon, tradeoff, advice, cost)
-CHAPTERS: list[Chapter] = [each.CHAPTER for each in (*MECHANICS, *SOLVING)]
+GROUPS = {
+    "Answers": (measures, advice, shell_limits),
+    "Verification": (*(tyre, benchmarks, convergence, manufactured, rigid_body, locking, symmetry, fuzz, experiment),),
+    "Contact": (agreement, algorithms, epsilon, extremes),
+    "Cost": (tradeoff, cost),
+    "Catalogue": (),
+    "Data": (),
+}
+CHAPTERS: list[Chapter] = [replace(each.CHAPTER, group=group) for group, modules in GROUPS.items() for each in modules]
+"""The pages, a folder for each subject. Only tables are read; nothing of ours beside :mod:`reports` is imported."""

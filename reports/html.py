@@ -6,10 +6,12 @@ Without a script the pages stand below one another; with it, one at a time, and 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from html import escape
 from pathlib import Path
+from posixpath import dirname, join, normpath
+from types import MappingProxyType
 from urllib.parse import unquote
 
 from markdown_it import MarkdownIt
@@ -28,10 +30,16 @@ Link = Callable[[str], str]  # where a link of the page leads to
 Picture = Callable[[str, str], str]  # file name and words to HTML
 
 
-def report_html(pages: Mapping[str, str], titles: Mapping[str, str], pictures: Mapping[str, str]) -> str:
+def report_html(
+    pages: Mapping[str, str],
+    titles: Mapping[str, str],
+    pictures: Mapping[str, str],
+    groups: Mapping[str, Sequence[str]] = MappingProxyType({}),
+) -> str:
     """The file from texts and titles of the pages by file name, and the SVG of their pictures by name.
 
-    Raises ValueError for a link or a picture that leads nowhere, and for a file that has become too large.
+    groups: the pages that are linked at the top of each, by the title of their group; the first page is linked before
+    them. Raises ValueError for a link or a picture that leads nowhere, and for a file that has become too large.
     """
     prefixes = {name: f"p{number}" for number, name in enumerate(sorted(pictures))}
     inlined = {name: inlined_svg(svg, prefixes[name]) for name, svg in pictures.items()}
@@ -39,7 +47,7 @@ def report_html(pages: Mapping[str, str], titles: Mapping[str, str], pictures: M
     for name, text in pages.items():
         body = to_html(text, partial(_target, name, pages), partial(_picture, inlined), partial(_anchor, name))
         sections.append(f'<section id="{_page(name)}">\n{body}\n</section>')
-    links = "\n".join(f'<a href="#{_page(name)}">{escape(titles[name])}</a>' for name in pages)
+    links = "\n".join(_navigation(pages, titles, groups))
     style, script = ((ASSETS / name).read_text(encoding="utf-8").strip() for name in ("report.css", "report.js"))
     whole = f"""<!doctype html>
 <html lang="en">
@@ -71,6 +79,19 @@ def report_html(pages: Mapping[str, str], titles: Mapping[str, str], pictures: M
     return whole
 
 
+def _navigation(
+    pages: Mapping[str, str], titles: Mapping[str, str], groups: Mapping[str, Sequence[str]]
+) -> Iterator[str]:
+    """Links to the first page and to those of the groups."""
+    yield _linked(next(iter(pages)), titles)
+    for group, names in groups.items():
+        yield f'<span class="group"><b>{escape(group)}</b> {" ".join(_linked(name, titles) for name in names)}</span>'
+
+
+def _linked(name: str, titles: Mapping[str, str]) -> str:
+    return f'<a href="#{_page(name)}">{escape(titles[name])}</a>'
+
+
 def to_html(text: str, link: Link, picture: Picture, anchor: Link) -> str:
     """A page; anchor: the id of a heading from its fragment. Raises ValueError for HTML that is no fold."""
     tokens = MARKDOWN.parse(text)
@@ -97,7 +118,7 @@ def _figures_and_captions(tokens: list[Token], picture: Picture) -> Iterator[Tok
         children = _children(tokens[at + 1]) if token.type == "paragraph_open" else []
         kinds = [child.type for child in children]
         if kinds == ["image"]:
-            name = str(children[0].attrs["src"]).removeprefix("figures/")
+            name = str(children[0].attrs["src"]).rpartition("figures/")[2]
             yield _html(f"<figure>{picture(name, children[0].content)}</figure>\n")
             at += 3
         elif token.type == "paragraph_open" and is_title(tokens[at + 1]) and tokens[at + 3].type == "table_open":
@@ -154,6 +175,7 @@ def _anchor(page: str, fragment: str) -> str:
 def _target(page: str, pages: Mapping[str, str], to: str) -> str:
     """Where a link of a page leads within the file."""
     name, _, fragment = to.partition("#")
+    name = name and normpath(join(dirname(page), name))
     if name and name not in pages:
         raise ValueError(f"{page}: a link to {to}, which is no page")
     return f"#{_anchor(name or page, fragment)}" if fragment else f"#{_page(name)}"

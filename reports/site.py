@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, link_line, listed
+from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, grouped, link_line, listed, relative
 from reports.chapters.overview.campaign import campaign_page
 from reports.chapters.overview.index import index_page
 from reports.chapters.overview.outcomes import completeness_line
@@ -55,16 +55,18 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
     linked = {each.file: _under_heading(texts[each.file], link_line(chapters, each.file)) for each in chapters}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
-    return {**svgs, **texts, **linked, REPORT: report_html(texts, titles, pictures)}
+    groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
+    return {**svgs, **texts, **linked, REPORT: report_html(texts, titles, pictures, groups)}
 
 
 def _made(chapter: Chapter, store: Store) -> Part:
     """A page; raises StoreError for a column that its tables lack, as those of another version may."""
     try:
-        return chapter.render(store)
+        part = chapter.render(store)
     except KeyError as error:
         tables = ", ".join(chapter.needs) or "its cells"
         raise StoreError(f"{store.path}: {chapter.file} lacks {error}, of {tables}") from error
+    return Part(part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/"), part.pictures)
 
 
 def _under_heading(text: str, line: str) -> str:
@@ -78,16 +80,18 @@ def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
     Pictures in machine blocks alone may come and go with what was measured.
     """
     files = {name: text for name, text in files.items() if name != REPORT}
-    there = {path.relative_to(out).as_posix() for path in [*out.glob("*.md"), *(out / FIGURES).glob("*.svg")]}
+    folders = {out, *((out / name).parent for name in files if name.endswith(".md"))}
+    pages = [path for folder in sorted(folders) for path in folder.glob("*.md")]
+    there = {path.relative_to(out).as_posix() for path in [*pages, *(out / FIGURES).glob("*.svg")]}
     texts = [text for name, text in files.items() if name.endswith(".md")]
     texts += [(out / name).read_text(encoding="utf-8") for name in there if name.endswith(".md")]
     pictures = {name for name in there | set(files) if name.endswith(".svg")}
     measured = of_the_machine("\n".join(texts), pictures)
     found = [f"{name}: missing in {out}" for name in files if name not in there | measured]
     found += [f"{name}: in {out}, but no longer made" for name in sorted(there - set(files) - measured)]
-    pages = [name for name in files if name.endswith(".md") and name in there]
-    if not pages:
+    common = [name for name in files if name.endswith(".md") and name in there]
+    if not common:
         found.append(f"{out}: no page to compare")
-    for name in pages:
+    for name in common:
         found += differences(name, (out / name).read_text(encoding="utf-8"), files[name])
     return found

@@ -147,6 +147,18 @@ def test_what_leads_nowhere_is_refused(text: str, says: str) -> None:
         small(text)
 
 
+def test_pages_of_a_folder_link_from_where_they_are() -> None:
+    pages = {"index.md": "[A](a/one.md)", "a/one.md": "# One\n\n[up](../index.md), [two](two.md#part)"}
+    pages["a/two.md"] = "# Two\n\n## Part\n\n![x](../figures/x.svg)"
+    titles = {"index.md": "All", "a/one.md": "One", "a/two.md": "Two"}
+    made = report_html(pages, titles, {"x.svg": SVG.format("")}, {"Some": ["a/one.md"]})
+    assert '<a href="#a/one">A</a>' in made
+    assert '<a href="#index">up</a>, <a href="#a/two--part">two</a>' in made
+    assert made.count("<figure><svg") == 1
+    assert '<b>Some</b> <a href="#a/one">One</a></span>' in made
+    assert '<a href="#a/two">' not in made
+
+
 def test_a_file_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(html, "LARGEST", 3000)
     with pytest.raises(ValueError, match="bytes, more than 3000"):

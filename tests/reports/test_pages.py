@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from reports.chapter import Chapter
+from reports.chapter import INDEX_TITLE, Chapter
 from reports.chapters.limits import fuzz
 from reports.chapters.tyre.meshes import SOLID
 from reports.contents import CHAPTERS
@@ -126,14 +126,32 @@ def test_every_page_links_to_every_other(files: dict[str, str]) -> None:
         assert [other for other in PAGES if other != name and f"]({other})" not in files[name]] == []
 
 
+def test_a_page_has_one_name(files: dict[str, str]) -> None:
+    """The same in its heading, in the links of other pages and in the lists of pages."""
+    for each in CHAPTERS:
+        if each.file in files:
+            assert files[each.file].startswith(f"# {each.title}\n")
+    assert files["index.md"].startswith(f"# {INDEX_TITLE}\n")
+    titles = [each.title for each in CHAPTERS]
+    assert len(set(titles)) == len(titles)
+
+
 def test_a_page_from_outside_is_one_entry_of_the_list(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    own = Chapter("mine", "My page", "what a stranger asks.", lambda store: Part("# Mine\n\nText."), needs=("cycles",))
+    text = "# My page\n\nText.\n\n![x](figures/x.svg)"
+    own = Chapter("mine", "My page", "what a stranger asks.", lambda store: Part(text), needs=("cycles",))
+    drawn = Part(text.replace("My page", "Sheet"), {"x.svg": lambda: "<svg/>"})
+    sheet = Chapter("sheets/one", "Sheet", "one of many.", lambda store: drawn, under="mine")
     needy = Chapter("needy", "Another", "what has no table.", lambda store: Part("# No"), needs=("nothing",))
-    monkeypatch.setattr("reports.site.CHAPTERS", [*CHAPTERS, own, needy])
+    monkeypatch.setattr("reports.site.CHAPTERS", [*CHAPTERS, own, sheet, needy])
     files = rendered(load_store(store), draw=False)
-    assert files["mine.md"].startswith("# Mine\n\n[All results](index.md) · [The tyre](tyre.md)")
+    assert files["mine.md"].startswith("# My page\n\n[Results](index.md) — **Answers:** [")
+    assert "**More:**" not in files["mine.md"]
+    assert " — **More:** [My page](mine.md)\n" in files["tyre.md"]
+    up = "[Results](../index.md) · up: [My page](../mine.md)"
+    assert files["sheets/one.md"].startswith(f"# Sheet\n\n{up} — **Answers:** [")
+    assert "](../figures/x.svg)" in files["sheets/one.md"]
+    assert "sheets/one.md" not in files["tyre.md"] + files["index.md"]
     assert "- [My page](mine.md): what a stranger asks." in files["index.md"]
-    assert "[My page](mine.md)" in files["tyre.md"]
     assert '<section id="mine">' in files[REPORT]
     assert "needy.md" not in files
 

@@ -18,7 +18,7 @@ def agreement_page(store: Store) -> Part:
     refused = [entry for entry in found if entry.cell.unsupported]
     same = sum(entry.agrees for entry in others)
     mesh = found[0].reference.result["mesh"]
-    introduction = prose(f"""# Do the contact algorithms agree?
+    introduction = prose(f"""# Agreement of the algorithms
 
 The paper's tyre on a mesh of {mesh}, inflated and pressed, by every contact algorithm of the catalogue, under a dead
 and under a follower pressure (with which the tangent is no longer symmetric), with the symmetric section
@@ -91,7 +91,7 @@ def _finite(found: list[Entry]) -> str:
 
 CHAPTER = Chapter(
     "contact-agreement",
-    "Contact: agreement",
+    "Agreement of the algorithms",
     "one tyre by every contact algorithm, load and section.",
     agreement_page,
     always=True,

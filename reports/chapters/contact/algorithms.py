@@ -20,7 +20,7 @@ def algorithms_page(store: Store) -> Part:
     solved = [entry for entry in found if not entry.cell.unsupported]
     refused = [entry for entry in found if entry.cell.unsupported]
     names = ", ".join(dict.fromkeys(f"`{entry.contact}`" for entry in found))
-    introduction = prose(f"""# What the contact algorithms cost
+    introduction = prose(f"""# Costs of the algorithms
 
 {names}: every algorithm of the catalogue on the four cases of [the agreement](contact-agreement.md), inflation and
 {len(found[0].travels)} travels of the plane. A *Newton iteration* is a linearised problem with a change of the
@@ -86,7 +86,7 @@ The {load} load with the section `{section}` and the exact condition, inflation 
 
 CHAPTER = Chapter(
     "algorithms",
-    "Contact: costs",
+    "Costs of the algorithms",
     'their iterations, factorisations and times, where they cycle, which says "solved" and is wrong.',
     algorithms_page,
     needs=("cycles", "false_success"),

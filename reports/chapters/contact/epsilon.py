@@ -30,7 +30,7 @@ def epsilon_page(store: Store) -> Part:
     """The whole page."""
     data = store.table("epsilon")
     cases = list(dict.fromkeys(data["case"]))
-    text = prose(f"""# How large should ε be?
+    text = prose(f"""# Regularisation by ε
 
 The paper replaces the contact condition by p = ε <-g>: a pressure proportional to the penetration, with
 ε = {PAPER:g} MPa/mm. The same two problems are solved with ε from {data["epsilon"].min():g} to
@@ -154,7 +154,7 @@ def _case(own: pd.DataFrame, case: str, level: float) -> Part:
 
 CHAPTER = Chapter(
     "epsilon",
-    "Contact: ε",
+    "Regularisation by ε",
     "the regularisation from far too soft to far too hard, and the paper's value.",
     epsilon_page,
     needs=("rules", "epsilon", "epsilon_laws"),

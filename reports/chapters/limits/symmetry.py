@@ -25,7 +25,7 @@ LOOKS: dict[str, dict[str, Any]] = {  # of the classes
     "does not apply": {"color": PURPLE, "marker": "|"},
 }
 ZERO = 1e-17  # where an exact zero is drawn
-INTRODUCTION = prose("""# Symmetry and invariance
+INTRODUCTION = prose("""# Symmetry
 
 An answer must not depend on the order of the nodes, on which coordinate is called the first, on the units, on the
 number of load steps, or on where in space the body is. Each check compares two answers that ought to be one, or an

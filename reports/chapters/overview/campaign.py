@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from reports.chapter import INDEX_TITLE
 from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.formats import NOTHING, code, scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
@@ -16,7 +17,9 @@ COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
 
 def campaign_page(store: Store, contents: str = "") -> Part:
     """The whole page; contents: the list of the other pages. Times are those of its last block."""
-    head = f"# Campaign `{store.campaign}`\n\n{store.title}." + (f"\n\n{contents}" if contents else "")
+    head = f"# {INDEX_TITLE}\n\n{store.title}: the campaign `{store.campaign}`." + (
+        f"\n\n{contents}" if contents else ""
+    )
     refused = f"## Refused\n\n{refusals(store)}"
     sections = _sequences(store), _outcomes(store), refused, _unfinished(store), origin(store)
     return joined(head, "## Completeness", completeness(store), *sections)

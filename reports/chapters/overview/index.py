@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from reports.chapter import INDEX_TITLE
 from reports.chapters.overview.headlines import headlines
 from reports.chapters.overview.outcomes import completeness, origin, refusals
 from reports.chapters.shells.benchmarks import BENCHMARKS
@@ -25,7 +26,7 @@ from reports.store.tables import Store
 def index_page(store: Store, contents: str) -> Part:
     """The whole page; contents: the list of the other pages."""
     sections = (_findings, _limitations, _completeness, origin)
-    return joined("# Results", headlines(store), "## Pages", contents, *(section(store) for section in sections))
+    return joined(f"# {INDEX_TITLE}", headlines(store), "## Pages", contents, *(section(store) for section in sections))
 
 
 def _completeness(store: Store) -> Part:

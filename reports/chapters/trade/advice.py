@@ -18,7 +18,7 @@ AIM_REGRET, AIM_MET = 1.5, 0.95
 
 def advice_page(store: Store) -> Part:
     """The whole page."""
-    introduction = prose(f"""# Which configuration
+    introduction = prose(f"""# Advice
 
 The cheapest configuration whose upper confidence bound of the error, the verified error and what its reference is
 uncertain by, meets a tolerance, over all cells of the campaign `{store.campaign}`. `footprint advise SCENE --error 1%`

@@ -24,7 +24,7 @@ TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
 def cost_page(store: Store) -> Part:
     """The whole page."""
-    introduction = prose("""# What it costs
+    introduction = prose("""# Cost of the tyre
 
 Times are of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
     return joined(

@@ -21,7 +21,7 @@ FEW = 12  # rows of a family's front
 
 def tradeoff_page(store: Store) -> Part:
     """The whole page."""
-    introduction = prose(f"""# What accuracy costs
+    introduction = prose(f"""# Cost and accuracy
 
 Every cell of the campaign `{store.campaign}` is verified: against the scene's reference where one holds for its
 settings, else against the limit of a ladder of meshes by the exact measure, so that what a measure loses is an error.

@@ -87,7 +87,7 @@ def _introduction(data: pd.DataFrame, inputs: pd.DataFrame) -> str:
     thick, soft, shell = end[LAW], end["solid svk"], end["shell exact"]
     known = {str(key): float(value) for key, value in zip(inputs["input"], inputs["value"], strict=True)}
     outer, inner = known["outer_mm"], known["inner_mm"]
-    return prose(f"""# An experiment and its error budget
+    return prose(f"""# An experiment
 
 A polyurethane ring, outer radius {outer:g} mm, inner {inner:g} mm, E = {known["E_MPa"]:g} MPa, ν = {known["nu"]:g}, is
 crushed between rigid plates by {thick["approach"]:g} mm (Saleeb, Chen, Chang 1994; read off their curve by Code_Aster,
