@@ -17,6 +17,7 @@ import pandas as pd
 from reports.store.cells import CELL_KEYS, Cell, planned_cell
 from reports.store.reading import SCHEMA, StoreError, read_table, read_versioned, require
 
+SHEETS = "sheets"  # the group of the cells that are drawn, which no other page means
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
 OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}
@@ -60,11 +61,13 @@ class Store:
         """The cells behind the pages whose resolved request has all these values, in the order of the campaign.
 
         wanted: scene, measure, contact, newton, mesh, model, steps, any setting, or the group. Of equal requests the
-        first one; none that was refused before it was solved. Raises StoreError for another cell without a record.
+        first one; none that was refused before it was solved, and none of a sheet unless by its group. Raises
+        StoreError for another cell without a record.
         """
         unique: dict[str, Cell] = {}
         for each in self._by_scene[wanted["scene"]] if "scene" in wanted else self.planned:
-            if each.shown and (each.result or each.ended != "unsupported") and each.matches(wanted):
+            apart = each.group == SHEETS and "group" not in wanted
+            if each.shown and not apart and (each.result or each.ended != "unsupported") and each.matches(wanted):
                 unique.setdefault(each.request, each)
         for each in unique.values():
             if not each.result:

@@ -1,7 +1,7 @@
 """A campaign of a store as one table: a row for each planned cell, whatever became of it.
 
-But for the cells that compare shares of the thickness strain: their meshes are too coarse on purpose, and would be
-taken for rungs of the ladders of their scenes.
+But for the cells that compare shares of the thickness strain and those that are drawn on the sheets: their meshes are
+too coarse on purpose, and would be taken for rungs of the ladders of their scenes.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ import pandas as pd
 
 from studies.analysis.answers import Answers, number
 from studies.bench.timing_lane import interval, read_times, times_path
-from studies.campaigns.share_cells import GROUP
+from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
 from studies.scenes.element import PRESETS
 from studies.solving import UNSUPPORTED
 from studies.step import Step
 
 MISSING = "missing"
+APART = (share_cells.GROUP, sheet_cells.GROUP)
 OPTIONS = ("measure", "contact", "newton", "model")
 SETTINGS = ("section", "load", "epsilon", "tolerance")
 COLUMNS = (
@@ -45,7 +46,7 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     thing. Raises UsageError when the store has no such campaign, or a record that cannot be read.
     """
     answers = Answers.of(store, campaign)
-    rows = (planned for planned in answers.planned.values() if planned.get("group") != GROUP)
+    rows = (planned for planned in answers.planned.values() if planned.get("group") not in APART)
     timed = _timed(store, campaign)
     table = pd.DataFrame([{**_row(answers, planned), **timed.get(planned["id"], {})} for planned in rows])
     table = table.assign(canary=table["canary"].fillna("") if "canary" in table else "")

@@ -16,6 +16,7 @@ from studies.campaigns import ladder_cells as convergence_cells
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.campaigns.share_cells import share_cells
+from studies.campaigns.sheet_cells import sheet_cells
 
 _PAPER = {"element": "paper"}
 
@@ -198,6 +199,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "shares": lambda: tuple(share_cells()),
     "agreement": lambda: (*agreement(), *ROBUSTNESS),
     "models": lambda: MODELS,
+    "sheets": lambda: tuple(sheet_cells()),
     "statements": lambda: (),  # a table alone
     "experiment": lambda: (),  # tables alone
     "truth": lambda: (),  # tables alone
@@ -205,7 +207,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "faults": lambda: (),  # a table alone
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
-        *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells()),
+        *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
     ),
 }
 TABLES_OF: dict[str, Sequence[str]] = {
