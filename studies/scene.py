@@ -131,7 +131,7 @@ class Reference:
     """A value to compare with: quantity name as in the result, where it holds, its kind and source.
 
     kind: "printed" (in the source itself), "read" (in a public transcription), "computed" (independent program),
-    "exact" (closed form). uncertainty: relative.
+    "exact" (closed form), "refined" (limit of grids of ours beyond those that it judges). uncertainty: relative.
     """
 
     quantity: str

@@ -29,7 +29,19 @@ from studies.scenes import SCENES
 from studies.solving import SOLVED, WRONG
 
 CLAIMED = (*SOLVED, WRONG)  # outcomes with a value that somebody might believe
-HOW = ("mesh", "lines", "contact", "newton", "steps", "model", "sector_deg", "tolerance", "solver", "epsilon")
+HOW = (
+    "mesh",
+    "lines",
+    "grading",
+    "contact",
+    "newton",
+    "steps",
+    "model",
+    "sector_deg",
+    "tolerance",
+    "solver",
+    "epsilon",
+)
 ELEMENT = ("element", "interpolation", "thickness_strain", "membrane")
 COLUMNS = (
     *("label", "scene", "quantity", "value", "against", "reference", "uncertainty", "error"),

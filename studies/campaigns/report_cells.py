@@ -109,7 +109,10 @@ GROWING = (
     Growing("hemisphere", "16x16", "load_fraction", "inward_mm", _shares(20, 1, 20)),
     Growing("cantilever", "32x2", "load_fraction", "tip_deflection_mm", _shares(20, 1, 20)),
     Growing("sze-pullout", "12x18", "load_fraction", "w_A_mm", _shares(20, 1, 20)),
+    Growing("sze-annulus", "6x30", "load_fraction", "w_B_mm", _shares(20, 1, 20)),
+    Growing("ring", "1x32", "delta_mm", "P_R2_over_EI", tuple(2.5 * i for i in range(1, 21))),
     Growing("roof-a", "8x8", "load_fraction", "w_C_mm", _shares(20, 1, 14)),
+    Growing("roof-d", "8x8", "load_fraction", "w_C_mm", _shares(80, 1, 14)),
     Growing("shallow-cap", "32x4", "load_fraction", "w_apex_mm", _shares(40, 2, 22)),
 )
 OPTIONS = tuple(

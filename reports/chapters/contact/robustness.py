@@ -90,19 +90,28 @@ def _period(period: int) -> str:
 def _claims(store: Store) -> Part:
     """Who says that it has solved a problem, and has not."""
     found = store.table("false_success")
-    wrong = found[found["false"] > 0]
-    heads = "who | problems | refused | claimed | false | largest error"
-    line = "{contender} | {problems} | {refused} | {claimed} | {false} | {largest_error:error}"
+    names = ("version", "worst", "worst_fails")
+    found = found.assign(**{name: found[name].astype(object).where(found[name].notna(), "") for name in names})
+    versions = ", ".join(sorted(set(found["version"]) - {""}))
     ours = found[~found["contender"].str.contains("alone")]
-    told = ", ".join(filled("{contender} {false} of {claimed}", wrong))
+    alone = found[found["contender"].str.contains("alone")]
+    heads = "who | asked for | judge's bound | claims | false by its own | false by ours | largest error | where"
+    line = "{contender} | {tolerance:.0e} | {bound:.0e} | {claimed} of {problems} | {false_own} | {false} | "
+    line += "{largest_error:error} | {worst}"
+    told = "; ".join(filled("{contender}: {false} of {claimed}, {false_own} by its own tolerance", alone))
+    lost = alone[(alone["false_own"] > 0) & (alone["false"] > 0)].sort_values("tolerance", kind="stable")
+    case = "; ".join(filled("{contender} on {worst}, off by {largest_error:.0%}, wrong in {worst_fails}", lost))
     text = prose(f"""## Who says that it has solved it
 
 Every algorithm and setting, and the solvers of quadratic programmes alone and at their word (*alone*), over published
-obstacle problems, classics of linear complementarity and linearised steps of shells in contact. The judge recomputes
-each answer that is called solved; *false* is one that it does not accept, *largest error* that of a displacement so
-called, over the largest displacement. Of our own {int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are
-false; false are: {told or "none"}. A finite ε is judged by its own law and differs from the exact answer by that.""")
-    return joined(text, listing("Claims of success, judged", found, heads, line, error=_error))
+obstacle problems, classics of linear complementarity and linearised steps of shells in contact. Each answer that is
+called solved is judged twice: by the tolerance that the solver was asked for, in its own criterion (for OSQP the
+residuals of the programme it was given, over one and their terms), and by the judge of contact, whose bound is the same
+for all. *Largest error*: of a displacement so called, over the largest displacement. Of our own
+{int(ours["claimed"].sum())} claims {int(ours["false"].sum())} are false. False by ours: {told or "none"}. Not even what
+was asked for is kept by: {case or "none"}. A finite ε is judged by its own law and differs from the exact answer by
+that. Versions: {versions}.""")
+    return joined(text, listing("Claims of success, judged twice", found, heads, line, error=_error))
 
 
 def _error(error: float) -> str:

@@ -23,7 +23,10 @@ WORDS = {  # of a scene: what is judged, and over what
     "hemisphere": ("inward displacement", "load fraction"),
     "cantilever": ("tip deflection", "load fraction"),
     "sze-pullout": ("deflection under the load", "load fraction"),
+    "sze-annulus": ("deflection of the outer corner", "load fraction"),
+    "ring": ("force of a plate", "travel of a plate [mm]"),
     "roof-a": ("deflection of the crown", "load fraction"),
+    "roof-d": ("deflection of the crown", "load fraction"),
     "shallow-cap": ("deflection of the apex", "load fraction"),
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from importlib.metadata import version
 
 import numpy as np
 import pandas as pd
@@ -15,24 +16,33 @@ from contact.algorithms.qp import Scaled
 from contact.catalogue import ALGORITHMS
 from contact.problem import Outcome
 from contact.solvers.lcp_pivoting import METHODS
-from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
+from contact.solvers.qp_backends import BACKENDS, MODULES, Answer, Programme, ask, missing
 from contact.verify import judge
 from studies.experiments.obstacle_problems.collection import Bounded, collection
 from studies.experiments.obstacle_problems.linearised_steps import Linearised, linearised_steps
 
-FORCE, GAP = 1e-8, 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
+BOUND = 1e-8  # relative to the forces and the displacements of the problem; an honest solver is far below
 PENALTY = 1e4
+COLUMNS = (
+    *("contender", "version", "tolerance", "bound", "problems", "refused", "claimed"),
+    *("false_own", "false", "largest_error", "worst", "worst_fails"),
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Claim:
-    """What a solver answers: u, pressure, whether it claims success, and why it did not try, if it did not."""
+    """What a solver answers: u, pressure, whether it claims success, and why it did not try, if it did not.
+
+    tolerance: what it was asked for.  kept: whether its answer keeps that by its own criterion, None for the judge's.
+    """
 
     u: np.ndarray
     pressure: np.ndarray
     success: bool
     refused: str = ""
     epsilon: float = math.inf
+    tolerance: float = math.nan
+    kept: bool | None = None
 
 
 Body = Bounded | Linearised  # K x - f = G^T W p before a foundation, linear, and x where it is published
@@ -50,7 +60,8 @@ def by_algorithm(name: str, **settings: object) -> Contender:
             return Claim(body.start, np.zeros_like(problem.weights), False, reason)
         found = algorithm.solve(problem, body.begin())
         why = str(found.history[-1].get("event", "")) if found.outcome is Outcome.REFUSED else ""
-        return Claim(found.u, found.pressure, found.outcome.converged, why, algorithm.epsilon)
+        tolerance = getattr(algorithm, "tolerance", BOUND)
+        return Claim(found.u, found.pressure, found.outcome.converged, why, algorithm.epsilon, tolerance)
 
     return claim
 
@@ -62,17 +73,32 @@ def by_word(backend: str, eps: float, *, polish: bool, scaled: bool) -> Contende
         problem = body.problem()
         m, n = len(problem.weights), len(body.f)
         if not body.symmetric:
-            return Claim(np.zeros(n), np.zeros(m), False, "no minimum")
+            return Claim(np.zeros(n), np.zeros(m), False, "no minimum", tolerance=eps)
         G, gap = problem.gap_jacobian(body.start), problem.gap(np.zeros(n))
         whole = Scaled.of(body.K, -body.f, G, gap, problem.weights, math.inf)
-        if scaled:
-            answer = ask(backend, whole.programme, eps, polish)
-            u, forces = whole.unscaled(answer)
-            return Claim(u, forces / problem.weights, answer.claimed)
-        answer = ask(backend, Programme(body.K, -body.f, sparse.csc_matrix(G), -gap), eps, polish)
-        return Claim(answer.x, answer.y / problem.weights, answer.claimed)
+        programme = whole.programme if scaled else Programme(body.K, -body.f, sparse.csc_matrix(G), -gap)
+        answer = ask(backend, programme, eps, polish)
+        u, forces = whole.unscaled(answer) if scaled else (answer.x, answer.y)
+        kept = keeps(programme, answer, eps)
+        return Claim(u, forces / problem.weights, answer.claimed, tolerance=eps, kept=kept)
 
     return claim
+
+
+def keeps(programme: Programme, answer: Answer, eps: float) -> bool:
+    """Is the answer one by OSQP's criterion, in the units of the programme: both residuals below eps (1 + their terms)?
+
+    Stellato et al., Math. Program. Comput. 12 (2020), sect. 3.4; clarabel asks the same of them, and of the gap.
+    """
+    x, y, rows = answer.x, answer.y, programme.A @ answer.x
+    curved, pushed = programme.P @ x, programme.A.T @ y
+    primal = np.max(np.maximum(programme.b - rows, 0.0), initial=0.0)
+    dual = np.max(np.abs(curved + programme.q - pushed), initial=0.0)
+    terms = [
+        max(float(np.max(np.abs(v), initial=0.0)) for v in of)
+        for of in ((rows, programme.b), (curved, pushed, programme.q))
+    ]
+    return bool(primal <= eps * (1 + terms[0]) and dual <= eps * (1 + terms[1]))
 
 
 def contenders() -> dict[str, Contender]:
@@ -94,7 +120,7 @@ def contenders() -> dict[str, Contender]:
     return ours | words
 
 
-def failures(body: Body, claim: Claim) -> list[str]:
+def failures(body: Body, claim: Claim, bound: float = BOUND) -> list[str]:
     """The judge's, with bounds in units of the problem; what a finite epsilon penetrates by its law is no failure."""
     problem = body.problem()
     size = max(float(np.max(np.abs(body.start))), float(np.max(np.abs(claim.u))))
@@ -102,16 +128,25 @@ def failures(body: Body, claim: Claim) -> list[str]:
     largest = float(np.max(claim.pressure, initial=0.0))
     law = 1.001 * largest / claim.epsilon
     verdict = judge(problem, claim.u, claim.pressure)
-    bounds = {"penetration": GAP * size + law}
-    bounds["complementarity"] = GAP * size * force / float(np.mean(problem.weights)) + law * largest
-    wrong = [name for name in verdict.failures(equilibrium=FORCE) if name not in bounds]
-    return wrong + [name for name, bound in bounds.items() if not verdict.kkt[name] <= bound]
+    bounds = {"penetration": bound * size + law}
+    bounds["complementarity"] = bound * size * force / float(np.mean(problem.weights)) + law * largest
+    wrong = [name for name in verdict.failures(equilibrium=bound) if name not in bounds]
+    return wrong + [name for name, most in bounds.items() if not verdict.kkt[name] <= most]
+
+
+def kept(body: Body, claim: Claim) -> bool:
+    """Does a claim keep what it was asked for: by its own criterion, or by the judge's with its own tolerance?"""
+    return not failures(body, claim, claim.tolerance) if claim.kept is None else claim.kept
 
 
 def table(problems: Iterable[Body] | None = None, who: dict[str, Contender] | None = None) -> pd.DataFrame:
-    """One row a contender: problems, refused, claimed, false claims, and the largest error of a claimed x.
+    """One row a contender, with COLUMNS.
 
-    The error is against the known answer or the exact pivots of lcp, over the largest |x| of both.
+    version: name and version of a solver that is not ours.  tolerance: what it was asked for.  claimed: problems that
+    it calls solved.
+    false_own: claims that do not keep that tolerance; false: claims that the judge refuses with ``bound``.
+    largest_error: of a claimed x, against the known answer or the exact pivots of lcp, over the largest |x| of both; on
+    the problem ``worst``, where the judge refuses the residuals ``worst_fails``.
     """
     problems = [*collection(), *linearised_steps()] if problems is None else list(problems)
     exact = {body.name: by_algorithm("lcp")(body).u if body.answer is None else body.answer for body in problems}
@@ -119,11 +154,21 @@ def table(problems: Iterable[Body] | None = None, who: dict[str, Contender] | No
     for name, contender in (contenders() if who is None else who).items():
         claims = [(body, contender(body)) for body in problems]
         claimed = [(body, claim) for body, claim in claims if claim.success]
-        errors = [_error(claim.u, exact[body.name], body.start) for body, claim in claimed]
         refused = sum(bool(claim.refused) for _, claim in claims)
-        wrong = sum(bool(failures(body, claim)) for body, claim in claimed)
-        rows.append((name, len(problems), refused, len(claimed), wrong, max(errors, default=math.nan)))
-    return pd.DataFrame(rows, columns=["contender", "problems", "refused", "claimed", "false", "largest_error"])
+        wrong = {body.name: failures(body, claim) for body, claim in claimed}
+        own = sum(not kept(body, claim) for body, claim in claimed)
+        errors = {body.name: _error(claim.u, exact[body.name], body.start) for body, claim in claimed}
+        worst = max(errors, key=lambda each: errors[each], default="")
+        counts = (len(problems), refused, len(claimed), own, sum(map(bool, wrong.values())))
+        asked = (_version(name), max((claim.tolerance for _, claim in claims), default=math.nan), BOUND)
+        rows.append((name, *asked, *counts, errors.get(worst, math.nan), worst, ", ".join(wrong.get(worst, ()))))
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _version(contender: str) -> str:
+    """Of the solver that a contender asks; empty for what is all ours."""
+    backend = next((name for name in BACKENDS if name in contender), "osqp" if contender.startswith("qp") else "")
+    return f"{backend} {version(MODULES[backend])}" if backend else ""
 
 
 def _error(x: np.ndarray, exact: np.ndarray, start: np.ndarray) -> float:

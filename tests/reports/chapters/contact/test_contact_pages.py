@@ -166,9 +166,13 @@ def test_cycles_and_false_claims_are_counted(store: Path) -> None:
     text = algorithms_page(load_store(store)).text
     assert row(text, "| 3x3 |")[1:4] == ["cycles, period 3", "converged, cycle detected", "iteration-limit"]
     assert row(text, "| mild |")[1] == "settles"
-    assert "Of our own 18 claims 0 are false; false are: osqp alone, defaults 3 of 5." in text
-    assert row(text, "| lcp | 9 |")[1:] == ["9", "0", "9", "0", "under 1e-09"]
-    assert row(text, "| osqp alone, defaults |")[-1] == "5e-01"
+    assert "Of our own 18 claims 0 are false." in text
+    assert "False by ours: osqp alone, defaults: 3 of 5, 1 by its own tolerance." in text
+    case = "osqp alone, defaults on stiff, off by 50 %, wrong in equilibrium"
+    assert "Versions: osqp 1.1." in text
+    assert f"Not even what was asked for is kept by: {case}." in text
+    assert row(text, "| lcp |")[1:] == ["1e-10", "1e-08", "9 of 9", "0", "0", "under 1e-09", "mild"]
+    assert row(text, "| osqp alone, defaults |")[3:] == ["5 of 9", "1", "3", "5e-01", "stiff"]
 
 
 # --- epsilon ----------------------------------------------------------------------------------------------------

@@ -7,12 +7,14 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.interchange.oracle import AGREEMENT, confirm
 from contact.problem import Outcome
 from contact.solvers.lcp_pivoting import active_set, lemke
+from contact.solvers.qp_backends import Answer, Programme
 from studies.experiments.obstacle_problems.active_set_cycles import plain_period
 from studies.experiments.obstacle_problems.collection import (
     CLASSICS,
@@ -24,7 +26,15 @@ from studies.experiments.obstacle_problems.collection import (
     obstacle,
     torsion,
 )
-from studies.experiments.obstacle_problems.false_success import by_algorithm, by_word, contenders, failures, table
+from studies.experiments.obstacle_problems.false_success import (
+    by_algorithm,
+    by_word,
+    contenders,
+    failures,
+    keeps,
+    kept,
+    table,
+)
 from studies.experiments.obstacle_problems.linearised_steps import Linearised, linearised_steps
 
 PRINTED = 6e-9  # the optima are printed to eight or nine decimals
@@ -98,6 +108,7 @@ def test_nobody_of_ours_claims_falsely_and_osqp_alone_does() -> None:
     assert (found["claimed"] + found["refused"] >= 2).all()
     assert found.loc["osqp alone, defaults", "claimed"] == 3
     assert found.loc["osqp alone, defaults", "false"] == 2
+    assert found.loc["osqp alone, defaults", "false_own"] == 0
     assert found.loc["qp, osqp defaults", "largest_error"] <= EXACT
 
 
@@ -154,6 +165,32 @@ def test_false_success_over_the_whole_collection() -> None:
     assert (exact["largest_error"] <= EXACT).all()
     default = found.loc["osqp alone, defaults"]
     assert default["false"] >= default["claimed"] / 2 > 0
+
+
+def test_a_solver_is_also_held_to_what_it_was_asked_for() -> None:
+    """One unknown on x >= 1: right, just within what was asked for, and beyond it."""
+    one = sparse.csc_matrix([[1.0]])
+    programme = Programme(one, np.zeros(1), one, np.ones(1))
+    for x, y, holds in (
+        (1.0, 1.0, True),
+        (1.0, 1.015, True),
+        (0.985, 0.985, True),
+        (0.9, 0.9, False),
+        (1.0, 1.1, False),
+    ):
+        assert keeps(programme, Answer(np.array([x]), np.array([y]), True, "solved"), 1e-2) is holds
+
+
+def test_osqp_keeps_its_own_tolerance_where_the_judge_refuses() -> None:
+    body = torsion(5.0, 10)
+    claim = by_word("osqp", 1e-3, polish=False, scaled=False)(body)
+    assert claim.success
+    assert failures(body, claim)
+    assert kept(body, claim)
+    assert kept(body, by_algorithm("semismooth")(body))
+    row = table([body], {"osqp alone": by_word("osqp", 1e-3, polish=False, scaled=False)}).iloc[0]
+    assert (row["claimed"], row["false_own"], row["false"], row["worst"]) == (1, 0, 1, body.name)
+    assert row["version"]
 
 
 def test_the_judge_of_claims_sees_a_wrong_one() -> None:
