@@ -28,6 +28,7 @@ from contact.swept import Crossing, between_nodes, crossings
 from contact.verify import claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.complete import complete
+from studies.operations import counted
 from studies.request import Request
 from studies.scene import CurveStage, Observation, Scene, SceneModel, UsageError
 from studies.step import Step
@@ -53,6 +54,7 @@ class Result:
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
     the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
     is not stable, but for the points of a traced curve, which is followed through such states on purpose.
+    work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
 
@@ -68,6 +70,7 @@ class Result:
     quantities: dict[str, float] = field(default_factory=dict)
     loads: list[Step] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
+    work: dict[str, int] = field(default_factory=dict)
     timing: dict[str, float] = field(default_factory=dict)
     history: list[dict[str, Any]] = field(default_factory=list)
     tables: dict[str, list[Table]] = field(default_factory=dict)
@@ -93,6 +96,7 @@ class Result:
             **({"branches": self.branches} if self.branches else {}),
             "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
             "counters": self.counters,
+            "work": self.work,
             "timing_s": self.timing,
             "provenance": provenance(),
         }
@@ -160,16 +164,18 @@ class Result:
 def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
     """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised."""
     start, spent = time.perf_counter(), time.process_time()
-    model = scene.build(request)
-    result = Result(request, model)
-    built = time.perf_counter()
-    result.counters["dofs"] = model.n_unknowns
-    try:
-        algorithm = configured(request.contact, request.settings)
-    except ValueError as error:  # a parameter that it cannot have
-        result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
-    else:
-        _run_stages(model, algorithm, request.steps, result, progress)
+    with counted() as work:
+        model = scene.build(request)
+        result = Result(request, model, work=work)
+        built = time.perf_counter()
+        result.counters["dofs"] = model.n_unknowns
+        try:
+            algorithm = configured(request.contact, request.settings)
+        except ValueError as error:  # a parameter that it cannot have
+            result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
+        else:
+            _run_stages(model, algorithm, request.steps, result, progress)
+    result.counters["operations"] = sum(work.values())
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
     result.timing = {**clocks, "build": built - start, **times}

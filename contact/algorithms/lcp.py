@@ -16,6 +16,7 @@ from contact.newton.loop import Step, StepError, decide_set, iterate
 from contact.newton.pivots import holding
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
+from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import (
@@ -27,7 +28,7 @@ from contact.solvers.lcp_pivoting import (
     principal_pivot,
     unit,
 )
-from contact.solvers.sparse import response, response_flops
+from contact.solvers.sparse import response
 
 INDEFINITE = 1e-10  # of the highest eigenvalue: less than that below zero is rounding
 
@@ -111,7 +112,6 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
     while len(entering):
         with run.tally.timed("contact_s"):
             sides = sparse.csc_matrix(G.T), push[:, entering]
-            run.tally.counters["flops"] += round(response_flops(factor, *sides))
             columns = np.hstack([columns, response(factor, *sides)])
             nodes = np.append(nodes, entering)
             M = columns[nodes] + np.diag(1.0 / (run.epsilon * per_pressure[nodes]))
@@ -147,6 +147,7 @@ def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> L
     The tangent of a body that only the foundation keeps from buckling is indefinite. There are then several solutions,
     and pivoting from nothing finds one far away, or none; the one wanted is near. Raises StepError.
     """
+    spend(DENSE_PIVOTS, eigenvalues_alone(len(q)))
     eigenvalues = np.linalg.eigvalsh((M + M.T) / 2)
     why = f"lowest eigenvalue {eigenvalues[0] / eigenvalues[-1]:.1e} of the highest"
     if eigenvalues[0] >= -INDEFINITE * np.abs(eigenvalues[-1]) or method == "active-set":

@@ -17,6 +17,7 @@ from contact.newton.condensed import Condensed
 from contact.newton.loop import Step, StepError, decide_set, iterate, settle_set
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
+from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import LcpError, principal_pivot, unit
@@ -155,6 +156,7 @@ def _dual(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> tuple[Programme, fl
         raise StepError(Outcome.UNSOLVED, f"the programme of the candidates: {error}") from None
     again = unit(C)
     C, gap = again[:, None] * C * again, again * gap
+    spend(DENSE_PIVOTS, eigenvalues_alone(len(q)))
     lowest = float(np.linalg.eigvalsh(C)[0])
     shift = next((s for s in (0.0, *SHIFTS) if lowest + s > 0), None)
     if shift is None:

@@ -36,7 +36,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigs, eigsh
 from contact.newton.held import Held
 from contact.newton.pivots import Pivots
 from contact.problem import ContactProblem, ContactSolution
-from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, symmetric
+from contact.solvers.sparse import SingularMatrixError, factorise, negative_pivots, solution, symmetric
 
 NEAR = 0.1  # of the way from the first state: a limit point further ahead is not why the path ends
 NEARLY_SINGULAR = 0.3  # of the eigenvalue at the first state: what is left at NEAR by the law of a limit point
@@ -216,7 +216,8 @@ def spectrum(
     factor = factorise(A, ordered=problem.ordered)
 
     def comply(b: np.ndarray) -> np.ndarray:
-        return factor.solve(b) if pivots is None else pivots.resolve(factor.solve(b))[0]
+        x = solution(factor, b)
+        return x if pivots is None else pivots.resolve(x)[0]
 
     compliances, modes = _largest(comply, K.shape[0], symmetric=energetic, negative=negative)
     return Spectrum(1.0 / compliances, modes, _negative(problem, state.u, K, nodes, epsilon) if energetic else None)

@@ -9,6 +9,7 @@ from scipy import sparse
 
 from contact.newton.held import Held
 from contact.newton.pivots import holding
+from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import Linearised
 from contact.solvers.lcp_pivoting import unit
 from contact.solvers.sparse import SingularMatrixError, factor_flops, negative_pivots, response, response_flops
@@ -147,7 +148,6 @@ class Condensed:
     def _found(self, nodes: np.ndarray) -> np.ndarray:
         """Columns of M (m, k): by way of y, and what holds where all else is at rest."""
         held, sides = self._held, self._sides(nodes)
-        self._run.tally.counters["flops"] += round(response_flops(self._factor, *sides))
         columns = response(self._factor, *sides)
         inside, each, place = self.base[nodes], np.arange(len(nodes)), np.cumsum(self.base) - 1
         let_go, pushed = nodes[inside], nodes[~inside]
@@ -162,6 +162,7 @@ class Condensed:
 def _solved(M: np.ndarray, b: np.ndarray) -> np.ndarray:
     """M^-1 b; raises SingularMatrixError."""
     size = unit(M)
+    spend(DENSE_PIVOTS, dense_solution(len(b)))
     try:
         return np.asarray(size * np.linalg.solve(size[:, None] * M * size, size * b))
     except np.linalg.LinAlgError as error:

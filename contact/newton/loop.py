@@ -17,6 +17,7 @@ from contact.events import Event, EventKind
 from contact.newton.condensed import Condensed
 from contact.newton.state import Iterate
 from contact.newton.step import LinearStep, NewtonRun
+from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit
 from contact.solvers.sparse import SingularMatrixError
@@ -202,6 +203,7 @@ def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
     try:
         return np.asarray(active_set(M, q).z > 0)
     except LcpError:
+        spend(DENSE_PIVOTS, dense_solution(len(q), 0))
         if np.linalg.slogdet(M)[0] <= 0:  # no P-matrix: there may be no end to find
             raise
         return np.asarray(lemke(M, q).z > 0)

@@ -8,14 +8,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.sparse.linalg import SuperLU
 
 from contact.events import Event
 from contact.problem import ContactSolution, Linearised
 from contact.scales import Stiffness
-from contact.solvers.sparse import Factor, factor_flops
 
-COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops", "set_changes")
+COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
 TIMES = ("assembly_s", "factorisation_s", "solve_s", "contact_s")
 
 
@@ -56,14 +54,12 @@ class Iterate:
 class Tally:
     """Counters, clock and history: the only things that a solve adds to; nothing is decided by them.
 
-    clock: what the times of the counters are read from.  flops_by_fill: of the first factorisation, operations over
-    fill^2; negative before it.
+    clock: what the times of the counters are read from.
     """
 
     counters: dict[str, float] = field(default_factory=lambda: dict.fromkeys(COUNTERS, 0) | dict.fromkeys(TIMES, 0.0))
     history: list[dict[str, object]] = field(default_factory=list)
     clock: Callable[[], float] = time.perf_counter
-    flops_by_fill: float = -1.0
 
     @contextmanager
     def timed(self, what: str) -> Iterator[None]:
@@ -71,21 +67,6 @@ class Tally:
         start = self.clock()
         yield
         self.counters[what] += self.clock() - start
-
-    def count(self, factor: Factor) -> None:
-        """Count a factorisation and its operations, about.
-
-        Fronts know theirs. Of SuperLU's the number is known of the first one; others differ in a few columns, and count
-        by the square of their fill.
-        """
-        self.counters["factorisations"] += 1
-        if not isinstance(factor, SuperLU):
-            self.counters["flops"] += round(factor_flops(factor))
-            return
-        fill = float(factor.nnz)
-        if self.flops_by_fill < 0:
-            self.flops_by_fill = factor_flops(factor) / max(fill, 1.0) ** 2
-        self.counters["flops"] += round(self.flops_by_fill * fill**2)
 
     def add(self, solution: ContactSolution) -> None:
         """What another solve has spent, and its history."""

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contact.events import Event, EventKind
+from contact.operations import DENSE_PIVOTS, dense_solution, spend
 
 ROUNDING = 1e-13  # of the terms that make up w_i; less than that below zero is no violation
 SYMMETRIC = 1e-9  # largest |M - M^T| over the largest |M| that still counts as rounding
@@ -57,6 +58,7 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpS
         table[row] /= table[row, entering]
         others = np.flatnonzero(table[:, entering])
         others = others[others != row]
+        spend(DENSE_PIVOTS, 2 * (len(others) + 1) * table.shape[1])
         table[others] -= np.outer(table[others, entering], table[row])
         leaving, basis[row] = basis[row], entering
         if leaving == 2 * n:
@@ -103,7 +105,10 @@ def by_nnls(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> Lc
         L = np.linalg.cholesky((M + M.T) / 2)
     except np.linalg.LinAlgError:
         raise LcpError("nnls needs a positive definite matrix; this one has no Cholesky factor") from None
+    spend(DENSE_PIVOTS, len(q) ** 3 / 3 + 2.0 * len(q) ** 2)
     claimed = nnls(L.T, -np.linalg.solve(L, q))[0] > 0
+    # each index that enters takes its place in a triangular factor and asks for the gradient anew: about 6 n^2
+    spend(DENSE_PIVOTS, 6.0 * int(claimed.sum()) * len(q) ** 2)
     found = active_set(M, q, claimed)
     event = Event(EventKind.SUBSTITUTE, f"set of nnls corrected in {found.pivots} updates")
     return LcpSolution(found.z, int(claimed.sum()) + found.pivots, event if found.pivots else None)
@@ -158,6 +163,10 @@ def principal_pivot(M: np.ndarray, q: np.ndarray, chosen: np.ndarray) -> tuple[n
         return M, q
     inside, outside = np.ix_(chosen, chosen), np.ix_(~chosen, ~chosen)
     across, down = np.ix_(chosen, ~chosen), np.ix_(~chosen, chosen)
+    a, b = int(chosen.sum()), int(np.sum(~chosen))
+    spend(
+        DENSE_PIVOTS, 2.0 * a**3 + 4.0 * a * a * b + 2.0 * a * b * b
+    )  # the inverse, both sides of it, and what they leave
     try:
         inverse = np.linalg.inv(M[inside])
     except np.linalg.LinAlgError:
@@ -174,6 +183,7 @@ def principal_pivot(M: np.ndarray, q: np.ndarray, chosen: np.ndarray) -> tuple[n
 def _violations(M: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The z on the set, and the indices with z < 0 in it or w < 0 out of it; raises LcpError."""
     z = _on_set(M, q, active, clip=False)
+    spend(DENSE_PIVOTS, 4.0 * M.size)
     w = M @ z + q
     rounding = ROUNDING * (np.abs(M) @ np.abs(z) + np.abs(q))
     slope = np.abs(np.diag(M))
@@ -183,6 +193,7 @@ def _violations(M: np.ndarray, q: np.ndarray, active: np.ndarray) -> tuple[np.nd
 
 def _on_set(M: np.ndarray, q: np.ndarray, active: np.ndarray, clip: bool = True) -> np.ndarray:
     z = np.zeros_like(q, dtype=float)
+    spend(DENSE_PIVOTS, dense_solution(int(active.sum())))
     try:
         z[active] = np.linalg.solve(M[np.ix_(active, active)], -q[active])
     except np.linalg.LinAlgError:

@@ -16,6 +16,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from contact.operations import PROGRAMMES, spend
+
 
 @dataclass(frozen=True, eq=False)
 class Programme:
@@ -30,12 +32,17 @@ class Programme:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """x (n,) and multipliers y (m,) >= 0 with P x + q = A^T y, whether the solver claims success, and its words."""
+    """x (n,) and multipliers y (m,) >= 0 with P x + q = A^T y, whether the solver claims success, and its words.
+
+    iterations, factorisations: that it has taken, of the matrix of P and A.
+    """
 
     x: np.ndarray
     y: np.ndarray
     claimed: bool
     status: str
+    iterations: int = 0
+    factorisations: int = 1
 
 
 FILLING = 1e9  # unclaimed numbers above are what solvers leave behind where they have no answer
@@ -52,6 +59,7 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
     call = BACKENDS[backend]
     try:
         found = call(programme, eps, polish)
+        spend(PROGRAMMES, operations(programme, found.iterations, found.factorisations))
         largest = np.max(np.abs(np.append(found.x, found.y)), initial=0.0)
     except (KeyboardInterrupt, SystemExit, MemoryError):
         raise
@@ -60,6 +68,20 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
     if not largest < (np.inf if found.claimed else FILLING):  # NaN is not
         return replace(nothing, status=found.status)
     return replace(found, y=np.maximum(found.y, 0.0))
+
+
+def operations(programme: Programme, iterations: int, factorisations: int) -> float:
+    """About what a solver takes, none of which says it: of factorisations, of solutions, and of products with P and A.
+
+    The entries of L, of the matrix of n + m rows, are those that nested dissection leaves of a grid in the plane, of
+    what is given times a logarithm, and no more than a full triangle has; the factorisation takes their square over
+    the rows, each solution four times their number.
+    """
+    rows = len(programme.q) + len(programme.b)
+    given = sparse.triu(programme.P).nnz + programme.A.nnz + len(programme.b)
+    fill = min(given * max(np.log2(rows), 1.0), rows * (rows + 1) / 2)
+    products = 2.0 * (programme.P.nnz + 2 * programme.A.nnz)
+    return float(factorisations * fill**2 / rows + iterations * (4 * fill + products))
 
 
 def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -80,13 +102,15 @@ def _osqp(programme: Programme, eps: float, polish: bool) -> Answer:
         x, y = programme.guess
         solver.warm_start(x=x, y=-y)
     found = solver.solve(raise_error=False)
+    spent, updates = found.info.iter, found.info.rho_updates
     success = int(osqp.SolverStatus.OSQP_SOLVED)
     # it polishes on the rows whose multiplier is above their slack; where there are none it prints so, quiet or not
     pressed = np.any(-found.y > np.maximum(programme.A @ found.x - programme.b, eps))
     if polish and np.any(found.y) and (pressed or found.info.status_val != success):  # a second attempt may succeed
         solver.update_settings(polishing=True)
         found = solver.solve(raise_error=False)
-    return Answer(found.x, -found.y, found.info.status_val == success, found.info.status)
+        spent, updates = spent + found.info.iter, updates + 1 + found.info.rho_updates  # one more to polish
+    return Answer(found.x, -found.y, found.info.status_val == success, found.info.status, spent, 1 + updates)
 
 
 def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -100,7 +124,8 @@ def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
     solver = clarabel.DefaultSolver(upper, programme.q, sparse.csc_matrix(-programme.A), -programme.b, cones, settings)
     found = solver.solve()
     solved = found.status == clarabel.SolverStatus.Solved
-    return Answer(np.array(found.x), np.array(found.z), solved, str(found.status))
+    each = found.iterations  # a factorisation and two solutions, a step ahead and one that corrects it
+    return Answer(np.array(found.x), np.array(found.z), solved, str(found.status), 2 * each, each)
 
 
 def _proxqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -108,7 +133,8 @@ def _proxqp(programme: Programme, eps: float, polish: bool) -> Answer:
     P, q, A, b = programme.P, programme.q, programme.A, programme.b
     found = proxqp.sparse.solve(P, q, None, None, A, b, np.full(len(b), np.inf), eps_abs=eps, eps_rel=0.0)
     solved = found.info.status == proxqp.QPSolverOutput.PROXQP_SOLVED
-    return Answer(found.x, -found.z, solved, str(found.info.status))
+    spent, updates = found.info.iter, found.info.mu_updates
+    return Answer(found.x, -found.z, solved, str(found.info.status), spent, 1 + updates)
 
 
 def _piqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -119,7 +145,8 @@ def _piqp(programme: Programme, eps: float, polish: bool) -> Answer:
     n, above = len(q), np.full(len(b), np.inf)
     solver.setup(P, q, sparse.csc_matrix((0, n)), np.zeros(0), A, b, above)
     status = solver.solve()
-    return Answer(solver.result.x, solver.result.z_l, status == piqp.PIQP_SOLVED, str(status))
+    each = solver.result.info.iter  # as clarabel
+    return Answer(solver.result.x, solver.result.z_l, status == piqp.PIQP_SOLVED, str(status), 2 * each, each)
 
 
 def _daqp(programme: Programme, eps: float, polish: bool) -> Answer:
@@ -127,7 +154,7 @@ def _daqp(programme: Programme, eps: float, polish: bool) -> Answer:
     P, A, b = programme.P.toarray(), programme.A.toarray(), programme.b
     above = np.full(len(b), 1e30)
     x, _, flag, info = daqp.solve(P, programme.q, A, above, b, primal_tol=eps, dual_tol=eps)
-    return Answer(x, -info["lam"], flag == 1, f"exit flag {flag}")
+    return Answer(x, -info["lam"], flag == 1, f"exit flag {flag}", info["iterations"])
 
 
 BACKENDS: dict[str, Callable[[Programme, float, bool], Answer]] = {

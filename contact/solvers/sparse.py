@@ -19,6 +19,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import SuperLU, splu
 
+from contact.operations import FACTORISATIONS, SOLUTIONS, spend
 from contact.solvers.multifrontal.bordered import Bordered
 from contact.solvers.multifrontal.factor import SYMMETRIC, Multifrontal, PivotError, Response
 from contact.solvers.multifrontal.patterns import analysed
@@ -52,11 +53,13 @@ def _superlu(A: sparse.csc_matrix, ordered: bool) -> Factor:
 def superlu(A: sparse.csc_matrix, **options: Any) -> SuperLU:
     """The factors of scipy's splu. Raises SingularMatrixError, and MemoryError, which SuperLU has two ways to say."""
     try:
-        return splu(A, **options)
+        factor = splu(A, **options)
     except RuntimeError as error:
         if "alloc" in str(error).lower():
             raise MemoryError(str(error)) from error
         raise SingularMatrixError(str(error)) from error
+    spend(FACTORISATIONS, factor_flops(factor))
+    return factor
 
 
 class _Pardiso:
@@ -110,8 +113,15 @@ def response(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_matrix) 
         return np.hstack([factor.response(left, part) for part in _batches(right)])
     if isinstance(factor, Multifrontal):
         return np.hstack([Response.of(factor, left, part).matrix() for part in _batches(right)])
-    solved = (np.column_stack([factor.solve(b) for b in part.toarray().T]) for part in _batches(right))
+    solved = (np.column_stack([solution(factor, b) for b in part.toarray().T]) for part in _batches(right))
     return np.hstack([left.T @ part for part in solved])
+
+
+def solution(factor: Factor, b: np.ndarray) -> np.ndarray:
+    """The x with A x = b, counted: fronts do that themselves, of other factors every entry is used once."""
+    if not isinstance(factor, Multifrontal | Bordered):
+        spend(SOLUTIONS, 2 * getattr(factor, "nnz", 0))
+    return factor.solve(b)
 
 
 def response_flops(factor: Factor, left: sparse.csc_matrix, right: sparse.csc_matrix) -> float:
@@ -224,14 +234,15 @@ def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.nda
     Raises SingularMatrixError when it stays above 1e-8, when x is not finite, or when A x shares not one digit with b
     (x is then so large that a small backward error proves nothing).
     """
-    x, norm, load = factor.solve(b), _norm(A), _largest(b)
+    x, norm, load = solution(factor, b), _norm(A), _largest(b)
     for attempt in range(3):
         if not np.all(np.isfinite(x)):
             raise SingularMatrixError("the solution of the linear system is not finite")
+        spend(SOLUTIONS, 2 * A.nnz)
         left, size = _residual(A, x, b, norm)
         if (left <= BACKWARD_ERROR * size and left <= LOST * load) or attempt == 2:
             break
-        x = x + factor.solve(b - A @ x)
+        x = x + solution(factor, b - A @ x)
     if left > REFUSED * size:
         raise SingularMatrixError(f"the linear solver left a backward error of {left / size:.1e}")
     if left > LOST * load:

@@ -33,6 +33,7 @@ from scipy.linalg import block_diag
 
 from formulations.element.strain_operator import GAUSS, N_DOF, N_GAUSS, ElementGeometry
 from formulations.geometry.grid import CORNERS
+from formulations.operations import product, spend
 from formulations.strains.measure import StrainFunction, StrainMeasure, strain_and_gradient, through_thickness
 from formulations.strains.quantities import E33, N_BETA, N_E, N_Q, N_V
 
@@ -51,6 +52,13 @@ N_SAMPLES = N_GAUSS * N_E
 SHEAR_ROWS = slice(6, 10)  # the only rows whose geometric factor differs from 1
 THICKNESS_STRAINS = {"projected": 0.0, "balanced": 0.5, "nodal": 1.0}  # share of E33 that is sampled at the nodes
 MEMBRANES = ("compatible", "relaxed")
+# operations of an element by the shapes of its products: Q v and projections; B; H B; both parts of K
+SAMPLED = product(N_GAUSS, N_Q, N_DOF) + product(N_SAMPLES, N_M) + 2 * product(N_GAUSS, N_E, N_Q) + product(N_M, N_M)
+DIFFERENTIATED = product(N_GAUSS, N_E, N_Q, N_DOF) + product(N_M, N_SAMPLES, N_DOF)
+BALANCED = product(N_M, N_DOF)
+STIFFENED = product(N_M, N_M, N_DOF) + product(N_DOF, N_M, N_DOF) + product(N_M, N_SAMPLES)
+STIFFENED += product(N_GAUSS, N_Q, N_Q, N_DOF) + product(N_GAUSS, N_DOF, N_Q, N_DOF)
+OF_MEASURE = product(N_GAUSS, N_E, N_Q, N_Q)  # dE/dq of a quadratic one, and its second derivative times H
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
 
 
@@ -122,6 +130,7 @@ class MixedElement:
 
     def mode_strains(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
         """Mode strains E (E, 22) of nodal displacements v (E, 24)."""
+        self._spend(len(v), SAMPLED)
         strains = np.empty((len(v), N_M))
         for part in geometry.chunks():
             strains[part], _ = self._strains(geometry, part, *self._gradients(geometry, part, v))
@@ -129,6 +138,7 @@ class MixedElement:
 
     def mode_gradient(self, geometry: ElementGeometry, v: np.ndarray) -> np.ndarray:
         """B = dE/dv (E, 22, 24) at nodal displacements v (E, 24)."""
+        self._spend(len(v), SAMPLED + DIFFERENTIATED)
         B = np.empty((len(v), N_M, N_DOF))
         for part in geometry.chunks():
             q, beta = self._gradients(geometry, part, v)
@@ -167,6 +177,9 @@ class MixedElement:
         ``predicted`` (E, 22): the resultants that build the geometric stiffness; None takes D E(v).  force (E, 24);
         tangent (E, 24, 24), mode_gradient (E, 22, 24): not wanted where None.
         """
+        self._spend(len(v), SAMPLED + DIFFERENTIATED + BALANCED)
+        if tangent is not None:
+            self._spend(len(v), STIFFENED)
         stiffness = MODE_WEIGHTS[:, None] * self.mode_stiffness
         resultants = np.empty((len(v), N_M))
         for part in geometry.chunks():
@@ -186,6 +199,10 @@ class MixedElement:
                 H = predicted[part]
             self._stiffen(tangent[part], MODE_WEIGHTS * (H + self.initial) * weight, geometry, part, q, beta)
         return resultants
+
+    def _spend(self, elements: int, each: int) -> None:
+        """Count operations, and of the measure one derivative with them."""
+        spend(elements * (each + getattr(self.measure, "work", 1.0) * OF_MEASURE))
 
     def _gradients(self, geometry: ElementGeometry, part: slice, v: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The q of v at the Gauss points, (e, 4, 15), and its beta at the nodes, (e, 4, 3)."""

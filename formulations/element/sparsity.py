@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from formulations.operations import spend
+
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
@@ -56,6 +58,7 @@ class Pattern:
     def assemble(self, element_matrices: np.ndarray) -> sparse.csc_matrix:
         """Sum element matrices (E, d, d)."""
         nnz = len(self.indices)
+        spend(element_matrices.size)
         data = np.bincount(self.slots, weights=element_matrices.ravel(), minlength=nnz + 1)
         if self.constrained is not None:
             elements, slots, C = self.constrained

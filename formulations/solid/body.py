@@ -16,6 +16,7 @@ from scipy.linalg import norm
 
 from formulations.element.sparsity import Pattern
 from formulations.loads.pressure import Pressure
+from formulations.operations import product, spend
 from formulations.section.laminate import Laminate, Layer
 from formulations.shell import Linearisation
 from formulations.solid.laws import VOIGT, Law, StVenantKirchhoff, tensor
@@ -84,6 +85,12 @@ class SolidDiscretisation:
     def internal(self, full: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Internal force (E, 81) and tangent (E, 81, 81) at the displacements (N, 3)."""
         force, tangent = np.empty((len(self.volumes), 81)), np.empty((len(self.volumes), 81, 81))
+        # F, dE/du, C dE/du, the material and the geometric part at 27 points
+        spend(
+            27
+            * len(self.volumes)
+            * (4 * product(27, 3, 3) + product(6, 6, 81) + product(81, 6, 81) + product(27, 27, 3))
+        )
         for law, part in self._passes():
             G, volume, F = self.gradients[part], self.volumes[part], self.deformation(full, part)
             strain = np.stack([_green(F, i, j) * (1 if i == j else 2) for i, j in VOIGT], axis=-1)

@@ -31,6 +31,7 @@ class ElongationMeasure:
     reference: str = "Novozhilov (1953), ch. 1: relative elongations and shears (recalled)"
     rigid_body_law: RigidBodyLaw = EXACT_LAW
     kinematics: Kinematics = FULL
+    work: float = 5.0  # operations of a derivative over those of ``base``, which it needs several times
     meaning: str = "elongations and angles of shear of the deformed body; neglects nothing"
 
     @property

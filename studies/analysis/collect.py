@@ -34,7 +34,8 @@ NUMBERS = ("epsilon", "tolerance", "path_end_at")
 
 
 def collect(store: Path, campaign: str) -> pd.DataFrame:
-    """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, t.<time in s>, k.<residual of the judge>.
+    """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, w.<operations of a kind>, t.<time in s>,
+    k.<residual of the judge>.
 
     t.seconds: processor time, the median of the timing lane with its interval t.seconds_low to t.seconds_high where the
     cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
@@ -50,7 +51,7 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     timed = _timed(store, campaign)
     table = pd.DataFrame([{**_row(answers, planned), **timed.get(planned["id"], {})} for planned in rows])
     table = table.assign(canary=table["canary"].fillna("") if "canary" in table else "")
-    more = [name for kind in "qctk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
+    more = [name for kind in "qcwtk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
     table = table.reindex(columns=[*COLUMNS, *more])
     for name in NUMBERS:
         table[name] = pd.to_numeric(table[name], errors="coerce")
@@ -74,7 +75,7 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
         **_end(found.get("path_end") or {}),
         **{f"q.{key}": number(value) for key, value in {**numbers, **found["quantities"]}.items()},
         **{f"c.{key}": value for key, value in found["counters"].items()},
-        "c.operations": found["counters"].get("operations", found["counters"].get("flops")),
+        **{f"w.{key}": value for key, value in found.get("work", {}).items()},
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
         **{f"t.{key}": value for key, value in found["timing_s"].items()},
         **_seconds(found["timing_s"]),

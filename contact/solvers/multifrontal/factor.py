@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 from scipy.linalg import blas, lapack
 
+from contact.operations import COLUMNS, FACTORISATIONS, SOLUTIONS, spend
 from contact.solvers.multifrontal.analysis import Analysis, Front, Places
 
 BLOCK = 64  # columns at once of an indefinite front: LAPACK's own workspace allows one
@@ -40,6 +42,10 @@ class Eliminated(Protocol):
     @property
     def flops(self) -> float:
         """Floating-point operations that it took, an addition and a multiplication each one."""
+
+    @property
+    def solving(self) -> int:
+        """Those of forward and backward with one right-hand side."""
 
     def forward(self, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """What stays of a right-hand side, and what it takes off that of the boundary."""
@@ -67,6 +73,11 @@ class Definite:
         """m^3/3 + m^2 b + m b^2."""
         b, m = map(float, self.below.shape)
         return m**3 / 3 + m * m * b + m * b * b
+
+    @property
+    def solving(self) -> int:
+        """Each entry twice."""
+        return 4 * self.nnz
 
     def forward(self, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """L^-1 b."""
@@ -100,6 +111,11 @@ class General:
         b, m = map(float, self.below.shape)
         return 2 * (m**3 / 3 + m * m * b + m * b * b)
 
+    @property
+    def solving(self) -> int:
+        """Each entry once."""
+        return 2 * self.nnz
+
     def forward(self, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """F11^-1 b."""
         z = self.inverse(own)
@@ -127,7 +143,9 @@ class Multifrontal:
             one, rest = eliminate(front, data, left)
             found.append(one)
             left[number] = rest
-        return cls(analysis, found)
+        factor = cls(analysis, found)
+        spend(FACTORISATIONS, factor.flops)
+        return factor
 
     @classmethod
     def of_matrix(cls, A: sparse.csc_matrix, analysis: Analysis) -> Multifrontal:
@@ -146,13 +164,19 @@ class Multifrontal:
         """Entries of L, or of L and U, those of blocks that are zero included."""
         return sum(each.nnz for each in self.fronts)
 
-    @property
+    @cached_property
     def flops(self) -> float:
         """Floating-point operations of the factorisation."""
         return sum(each.flops for each in self.fronts)
 
+    @cached_property
+    def solving(self) -> int:
+        """Floating-point operations of a solution."""
+        return sum(each.solving for each in self.fronts)
+
     def solve(self, b: np.ndarray) -> np.ndarray:
         """x (n,) or (n, k) with A x = b."""
+        spend(SOLUTIONS, self.solving * b.size // max(len(b), 1))
         x = b[self.analysis.order]
         pairs = list(zip(self.analysis.fronts, self.fronts, strict=True))
         for front, one in pairs:
@@ -197,6 +221,7 @@ class Response:
 
     def matrix(self) -> np.ndarray:
         """(j, k)."""
+        spend(COLUMNS, self.operations)
         analysis, path = self.factor.analysis, []
         # the unknowns of these fronts, numbered without the others
         kept = np.repeat(self.down, [front.stop - front.start for front in analysis.fronts])

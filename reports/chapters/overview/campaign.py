@@ -12,7 +12,7 @@ from reports.store.cells import Cell
 from reports.store.tables import Store
 
 GOOD = ("converged", "unstable")
-COUNTERS = ("newton_iterations", "factorisations", "assemblies", "flops")
+COUNTERS = ("newton_iterations", "factorisations", "assemblies", "operations")
 
 
 def campaign_page(store: Store, contents: str = "") -> Part:
@@ -57,12 +57,12 @@ def _outcomes(store: Store) -> str:
     rows = []
     for (scene, contact, tolerance), group in groups.items():
         counters = [each.result["counters"] for each in group if each.result and each.ended in GOOD]
-        *sums, flops = (sum(each.get(name, 0) for each in counters) for name in COUNTERS)
+        *sums, operations = (sum(each.get(name, 0) for each in counters) for name in COUNTERS)
         tol = scientific(float(tolerance), 0) if tolerance else NOTHING
         counts = len(group), len(counters), len(group) - len(counters)
-        rows.append([scene, code(contact), tol, *counts, *sums, scientific(float(flops), 2)])
+        rows.append([scene, code(contact), tol, *counts, *sums, scientific(float(operations), 2)])
     header = ["scene", "algorithm", "tolerance", "solved", "converged", "failed", "Newton iterations"]
-    header += ["factorisations", "assemblies", "flops of the factorisations"]
+    header += ["factorisations", "assemblies", "operations"]
     return "## Outcomes and counters\n\n" + table("Sums over the converged cells of each group", header, rows, words=2)
 
 

@@ -21,8 +21,8 @@ FEW = 8
 def cheapest() -> list[Cell]:
     """The solved cells of the baseline with the fewest operations."""
     values = read_baseline(BASELINE).pivot_table(index="label", columns="column", values="value", aggfunc="first")
-    flops = values.loc[values[OUTCOME] == "converged", "c.flops"].astype(float)
-    return [cell for cell in find("quick").cells if cell.label in flops.nsmallest(FEW).index]
+    operations = values.loc[values[OUTCOME] == "converged", "c.operations"].astype(float)
+    return [cell for cell in find("quick").cells if cell.label in operations.nsmallest(FEW).index]
 
 
 def loss(table: pd.DataFrame) -> list[Finding]:
@@ -51,9 +51,9 @@ def test_a_row_of_the_baseline_holds(label: str, table: pd.DataFrame) -> None:
 
 
 def test_a_loss_in_one_of_its_rows_is_seen(table: pd.DataFrame) -> None:
-    worse = table.head(1).assign(**{"c.flops": 1.1 * table["c.flops"].iloc[0]})
+    worse = table.head(1).assign(**{"c.operations": 1.1 * table["c.operations"].iloc[0]})
     (found,) = loss(worse)
-    assert (found.column, found.what) == ("c.flops", "worse")
+    assert (found.column, found.what) == ("c.operations", "worse")
 
 
 def test_the_baseline_is_of_the_campaign_as_it_is() -> None:

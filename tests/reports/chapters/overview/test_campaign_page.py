@@ -26,7 +26,7 @@ LIMIT, ORDER = 1.01 * EXACT, 2.0
 def record(cell_id: str, n: int, ended: str = "converged") -> dict[str, Any]:
     value = LIMIT + 5.0 * n**-ORDER
     step = {"load_fraction": 1.0, "kkt": KKT, "failures": [], "rounding": 0.0, "newton_iterations": 1, "substeps": 1}
-    counters = {"newton_iterations": 7, "factorisations": 8, "assemblies": 9, "flops": 1000}
+    counters = {"newton_iterations": 7, "factorisations": 8, "assemblies": 9, "operations": 1000}
     return {
         **{"schema": SCHEMA, "id": cell_id, **REQUEST, "mesh": f"{n}x1", "outcome": ended, "class": ended},
         **{"settings": {"tolerance": 1e-9}, "reason": f"{ended} because", "quantities": {"tip_deflection_mm": value}},

@@ -136,7 +136,7 @@ def test_a_travel_beyond_the_limit_point_ends_at_it_for_a_bounded_cost(mesh: str
     """Under 60 times the cost of a step to 20 mm, with a state that the judge would pass, and the place of the mode."""
     easy, lost = (run({"delta_mm": delta}, mesh, model="half") for delta in ("20", "40"))
     assert lost.outcome is Outcome.LIMIT_POINT
-    for what in ("factorisations", "flops"):
+    for what in ("factorisations", "operations"):
         assert lost.counters[what] < 60 * easy.counters[what]
     limit = lost.quantities["press_limit_point"]
     assert f"limit point of the path at {limit:.7g}" in lost.reason
