@@ -22,16 +22,16 @@ P = ParamSpec("P")
 Picture = Callable[[], str]  # draws itself as SVG text when it is asked for
 # Okabe and Ito's colours, told apart with every common colour blindness
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
-YELLOW, BLUE, VERMILION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
-WINE, OLIVE = "#661100", "#999933"  # Tol's, told apart from those
-COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, WINE, YELLOW, OLIVE)
-MARKERS = ("o", "s", "^", "D", "v", "P", "x")
+BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
+WINE, OLIVE, INDIGO = "#661100", "#999933", "#332288"  # Tol's, told apart from those
+COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, WINE, INDIGO, OLIVE)
+GREY = "#777777"
+MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", ":", "-.")
 CLASSICAL = ("exact", "linear", "von-karman", "donnell", "sanders", "novozhilov")
 FURTHER = ("moderate-rotation", "thin-green-lagrange", "elongation")
 ALGORITHMS = ("trial-and-error", "semismooth", "regularised", "augmented-lagrangian", "qp", "lcp")
-# names whose look is fixed; those of one line never stand for the same thing as those of the other
-KNOWN = ((*CLASSICAL, *FURTHER), ALGORITHMS)
+KNOWN = ((*CLASSICAL, *FURTHER), ALGORITHMS)  # names whose look is fixed, and no other known name's
 STYLE: dict[Any, Any] = {
     "svg.fonttype": "path",  # letters as shapes: the same on every reader's machine
     "svg.hashsalt": "footprint",
@@ -67,6 +67,11 @@ class Look:
         """Colour and line."""
         return {"color": self.colour, "linestyle": self.line}
 
+    @property
+    def whole(self) -> dict[str, Any]:
+        """Colour, marker and line."""
+        return {**self.points, "linestyle": self.line}
+
 
 def look(number: int) -> Look:
     """The look of a number: the first nine differ in colour, the next nine from them in marker and line, and so on."""
@@ -80,7 +85,9 @@ def looks(names: Iterable[Any]) -> dict[Any, Look]:
     Known names have their own; unknown ones beside them come after, by name; where none is known, the order counts.
     """
     unique = list(dict.fromkeys(names))
-    known = next((list(own) for own in KNOWN if set(own) & set(unique)), [])
+    known = [name for own in KNOWN for name in own]
+    if not set(known) & set(unique):
+        known = []
     others = [name for name in unique if name not in known]
     order = known + (sorted(others, key=str) if known else others)
     return {name: look(order.index(name)) for name in unique}

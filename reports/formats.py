@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from string import Formatter
 from typing import Any
@@ -66,15 +67,45 @@ def interval(ends: Iterable[float], decimals: int = 2) -> str:
     return f"[{', '.join(fixed(end, decimals) for end in ends)}]"
 
 
+def quantity(name: str) -> str:
+    """The name of a quantity in words, with its unit: "limit_w_C_mm" is "w at C at the limit [mm]"."""
+    bare, unit = next(((name.removesuffix(end), word) for end, word in UNITS.items() if name.endswith(end)), (name, ""))
+    limit = bare.startswith("limit_") and bare != "limit_load_fraction"
+    bare = bare.removeprefix("limit_") if limit else bare
+    words = WORDS.get(bare) or POINT.sub(r"\1 at \2", bare).replace("_", " ")
+    return words + " at the limit" * limit + unit
+
+
+UNITS = {"_N_per_mm": " [N/mm]", "_mm": " [mm]", "_MPa": " [MPa]", "_N": " [N]", "_deg": " [deg]"}
+POINT = re.compile(r"^([uw])_([A-C])\b")  # a displacement at a named point
+WORDS = {
+    **{
+        f"N_{sub}_{place}": f"N{letter} {place}"
+        for sub, letter in (("theta", "θ"), ("phi", "φ"))
+        for place in ("crown", "inner", "outer")
+    },
+    "P_H2_over_EI": "P H²/EI",
+    "P_R2_over_EI": "P R²/EI",
+    "sigma_x_bar": "σx, scaled",
+    "tau_xz_bar": "τxz, scaled",
+    "tau_yz_bar": "τyz, scaled",
+    "w_bar": "w, scaled",
+    "w_apex": "w at the apex",
+    "w_waist": "w at the waist",
+    "w_A_even": "w at A, of large elements",
+    "w_C_even": "w at C, of large elements",
+}
+
+
 class Line(Formatter):
     """Fills in "{name:format}" from a record, a mapping or an object, as str.format does but for the formats.
 
-    They are those of ``formatted``, "code", "said", or ``named`` ones; without one a value is printed as it is. In
-    "{kkt[tension]:.1e}" an entry of a value is meant.
+    They are those of ``formatted``, "code", "said", "quantity", or ``named`` ones; without one a value is printed as it
+    is. In "{kkt[tension]:.1e}" an entry of a value is meant.
     """
 
     def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
-        self.named = {"code": code, "said": said, **named}
+        self.named = {"code": code, "said": said, "quantity": quantity, **named}
 
     def filled(self, text: str, record: Any) -> str:
         """The text with the values of a record."""

@@ -8,15 +8,15 @@ from __future__ import annotations
 from itertools import takewhile
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.tyre import figures as figures_tyre
+from reports.chapters.tyre import figures_patch
 from reports.drawing import Picture, drawn
 from reports.files import write_texts
-from reports.maps import along_meridian, at_delta, pressure_map
+from reports.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.store.cells import TYRES, Cell, load_cell
 
 UNITS = ("mm", "MPa", "N", "deg")
@@ -54,7 +54,7 @@ def _mode_picture(cell: Cell) -> dict[str, Picture]:
     """How the wall moves where its path turns back, if it has been found to."""
     if not (cell.directory / "mode.csv").exists():
         return {}
-    return {"mode.svg": figures_tyre.mode_map(cell.table("mode"), mm_per_degree(cell.table("profile")))}
+    return {"mode.svg": figures_patch.mode_map(cell.table("mode"), Developed.of(cell.table("profile")).per_degree)}
 
 
 def tyre_pictures(cell: Cell) -> dict[str, Picture]:
@@ -74,20 +74,9 @@ def tyre_pictures(cell: Cell) -> dict[str, Picture]:
         "load-deflection.svg": figures_tyre.load_deflection({cell.result["measure"]: (reached, forces)}),
         **turns,
         "pressure-psi.svg": figures_tyre.pressure_along_psi({"φ = 0": curves}),
-        "pressure-map.svg": figures_tyre.pressure_map(last, mm_per_degree(profile)),
+        "pressure-map.svg": figures_patch.pressure_map(last, Developed.of(profile)),
         "profiles.svg": figures_tyre.profiles(profile, shown),
     }
-
-
-def mm_per_degree(profile: pd.DataFrame) -> tuple[float, float]:
-    """Lengths [mm] of a degree of psi and of phi on the inflated outer face at the crown."""
-    inflated = profile[profile["state"] == "inflated"]
-    psi = inflated["psi_deg"].to_numpy(dtype=float)
-    radial, axial = (inflated[f"outer_{name}_mm"].to_numpy(dtype=float) for name in ("radial", "axial"))
-    crown = int(np.argmin(np.abs(psi)))
-    near = slice(crown - 1, crown + 2)
-    along_psi = np.sum(np.hypot(np.diff(radial[near]), np.diff(axial[near]))) / np.ptp(psi[near])
-    return float(along_psi), float(np.deg2rad(radial[crown]))
 
 
 def _load_displacement(cell: Cell) -> Picture:

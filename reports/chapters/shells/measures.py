@@ -4,11 +4,8 @@ from __future__ import annotations
 
 import math
 
-import pandas as pd
-from matplotlib.figure import Figure
-
 from reports.chapter import Chapter
-from reports.drawing import BLACK, canvas, legend_above, looks, svg
+from reports.chapters.shells.figures_measures import errors_over_load
 from reports.formats import NOTHING, digits, fixed, percent
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
 from reports.store.tables import Store
@@ -56,27 +53,13 @@ measure on the same mesh, so the mesh is not in it. An error may change its sign
 load after it has been large: so the columns give the load at which it *first* exceeds 1 % and 5 %, interpolated between
 two loads, and the largest error up to the last load, with the load where it is that large. A dash: it never does; "from
 the start": it does so at the first load already. Curves that coincide cover each other.""")
-    words = "Error against the exact measure over the load, by scene and measure; dotted: 1 % and 5 %"
-    shown = picture("measures-enough.svg", words, errors_over_load(store.analysis("measure_errors")))
+    words = "Signed error against the exact measure over the load; rings: where 1 % and 5 % are first passed"
+    shown = picture(
+        "measures-enough.svg",
+        words,
+        errors_over_load(store.analysis("measure_errors"), found, {name: each[1] for name, each in WORDS.items()}),
+    )
     return joined(text, shown, *blocks, commands(found["command"]))
-
-
-@svg
-def errors_over_load(data: pd.DataFrame) -> Figure:
-    """Size of the errors over the load, one panel a scene: columns scene, measure, load, error."""
-    drawn, scenes = looks(data["measure"]), dict(iter(data.groupby("scene", sort=False)))
-    columns = math.ceil(len(scenes) / math.ceil(len(scenes) / 3))
-    figure, panels = canvas(len(scenes), columns, head=1.2, height=2.8)
-    for axes, (scene, own) in zip(panels, scenes.items(), strict=True):
-        for name, curve in own.groupby("measure", sort=False):
-            size = curve["error"].abs()
-            axes.plot(curve["load"], size.where(size > 0), **drawn[name].dashes, label=name)
-        for level in (0.01, 0.05):
-            axes.axhline(level, color=BLACK, linewidth=0.8, linestyle=":")
-        axes.set(title=scene, xlabel=WORDS[str(scene)][1], yscale="log", ylim=(1e-5, 2), xlim=(0, None))
-    figure.supylabel("error against the exact measure [-]", fontsize=10)
-    legend_above(figure, panels[0])
-    return figure
 
 
 def _first(load: float) -> str:

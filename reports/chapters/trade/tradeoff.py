@@ -9,6 +9,7 @@ import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.trade import figures_tradeoff
+from reports.chapters.trade.figures_precision import work_precision
 from reports.formats import code, share
 from reports.markdown import Part, commands, filled, folded, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store
@@ -69,8 +70,11 @@ the reference is uncertain by (the grey band) counts as that. {wrong} answers ar
 front.""")
     listed = folded("The fronts as a table", listing("Fronts per scene", front, heads, line, words=3))
     found = machine(f"{len(front)} cells are on the front of their scene.", listed, commands(front["command"]))
-    drawn = figures_tradeoff.work_precision(data, COST)
-    return joined(text, picture("tradeoff-precision.svg", "Verified error over cost, by scene", drawn), found)
+    drawn = (
+        picture(f"tradeoff-{name}.svg", f"Verified error over {words}, a line a measure", work_precision(data, cost))
+        for name, words, cost in (("precision", "processor time", COST), ("unknowns", "unknowns", "dofs"))
+    )
+    return joined(text, *drawn, found)
 
 
 def _families(store: Store) -> Part:

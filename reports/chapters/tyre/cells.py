@@ -33,6 +33,13 @@ FOLLOWER_FINE: Asked = {**FOLLOWER, **FINE_MESH}
 ISOTROPIC: Asked = {**ELEMENT, **MESH, "model": "full", "plies": 1, "delta_mm": TO_DELTA}
 ISOTROPIC_FINE: Asked = {**ISOTROPIC, **FINE_MESH}
 PLIES = {"angle plies": 4, "isotropic": 1}  # by their words in the table tyre_models
+EVERY_MEASURE: Asked = {  # of the page of measures
+    "scene": "tyre",
+    "mesh": "20x20",
+    "contact": "semismooth",
+    "membrane": "relaxed",
+    "delta_mm": tuple(range(1, 21)),
+}
 
 HALF: Asked = {**ELEMENT, "model": "half", "plies": 4}  # under a turn by 180 degrees
 ONE_STEP: Asked = {**HALF, **USUAL, "section": "constant-s33", "load": "dead", "delta_mm": DELTA, "steps": 1}

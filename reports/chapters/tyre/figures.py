@@ -1,4 +1,4 @@
-"""Pictures of a tyre: load-deflection curves, pressures, patches, profiles, iteration histories.
+"""Pictures of a tyre: load-deflection curves, pressures along meridians, profiles, iteration histories.
 
 They draw the tables they are given; what is compared with what is decided by the pages.
 """
@@ -10,14 +10,13 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from matplotlib.collections import LineCollection
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
 
-from reports.drawing import BLACK, VERMILION, canvas, legend_above, lines, look, looks, svg
-from reports.maps import ANGLE_DECIMALS, at_delta
+from reports.drawing import BLACK, GREY, VERMILION, canvas, legend_above, lines, look, looks, svg
+from reports.maps import SHOWN_PSI, at_delta
 
-GREY = "#777777"
-SHOWN_PSI, SHOWN_PHI = 60.0, 30.0  # degrees around the patch
 TRAVEL, FORCE = "travel of the plane Δ [mm]", "force P [N]"
 
 
@@ -51,25 +50,6 @@ def pressure_along_psi(panels: Mapping[str, Mapping[str, pd.Series]]) -> Figure:
 
 
 @svg
-def pressure_map(pressures: pd.DataFrame, mm_per_degree: tuple[float, float]) -> Figure:
-    """Pressure over the patch with its outline; ``mm_per_degree`` of psi and phi make the picture true to scale."""
-    figure, (axes,) = canvas(height=3.4)
-    near = [np.abs(angles.to_numpy(dtype=float)) <= SHOWN_PSI for angles in (pressures.index, pressures.columns)]
-    pressures = pressures.loc[near[0], near[1]]
-    psi, phi = (angles.to_numpy(dtype=float) for angles in (pressures.index, pressures.columns))
-    p = pressures.to_numpy(dtype=float)
-    x, y = _edges(phi), _edges(psi)
-    colours = axes.pcolormesh(x, y, p, cmap="viridis", vmin=0)
-    axes.add_collection(LineCollection(_outline(~np.isnan(p), x, y), colors=VERMILION, linewidths=1.8))
-    axes.plot([], [], color=VERMILION, label="patch outline")
-    axes.set(xlim=(-SHOWN_PHI, SHOWN_PHI), ylim=(-SHOWN_PSI, SHOWN_PSI), aspect=mm_per_degree[0] / mm_per_degree[1])
-    axes.set(xlabel="angle around the axis φ [deg]", ylabel="meridian angle ψ [deg]")
-    axes.legend(loc="upper right")
-    figure.colorbar(colours, ax=axes, label="contact pressure [MPa]")
-    return figure
-
-
-@svg
 def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequence[bool]) -> Figure:
     """Force over travel about the first limit point, on the way there and behind it; the limit points are marked."""
     figure, (axes,) = canvas()
@@ -90,36 +70,27 @@ def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequen
 
 
 @svg
-def mode_map(mode: pd.DataFrame, mm_per_degree: tuple[float, float]) -> Figure:
-    """How the wall moves along its normal where the path turns back, the largest motion of a node as unit."""
-    psi, phi = (np.deg2rad(mode[f"{name}_deg"].to_numpy(dtype=float)) for name in ("psi", "phi"))
-    normal = np.stack([np.cos(psi) * np.cos(phi), np.cos(psi) * np.sin(phi), np.sin(psi)], axis=-1)
-    along = np.sum(normal * mode[["x", "y", "z"]].to_numpy(dtype=float), axis=-1)
-    nodes = mode.assign(along=along).round({"psi_deg": ANGLE_DECIMALS, "phi_deg": ANGLE_DECIMALS})
-    table = nodes.pivot(index="psi_deg", columns="phi_deg", values="along")
-    rows, columns = (angles.to_numpy(dtype=float) for angles in (table.index, table.columns))
-    figure, (axes,) = canvas(height=5.4)
-    most = float(np.max(np.abs(table.to_numpy(dtype=float))))
-    colours = axes.pcolormesh(_edges(columns), _edges(rows), table, cmap="RdBu", vmin=-most, vmax=most)
-    shown = float(np.max(rows))
-    axes.set(xlim=(-SHOWN_PHI, SHOWN_PHI), ylim=(-shown, shown), aspect=mm_per_degree[0] / mm_per_degree[1])
-    axes.set(xlabel="angle around the axis φ [deg]", ylabel="meridian angle ψ [deg]")
-    figure.colorbar(colours, ax=axes, label="motion along the normal, largest = 1")
+def measures_and_print(
+    curves: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    printed: tuple[float, float],
+    others: Mapping[str, tuple[Sequence[float], Sequence[float]]],
+    titles: tuple[str, str],
+) -> Figure:
+    """Force over travel: on the left ``curves`` and the force that the printed pressures add up to, at its travel; on
+    the right every measure on another mesh.
+    """
+    figure, (left, right) = canvas(2, width=10.0, height=4.4, sharey=True)
+    for axes, own, title in ((left, curves, titles[0]), (right, others, titles[1])):
+        for name, each in looks(own).items():
+            deltas, forces = own[name]
+            every = (1, 1 + len(deltas) // 12)
+            axes.plot([0, *deltas], [0, *forces], **each.whole, label=name, markersize=4, markevery=every)
+        axes.set(title=title, xlabel=TRAVEL, xlim=(0, None), ylim=(0, None))
+    left.plot(*printed, "D", color=BLACK, fillstyle="none", label="printed pressures, summed")
+    left.set_ylabel(FORCE)
+    for axes in (left, right):
+        axes.legend(fontsize=8, loc="upper left")
     return figure
-
-
-def _edges(nodes: np.ndarray) -> np.ndarray:
-    """Borders half-way between nodes, the outermost nodes in the middle of theirs."""
-    middles = 0.5 * (nodes[1:] + nodes[:-1])
-    return np.concatenate([[2 * nodes[0] - middles[0]], middles, [2 * nodes[-1] - middles[-1]]])
-
-
-def _outline(inside: np.ndarray, x: np.ndarray, y: np.ndarray) -> list[list[tuple[float, float]]]:
-    """The borders between cells inside and outside; columns along x, rows along y."""
-    padded = np.pad(inside, 1)
-    borders = [[(x[j], y[i]), (x[j], y[i + 1])] for i, j in np.argwhere(padded[1:-1, 1:] != padded[1:-1, :-1]).tolist()]
-    across = np.argwhere(padded[1:, 1:-1] != padded[:-1, 1:-1]).tolist()
-    return borders + [[(x[j], y[i]), (x[j + 1], y[i])] for i, j in across]
 
 
 @svg
@@ -129,10 +100,11 @@ def profiles(profile: pd.DataFrame, deltas: Sequence[float]) -> Figure:
     states = dict(iter(profile.groupby("state")))
     walls = {"unloaded": (states["unloaded"], GREY, "--"), "inflated": (states["inflated"], BLACK, "-")}
     for i, delta in enumerate(deltas):
-        walls[f"Δ = {delta:g} mm"] = at_delta(states["pressed"], delta), look(i).colour, "-"
+        each = look(i)
+        walls[f"Δ = {delta:g} mm"] = at_delta(states["pressed"], delta), each.colour, each.line if i else "-"
     for name, (rows, colour, line) in walls.items():
         for face, label in (("inner", None), ("outer", name)):
-            wall = rows[f"{face}_axial_mm"], rows[f"{face}_radial_mm"]
+            wall = _smooth(rows[f"{face}_axial_mm"], rows[f"{face}_radial_mm"])
             axes.plot(*wall, color=colour, linestyle=line, linewidth=1.1, label=label)
     axes.set(xlabel="axial position z [mm]", ylabel="radial position x [mm]", aspect="equal")
     axes.set_adjustable("datalim")  # a box of its own would leave no room for the labels beside it
@@ -140,41 +112,51 @@ def profiles(profile: pd.DataFrame, deltas: Sequence[float]) -> Figure:
     return figure
 
 
-@svg
-def table_differences(panels: Mapping[str, Sequence[pd.DataFrame]]) -> Figure:
-    """(computed - printed)/printed in per cent on the printed places, side by side, with the nodes only one has."""
-    figure, every = canvas(len(panels), height=4.6)
-    for axes, (title, (computed, printed)) in zip(every, panels.items(), strict=True):
-        psi, labels = (np.asarray(v, dtype=float) for v in (printed.columns, printed.index))
-        ours, theirs = computed.to_numpy(dtype=float), printed.to_numpy(dtype=float)
-        relative = 100 * (ours / theirs - 1)
-        colours = axes.pcolormesh(_edges(psi), _edges(labels), relative, cmap="PuOr_r", vmin=-30, vmax=30)
-        for there, missing, marker, name in ((theirs, ours, "o", "only printed"), (ours, theirs, "x", "only computed")):
-            rows, columns = np.nonzero(~np.isnan(there) & np.isnan(missing))
-            axes.plot(psi[columns], labels[rows], marker, color=BLACK, fillstyle="none", markersize=4, label=name)
-        axes.set(title=title, xlabel="ψ [deg]", ylabel="printed row label")
-        axes.grid(visible=False)
-    handles, names = every[0].get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside lower center", ncols=2)
-    figure.colorbar(colours, ax=every, label="(computed - printed) / printed [%]", extend="both", shrink=0.8)
-    return figure
+def _smooth(x: pd.Series, y: pd.Series) -> tuple[np.ndarray, np.ndarray]:
+    """A curve through points that nowhere goes beyond them, as a flat piece must stay flat."""
+    points = np.stack([x.to_numpy(float), y.to_numpy(float)])
+    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=1)))])
+    fine = PchipInterpolator(along, points, axis=1)(np.linspace(0.0, along[-1], 20 * len(along)))
+    return fine[0], fine[1]
 
 
 @svg
 def iterations(histories: Mapping[str, pd.DataFrame]) -> Figure:
-    """Relative residual and size of the contact set over all residual evaluations of a solve."""
-    figure, (left, right) = canvas(2, height=4.2)
-    residuals, sets = {}, {}
-    for name, history in histories.items():
-        evaluation, residual = np.arange(1, len(history) + 1), history["residual"].to_numpy(dtype=float)
-        residuals[name] = evaluation, np.where(np.isfinite(residual) & (residual > 0), residual, np.nan)
-        sets[name] = evaluation, history["contact_nodes"]
-    lines(left, residuals, markersize=3, linewidth=1)
-    lines(right, sets, markersize=3, linewidth=1)
-    left.set(xlabel="residual evaluations", ylabel="relative residual", yscale="log")
-    right.set(xlabel="residual evaluations", ylabel="nodes in the contact set")
-    legend_above(figure, left, columns=1)
+    """Residual over the iterations of the last step, a panel a solve; numbers: nodes in contact where they change."""
+    figure, panels = canvas(len(histories), columns=min(len(histories), 3), width=10.0, height=2.7, sharey=True)
+    drawn = looks(histories)
+    steps = {name: last_step(history) for name, history in histories.items()}
+    longest = max((len(step) for step in steps.values()), default=1)
+    for axes, (name, step) in zip(panels, steps.items(), strict=True):
+        _iterations(axes, step, drawn[name].colour)
+        axes.set(title=name, yscale="log", xlim=(-0.04 * longest, 1.04 * longest), ylim=(1e-15, 1e3))
+        axes.title.set_fontsize(9)
+    for axes in panels[:: min(len(histories), 3)]:
+        axes.set_ylabel("relative residual")
+    for axes in panels[-3:]:
+        axes.set_xlabel("iteration of the last step")
+    panels[0].plot([], [], "o", color=BLACK, label="contact set changed, to so many nodes")
+    panels[0].plot([], [], "o", color=BLACK, fillstyle="none", label="contact set kept")
+    legend_above(figure, panels[0], columns=2)
     return figure
+
+
+def last_step(history: pd.DataFrame) -> pd.DataFrame:
+    """The iterations of the last attempt of the last load."""
+    begins = np.flatnonzero(history["iteration"].to_numpy() == 0)
+    return history.iloc[begins[-1] if len(begins) else 0 :]
+
+
+def _iterations(axes: Axes, step: pd.DataFrame, colour: str) -> None:
+    residual = step["residual"].to_numpy(dtype=float)
+    residual = np.where(np.isfinite(residual) & (residual > 0), residual, np.nan)
+    count, changed = np.arange(len(step)), (step["added"] + step["removed"]).to_numpy() > 0
+    axes.plot(count, residual, color=colour, linewidth=1.1)
+    for fill, chosen in (("full", changed), ("none", ~changed)):
+        axes.plot(count[chosen], residual[chosen], "o", color=colour, fillstyle=fill, markersize=4)
+    for i in count[changed & ~np.isnan(residual)]:
+        nodes, above = str(step["contact_nodes"].iloc[i]), 5 + 8 * (i % 2)
+        axes.annotate(nodes, (i, residual[i]), (0, above), textcoords="offset points", fontsize=7, ha="center")
 
 
 @svg

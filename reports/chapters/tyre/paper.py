@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from reports.chapters.tyre import figures
-from reports.chapters.tyre.cells import CURVES, DELTA, FOLLOWER, ISOTROPIC, LINEAR, PAPER
+from reports.chapters.tyre import figures, figures_patch
+from reports.chapters.tyre.cells import CURVES, DELTA, EVERY_MEASURE, FOLLOWER, ISOTROPIC, LINEAR, PAPER
 from reports.formats import fixed
-from reports.maps import along_meridian, at_delta, pressure_map
+from reports.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
-from reports.result_figures import mm_per_degree
 from reports.store.cells import Cell
 from reports.store.tables import Store
 
@@ -54,20 +53,28 @@ def _linear_and_exact(store: Store) -> Part:
     pairs = forces(store)
     rows = [[f"{d:g}", fixed(low, 2), fixed(high, 2), fixed(low / high, 3)] for d, (low, high) in pairs.items()]
     linear_20, exact_20 = pairs[DELTA]
+    paper, linear, others = store.find(**PAPER), store.find(**LINEAR), store.select(**EVERY_MEASURE)
+    printed = store.analysis("tyre_comparison")["printed_sum_N"].iloc[0]
     text = prose(f"""### Linear against geometrically exact strains
 
-At Δ = {DELTA:g} mm the linear measure needs {fixed(linear_20 / exact_20, 3)} times the force of the exact one.
-The paper says "about two". Each measure counts Δ from the first touch of its own inflated tyre.""")
-    curves = {
-        f"{cell.result['measure']} strains": ([s["delta_mm"] for s in cell.steps], [s["force_N"] for s in cell.steps])
-        for cell in (store.find(**PAPER), store.find(**LINEAR))
-    }
-    header, words = ["Δ [mm]", "P linear [N]", "P exact [N]", "linear / exact"], "linear and exact strains"
-    body = table("Force of the linear and of the exact measure", header, rows)
-    drawn = figures.load_deflection(curves)
+At Δ = {DELTA:g} mm the linear measure needs {fixed(linear_20 / exact_20, 3)} times the force of the exact one, on the
+mesh {paper.result["mesh"]} with the element of the paper, whose authors say "about two". Each measure counts Δ from
+the first touch of its own inflated tyre. In the picture the printed pressures, summed over the areas of their nodes,
+stand beside both, and on the right all measures on a coarser mesh with the default element; how far each is off there,
+and from which travel on, is the matter of [another page](measures.md).""")
+    header, words = ["Δ [mm]", "P linear [N]", "P exact [N]", "linear / exact"], "by strain measure, and printed"
+    body = table(f"Force of the linear and of the exact measure, {paper.result['mesh']}", header, rows)
+    curves = {cell.result["measure"]: _curve(cell) for cell in (paper, linear)}
+    titles = f"{paper.result['mesh']}, element paper", f"{EVERY_MEASURE['mesh']}, element refined"
+    every = {cell.result["measure"]: _curve(cell) for cell in others}
+    drawn = figures.measures_and_print(curves, (DELTA, printed), every, titles)
     return joined(
         text, body, picture("tyre-load-deflection.svg", f"Force over the travel of the plane, {words}", drawn)
     )
+
+
+def _curve(cell: Cell) -> tuple[list[float], list[float]]:
+    return [step["delta_mm"] for step in cell.steps], [step["force_N"] for step in cell.steps]
 
 
 def _inflation(store: Store) -> Part:
@@ -103,7 +110,7 @@ def _pressures(store: Store) -> Part:
     at_psi, at_phi = abs(float(pressures.index[row])), abs(float(pressures.columns[column]))
     phi, psi = _extent(pressures.notna().any(axis=0)), _extent(pressures.notna().any(axis=1))
     along = figures.pressure_along_psi({"φ = 0": curves})
-    patch = figures.pressure_map(pressures, mm_per_degree(cell.table("profile")))
+    patch = figures_patch.pressure_map(pressures, Developed.of(cell.table("profile")))
     return joined(
         "### Contact pressure",
         picture("tyre-pressure-psi.svg", "Contact pressure along the meridian under three travels", along),

@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from reports.chapters.tyre import figures
+from reports.chapters.tyre import figures_patch
 from reports.chapters.tyre.cells import DELTA, PAPER
 from reports.formats import fixed, scientific, share
 from reports.maps import at_delta
@@ -90,7 +90,7 @@ def _tables(store: Store, best: float) -> Part:
     ours, printed = maps[DELTA]
     title = f"{PRINTED_FACTOR:g} p [MPa]; rows: printed label = 2 φ; columns: ψ [deg]"
     tables = [_table(f"Printed: {title}", printed), _table(f"Ours, Δ = {DELTA:g} mm: {title}", ours)]
-    drawn = figures.table_differences({f"Δ = {delta:g} mm": both for delta, both in maps.items()})
+    drawn = figures_patch.table_differences({f"Δ = {delta:g} mm": both for delta, both in maps.items()})
     return joined(
         picture("tyre-printed-difference.svg", "Relative difference from the printed table", drawn),
         folded("Both tables in full", "\n\n".join(tables)),
