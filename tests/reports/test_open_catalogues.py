@@ -121,6 +121,9 @@ def test_a_look_is_one_for_all_figures_and_never_runs_out() -> None:
     assert len({(each.colour, each.line) for each in drawn.values()}) == 20
     assert len({each.colour for each in looks(KNOWN[0]).values()}) == len(KNOWN[0])
     assert len(looks(range(100))) == 100
+    ours = looks([name for known in KNOWN for name in known])  # no algorithm looks like a measure
+    assert len({(each.colour, each.marker) for each in ours.values()}) == len(ours)
+    assert ours["semismooth"] == looks(["semismooth"])["semismooth"]
 
 
 def test_known_names_are_those_of_the_catalogues() -> None:

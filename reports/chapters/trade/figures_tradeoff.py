@@ -86,15 +86,16 @@ def held_out(cases: pd.DataFrame) -> Figure:
     """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
     given = cases[cases["advised"] != ""]
     figure, (left, right) = canvas(2, width=10.0, height=4.0)
-    for tolerance, own in given.groupby("tolerance"):
-        ratio = (own["true_error"] / own["tolerance"]).clip(lower=1e-3).sort_values()
+    for tolerance in sorted(set(given["tolerance"].astype(float))):
+        own = given[given["tolerance"] == tolerance]
+        own = own.assign(ratio=(own["true_error"] / tolerance).clip(lower=1e-3)).sort_values("ratio")
+        ratio, scenes = own["ratio"].to_numpy(float), list(own["scene"])
         apart = 100 * tolerance * (1 + 0.4 * np.linspace(-0.5, 0.5, len(own)))  # beside one another, by size
         for far, colour, marker in ((False, BLUE, "o"), (True, VERMILION, "s")):
-            shown = (ratio > 1).to_numpy() == far
+            shown = (ratio > 1) == far
             left.scatter(apart[shown], ratio[shown], s=16, color=colour, marker=marker, linewidths=0)
-        for x, (label, y) in zip(apart, ratio.items(), strict=True):
-            if y > 1:
-                left.annotate(str(own["scene"][label]), (x, y), (4, 2), textcoords="offset points", fontsize=7)
+        for i in np.flatnonzero(ratio > 1):
+            left.annotate(str(scenes[i]), (apart[i], ratio[i]), (4, 2), textcoords="offset points", fontsize=7)
     left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
     left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
     left.scatter([], [], s=16, color=BLUE, marker="o", label="tolerance met")

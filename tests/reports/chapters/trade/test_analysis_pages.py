@@ -76,7 +76,7 @@ def test_both_pages_are_made_with_their_pictures(files: dict[str, str]) -> None:
     assert {"index.md", *ANALYSIS} == {name for name in files if name.endswith(".md")}
     shown = {name for text in files.values() for name in re.findall(r"\]\((figures/\S+\.svg)\)", text)}
     assert shown == {name for name in files if name.endswith(".svg")}
-    assert len(shown) == 4
+    assert len(shown) == 5
     assert "[Cost and accuracy](tradeoff.md)" in files["index.md"]
     assert "[Advice](advice.md)" in files["tradeoff.md"]
 
