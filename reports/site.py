@@ -12,12 +12,12 @@ from pathlib import Path
 from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, grouped, link_line, listed, relative
 from reports.chapters.overview.campaign import campaign_page
 from reports.chapters.overview.index import index_page
-from reports.chapters.overview.outcomes import completeness_line
 from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
 from reports.files import write_texts
 from reports.html import REPORT, report_html
 from reports.markdown import Part
+from reports.origin import completeness_line, foot
 from reports.store.reading import StoreError
 from reports.store.tables import Store, load_store
 
@@ -56,7 +56,8 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     linked = {each.file: _under_heading(texts[each.file], link_line(chapters, each.file)) for each in chapters}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
-    return {**svgs, **texts, **linked, REPORT: report_html(texts, titles, pictures, groups)}
+    footed = {name: f"{text}\n{foot(store)}\n" for name, text in {**texts, **linked}.items()}
+    return {**svgs, **footed, REPORT: report_html(texts, titles, pictures, groups)}
 
 
 def _made(chapter: Chapter, store: Store) -> Part:

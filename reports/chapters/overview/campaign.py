@@ -5,9 +5,10 @@ from __future__ import annotations
 import pandas as pd
 
 from reports.chapter import INDEX_TITLE
-from reports.chapters.overview.outcomes import completeness, origin, refusals
+from reports.chapters.overview.outcomes import completeness, refusals
 from reports.formats import NOTHING, code, scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
+from reports.origin import origin
 from reports.store.cells import Cell
 from reports.store.tables import Store
 

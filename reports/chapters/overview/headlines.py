@@ -9,10 +9,10 @@ from collections.abc import Iterable
 import pandas as pd
 from scipy.stats import binomtest
 
-from reports.chapters.overview.outcomes import completeness_line
 from reports.chapters.trade.tradeoff import explained
 from reports.formats import fixed, interval, share
 from reports.markdown import filled, machine, prose
+from reports.origin import completeness_line
 from reports.store.tables import Store
 
 COST = "seconds"  # of processor time

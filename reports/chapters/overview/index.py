@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from reports.chapter import INDEX_TITLE
 from reports.chapters.overview.headlines import headlines
-from reports.chapters.overview.outcomes import completeness, origin, refusals
+from reports.chapters.overview.outcomes import completeness, refusals
 from reports.chapters.shells.benchmarks import BENCHMARKS
 from reports.chapters.shells.convergence import comparisons, sequences
 from reports.chapters.shells.locking import worst_energy
@@ -19,6 +19,7 @@ from reports.chapters.tyre.paper import forces
 from reports.chapters.tyre.printed_pressures import reading
 from reports.formats import fixed, percent, scientific, share
 from reports.markdown import Part, commands, folded, joined, machine, prose, table
+from reports.origin import origin
 from reports.store.cells import Cell
 from reports.store.tables import Store
 

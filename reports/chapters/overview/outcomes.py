@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping
-from typing import Any
+from collections.abc import Iterable
 
-from reports.formats import digits
 from reports.markdown import Part, joined, listing, machine, prose, table
-from reports.store.cells import CLASSES, Cell
+from reports.origin import counted
+from reports.store.cells import Cell
 from reports.store.tables import Store
 
 WORDS = {  # of each class, for people
@@ -26,16 +25,9 @@ WORDS = {  # of each class, for people
 SOLVED = ("converged", "unstable", "wrong", "not-converged", "cap-hit")
 
 
-def completeness_line(store: Store) -> str:
-    """How much of the campaign is there, in one line."""
-    counts = Counter(each.ended for each in store.planned)
-    told = ", ".join(f"{counts[name]} {name}" for name in CLASSES if counts[name])
-    return f"{store.campaign}: {len(store.planned)} cells planned: {told or 'none'}"
-
-
 def completeness(store: Store) -> Part:
     """Cells planned by scene and class, and what could not be solved."""
-    present = [name for name in CLASSES if any(each.ended == name for each in store.planned)]
+    present = list(counted(store.planned))
     scenes = dict.fromkeys(each.scene for each in store.planned)
     rows = [[scene, *_counts((e for e in store.planned if e.scene == scene), present)] for scene in scenes]
     rows.append(["all", *_counts(store.planned, present)])
@@ -58,33 +50,5 @@ def refusals(store: Store) -> str:
 
 
 def _counts(planned: Iterable[Cell], present: list[str]) -> list[int]:
-    counts = Counter(each.ended for each in planned)
-    return [counts.total(), *(counts[name] for name in present)]
-
-
-def origin(store: Store) -> str:
-    """Where the numbers of the whole campaign were made: commits, versions, machines and time; not compared."""
-    results = {each.directory: each.result for each in store.planned if each.result}.values()
-    made = [result["provenance"] for result in results if result["provenance"]]
-    times = [result["timing_s"] for result in results]
-    spent = {name: sum(each.get(name, 0.0) for each in times) for name in ("cpu", "total")}
-    packages = (f"{name} {version}" for each in made for name, version in each["packages"].items())
-    machines = (", ".join(f"{key} {value}" for key, value in each["machine"].items()) for each in made)
-    told = {
-        "footprint": _counted(each["version"] for each in made),
-        "commit": _counted(_commit(each) for each in made),
-        "packages": ", ".join(dict.fromkeys(packages)),
-        "machine": _counted(machines),
-        "time on the clock, processor time of all cells [s]": f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
-    }
-    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], told.items(), words=2))
-
-
-def _commit(made: Mapping[str, Any]) -> str:
-    """The commit, and whether the files were others than those of it; a record of old does not say."""
-    return f"{made['commit']}{' (modified)' if made.get('modified') else ''}"
-
-
-def _counted(names: Iterable[str]) -> str:
-    """Each name with the number of cells it stands for."""
-    return "; ".join(f"{name}: {count} cells" for name, count in Counter(names).items())
+    counts = counted(planned)
+    return [sum(counts.values()), *(counts.get(name, 0) for name in present)]

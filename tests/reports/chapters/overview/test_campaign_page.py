@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from reports.chapters.overview.campaign import campaign_page
-from reports.chapters.overview.outcomes import completeness_line
+from reports.origin import completeness_line
 from reports.site import place_of, rendered
 from reports.store.reading import StoreError
 from reports.store.tables import load_store

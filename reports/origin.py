@@ -1,0 +1,108 @@
+"""Where the numbers of a campaign come from: how many cells of each class, commits, versions, machines and time.
+
+The one maker of these counts: the foot of every page and the tables of origins and of completeness count alike, a cell
+of the plan as one, also where two of them ask for the same and share a record. What is told of machines and times is
+not compared between two versions of a page.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from reports.formats import digits
+from reports.markdown import machine, table
+from reports.store.cells import CLASSES, Cell
+from reports.store.tables import Store
+
+SHOWN = 12  # digits of a commit
+MINUTE = len("2026-01-01T00:00")  # of a date as a record has it
+
+
+def counted(planned: Iterable[Cell]) -> dict[str, int]:
+    """Cells by class, the classes in their order."""
+    counts = Counter(each.ended for each in planned)
+    return {name: counts[name] for name in CLASSES if counts[name]}
+
+
+def completeness_line(store: Store) -> str:
+    """How much of the campaign is there, in one line."""
+    told = ", ".join(f"{count} {name}" for name, count in counted(store.planned).items())
+    return f"{store.campaign}: {len(store.planned)} cells planned: {told or 'none'}"
+
+
+def foot(store: Store) -> str:
+    """What stands at the end of every page of the campaign."""
+    made = _made(store)
+    told = [
+        completeness_line(store),
+        f"footprint {_each(each['version'] for each in made)}, commit {_each(_commit(each, SHOWN) for each in made)}",
+        f"solved {_between(each['date'] for each in made if 'date' in each)}",
+        _each(_machine(each["machine"]) for each in made),
+        f"BLAS {_each(_blas(each['blas']) for each in made if 'blas' in each)}",
+        ", ".join(_packages(made)),
+    ]
+    return machine(f"*{'; '.join(told)}.*") if made else machine(f"*{told[0]}.*")
+
+
+def origin(store: Store) -> str:
+    """The section on the machine: where all numbers of the campaign were made."""
+    made = _made(store)
+    times = [result["timing_s"] for result in {each.directory: each.result for each in _solved(store)}.values()]
+    spent = {name: sum(each.get(name, 0.0) for each in times) for name in ("cpu", "total")}
+    told = {
+        "footprint": _each((each["version"] for each in made), always=True),
+        "commit": _each((_commit(each) for each in made), always=True),
+        "solved": _between(each["date"] for each in made if "date" in each),
+        "packages": ", ".join(_packages(made)),
+        "BLAS": _each(_blas(each["blas"]) for each in made if "blas" in each),
+        "machine": _each((_machine(each["machine"]) for each in made), always=True),
+        "time on the clock, processor time of all cells [s]": f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
+    }
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], told.items(), words=2))
+
+
+def _solved(store: Store) -> list[Cell]:
+    return [each for each in store.planned if each.result]
+
+
+def _made(store: Store) -> list[Mapping[str, Any]]:
+    """What each cell with a record tells of its origin."""
+    return [told for each in _solved(store) if (told := each.result["provenance"])]
+
+
+def _commit(made: Mapping[str, Any], shown: int | None = None) -> str:
+    """The commit, and whether the files were others than those of it; a record of old does not say."""
+    return f"{made['commit'][:shown]}{' (modified)' if made.get('modified') else ''}"
+
+
+def _machine(told: Mapping[str, Any]) -> str:
+    """Processor, cores, memory, system and Python, as far as a record has them."""
+    names = (("cpu", "{}"), ("cores", "{} cores"), ("memory_GiB", "{} GiB"), ("system", "{}"), ("processor", "{}"))
+    return ", ".join(form.format(told[name]) for name, form in (*names, ("python", "Python {}")) if told.get(name))
+
+
+def _blas(told: Mapping[str, str]) -> str:
+    """Of each package that brings one, and on how many threads."""
+    brought = ", ".join(f"{version} ({name})" for name, version in told.items() if name != "threads")
+    return f"{brought}, threads: {told['threads']}"
+
+
+def _packages(made: Iterable[Mapping[str, Any]]) -> list[str]:
+    """All that any cell was solved with; a package in two versions has two entries."""
+    told = (f"{name} {version}" for each in made for name, version in each["packages"].items() if version)
+    return list(dict.fromkeys(told))
+
+
+def _between(dates: Iterable[str]) -> str:
+    """The first and the last minute, in UTC."""
+    minutes = sorted(date[:MINUTE].replace("T", " ") for date in dates)
+    return " to ".join(dict.fromkeys((minutes[0], minutes[-1]))) + " UTC" if minutes else "at a time that is not kept"
+
+
+def _each(names: Iterable[str], *, always: bool = False) -> str:
+    """Each name with the number of cells it stands for; one alone without, unless ``always``."""
+    counts = Counter(names)
+    alone = len(counts) == 1 and not always
+    return "; ".join(name if alone else f"{name}: {count} cells" for name, count in counts.items()) or "not kept"
