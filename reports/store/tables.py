@@ -35,7 +35,8 @@ OF_A_COMPARISON = {
     "best",
     "runner_up",
 }
-WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON  # columns of the analysis that may be empty
+OF_A_FINDING = {"cause", "causes", "refusals", "worst_scene", "error_scene", "load_key", "regime", "name", "axis"}
+WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON | OF_A_FINDING  # columns of the analysis that may be empty
 
 
 @dataclass(frozen=True, eq=False)

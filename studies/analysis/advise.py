@@ -91,7 +91,7 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     own = verified[(verified["scene"] == scene) & (verified["quantity"] == quantity) & verified["error"].notna()]
     own = own[~(own["label"].map(beyond_reference(verified)) > WRONG)]
     own = own.assign(error=own[["error", "formulation_error"]].max(axis=1))
-    facts = own[["label", "value", "error", "uncertainty", "against", "reference"]]
+    facts = own[["label", "value", "error", "uncertainty", "against", "reference", "formulation_error"]]
     cells = priced(table[(table["scene"] == scene) & (table["outcome"] == "converged")]).merge(facts, on="label")
     if cells.empty:
         return []
@@ -193,9 +193,9 @@ def _advice_row(advice: Advice) -> list[object]:
     if best is None:
         return [*named, "", "", advice.nearest["bound"], *[math.nan] * 4, "", math.nan, math.nan, ""]
     numbers = [best["bound"], best["price"], *seconds_interval(question, best)]
-    others: list[object] = ["" if advice.runner_up is None else _named(advice.runner_up)]
+    others: list[object] = ["" if advice.runner_up is None else words_of(advice.runner_up)]
     others += [advice.times(advice.runner_up), advice.times(advice.next_best)]
-    return [*named, best["label"], _named(best), *numbers, *others, best["command"]]
+    return [*named, best["label"], words_of(best), *numbers, *others, best["command"]]
 
 
 def lines(advice: Advice) -> Iterator[str]:
@@ -205,22 +205,23 @@ def lines(advice: Advice) -> Iterator[str]:
     if advice.best is None:
         near = advice.nearest
         yield f"{asked}: none qualifies of {len(question.cells)} cells"
-        yield f"nearest: error at most {100 * near['bound']:.3g} %, {_named(near)}"
+        yield f"nearest: error at most {100 * near['bound']:.3g} %, {words_of(near)}"
         yield f"  {near['command']}"
         return
     low, at, high = seconds_interval(question, advice.best)
     yield asked
-    yield f"cheapest: {_named(advice.best)}: error at most {100 * advice.best['bound']:.3g} %"
+    yield f"cheapest: {words_of(advice.best)}: error at most {100 * advice.best['bound']:.3g} %"
     yield f"  {advice.best['command']}"
     yield f"  {advice.best['price']:.4g} {cost}, about {at:.2g} s on this machine, in [{low:.2g}, {high:.2g}] s"
     told = [("runner-up", advice.runner_up, "no other configuration qualifies")]
     if not math.isnan(advice.next_step):
         told.append((f"next step, {100 * advice.next_step:g} %", advice.next_best, "none qualifies"))
     for name, other, without in told:
-        words = without if other is None else f"{_named(other)}: {advice.times(other):.3g} times the {cost}"
+        words = without if other is None else f"{words_of(other)}: {advice.times(other):.3g} times the {cost}"
         yield f"{name}: {words}"
 
 
-def _named(cell: Mapping[str, Any]) -> str:
+def words_of(cell: Mapping[str, Any]) -> str:
+    """The configuration of a cell, its mesh and its tolerance."""
     words = [cell[name] for name in (*CONFIGURATION, "mesh") if cell[name]]
     return " ".join(words) + ("" if pd.isna(cell["tolerance"]) else f", tolerance {cell['tolerance']:g}")

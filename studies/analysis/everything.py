@@ -23,6 +23,10 @@ from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_compariso
 from studies.analysis.comparisons.solid_shell import solid_shell
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
 from studies.analysis.comparisons.tyre_models import SAME, grids_reaching, tyre_models
+from studies.analysis.findings.contact_summary import contact_summary
+from studies.analysis.findings.outcomes import outcomes
+from studies.analysis.findings.price_of_accuracy import price_of_accuracy
+from studies.analysis.findings.regimes import regimes
 from studies.analysis.fronts import family_fronts, fronts
 from studies.analysis.held_out import held_out, summary
 from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
@@ -70,7 +74,8 @@ RULES = {  # thresholds that the pages state
 def analyse(store: Path, campaign: str) -> list[Path]:
     """Write the tables of a campaign; returns their paths. Raises UsageError when it has no cell with an answer."""
     table = collect(store, campaign)
-    return written(store, campaign, analysed(table) | compared(store, campaign, table))
+    tables = analysed(table) | compared(store, campaign, table)
+    return written(store, campaign, tables | concluded(table, tables))
 
 
 def written(store: Path, campaign: str, tables: Mapping[str, pd.DataFrame]) -> list[Path]:
@@ -101,6 +106,17 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         "solid_shell": solid_shell(answers),
         "tyre_models": tyre_models(answers),
         **{name: fit(pd.read_csv(path)) for name, (path, fit) in made.items() if path.exists()},
+    }
+
+
+def concluded(table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+    """What is to be said of measures and contact algorithms, from a collected table and those of the analysis."""
+    split = tables["verified"]
+    return {
+        "outcomes": outcomes(table),
+        "contact_summary": contact_summary(table),
+        "regimes": regimes(table, split, tables["measure_errors"]),
+        "price_of_accuracy": price_of_accuracy(table, split),
     }
 
 

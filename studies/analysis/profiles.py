@@ -70,7 +70,7 @@ def problems(matrix: pd.DataFrame, axis: str) -> pd.DataFrame:
 def _put(fronts: pd.DataFrame, axis: str) -> pd.DataFrame:
     """The cells that were put to a solver, each with its problem; problems that one solver alone was asked left out."""
     rows = fronts[~fronts["outcome"].isin(NOT_ASKED)].dropna(subset=[axis])
-    rows = rows.assign(problem=[_problem(request, axis) for request in rows["request"]])
+    rows = rows.assign(problem=[problem_of(request, axis) for request in rows["request"]])
     return rows[rows.groupby(["scene", "problem"])[axis].transform("nunique") > 1]
 
 
@@ -100,7 +100,7 @@ def solved(fronts: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(found, columns=list(SOLVED_COLUMNS))
 
 
-def _problem(request: Request, axis: str) -> str:
+def problem_of(request: Request, axis: str) -> str:
     """All that was asked but the axis; an algorithm whose own parameters are not its defaults is another one."""
     usual = [own.key for own in settings_of(request.contact) if request.settings.get(own.key) == own.default]
     return request.key((axis, "epsilon", *usual))
@@ -201,11 +201,11 @@ def pairs_of(matrix: pd.DataFrame) -> Iterator[tuple[object, ...]]:
         ratios = (both[b] / both[a]).to_numpy(float)[: None if len(both) >= FEWEST else 0]
         largest_first = np.argsort(-both.min(axis=1).to_numpy(float), kind="stable")
         largest = float(np.median(ratios[largest_first[:FEWEST]])) if len(ratios) else np.nan
-        middle = _median_ratio(ratios, np.asarray(scenes))
+        middle = median_ratio(ratios, np.asarray(scenes))
         yield a, b, len(pair), len(both), scenes.nunique(), *better, *middle, largest
 
 
-def _median_ratio(ratios: np.ndarray, scenes: np.ndarray) -> tuple[float, float, float]:
+def median_ratio(ratios: np.ndarray, scenes: np.ndarray) -> tuple[float, float, float]:
     """Median with its bootstrap interval; problems of one scene are alike, so scenes are drawn, not problems.
 
     NaN for what there is too little of: ratios, or a second scene.

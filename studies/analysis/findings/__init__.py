@@ -1,0 +1,1 @@
+"""What the pages say about which measure and which contact algorithm: failures, regimes, and the price of accuracy."""
