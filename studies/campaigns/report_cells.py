@@ -215,7 +215,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
 }
 TABLES_OF: dict[str, Sequence[str]] = {
     "measures": ("rigid_body", "small_motions", "rotation_sweep", "rotations"),
-    "models": ("work_precision",),
+    "models": ("work_precision", "contact_sizes"),
     "agreement": ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
     "experiment": ("crushed_ring", "law_strain"),
     "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),

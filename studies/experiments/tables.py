@@ -8,6 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.door.plugins import modules
+from studies.experiments.contact_sizes import contact_sizes
 from studies.experiments.crushed_ring import crushed_ring_study
 from studies.experiments.epsilon import epsilon_study
 from studies.experiments.error_coverage import error_coverage
@@ -52,6 +53,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes_limits": limits_table,
     "shell_limits": shell_limits,
     "work_precision": work_precision_study,
+    "contact_sizes": contact_sizes,
     "error_coverage": error_coverage,
     "crushed_ring": crushed_ring_study,
     "law_strain": law_strain_study,
