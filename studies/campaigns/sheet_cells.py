@@ -13,7 +13,7 @@ from studies.campaigns.share_cells import WHOLE
 from studies.scenes import SCENES
 
 LABEL, FRAME, GROUP = "sheet {scene}", "sheet tyre at {delta} mm", "sheets"
-FRAMES = ("0", "4", "8", "12", "16", "20")  # mm of travel; at 0 the tyre is inflated
+FRAMES = ("1", "4", "8", "12", "16", "20")  # mm of travel
 MESHES: Mapping[str, str] = {  # where the default mesh is more, or less, than a picture shows
     **{"tyre": "42x60", "tyre-solid": "14x18", "panel": "12x12", "sze-pinched": "24x24"},
     **{"pressurised-cylinder": "8x16", "pressurised-sphere": "8x8", "pressurised-torus": "64x4"},
