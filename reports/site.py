@@ -19,6 +19,7 @@ from reports.html import REPORT, report_html
 from reports.markdown import Part
 from reports.origin import completeness_line, foot
 from reports.store.reading import StoreError
+from reports.store.statements import of_page
 from reports.store.tables import Store, load_store
 
 FIGURES = "figures"
@@ -53,7 +54,7 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     pictures = {name: each() if draw else UNDRAWN for part in parts.values() for name, each in part.pictures.items()}
     texts = {name: part.text for name, part in parts.items()}
     titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
-    linked = {each.file: _under_heading(texts[each.file], link_line(chapters, each.file)) for each in chapters}
+    linked = {each.file: _headed(store, each, texts[each.file], link_line(chapters, each.file)) for each in chapters}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
     footed = {name: f"{text}\n{foot(store)}\n" for name, text in {**texts, **linked}.items()}
@@ -70,9 +71,10 @@ def _made(chapter: Chapter, store: Store) -> Part:
     return Part(part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/"), part.pictures)
 
 
-def _under_heading(text: str, line: str) -> str:
+def _headed(store: Store, chapter: Chapter, text: str, line: str) -> str:
+    """A page with its answer and the links to others under its heading."""
     heading, _, rest = text.partition("\n\n")
-    return f"{heading}\n\n{line}\n\n{rest}"
+    return "\n\n".join(filter(None, [heading, of_page(store, chapter.name), line, rest]))
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:

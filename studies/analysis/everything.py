@@ -34,6 +34,7 @@ from studies.analysis.profiles import profiles, solved
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.rows import reference_rows
 from studies.analysis.shell_limits.boundaries import boundaries, parts
+from studies.analysis.statements.tables import statement_tables
 from studies.analysis.suspicious import flags
 from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
@@ -75,7 +76,8 @@ def analyse(store: Path, campaign: str) -> list[Path]:
     """Write the tables of a campaign; returns their paths. Raises UsageError when it has no cell with an answer."""
     table = collect(store, campaign)
     tables = analysed(table) | compared(store, campaign, table)
-    return written(store, campaign, tables | concluded(table, tables))
+    paths = written(store, campaign, tables | concluded(table, tables))
+    return [*paths, *written(store, campaign, statement_tables(store, campaign))]
 
 
 def written(store: Path, campaign: str, tables: Mapping[str, pd.DataFrame]) -> list[Path]:

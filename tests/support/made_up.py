@@ -10,11 +10,13 @@ from pathlib import Path
 
 from studies.analysis.collect import collect
 from studies.analysis.everything import compared, written
+from studies.analysis.statements.tables import statement_tables
 
 
 def analysed_again(store: Path, campaign: str = "report") -> None:
-    """Write the tables of comparisons, as ``footprint analyse`` does."""
+    """Write the tables of comparisons and of statements, as ``footprint analyse`` does."""
     written(store, campaign, compared(store, campaign, collect(store, campaign)))
+    written(store, campaign, statement_tables(store, campaign))
 
 
 @contextmanager

@@ -1,0 +1,69 @@
+"""Sentences of conclusion as they stand in the store: computed there, filled in here, printed where they belong."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from reports.formats import Line
+from reports.markdown import machine, prose
+from reports.store.tables import Store
+
+TABLES = ("statements", "statement_values")
+OPENING = "opening"
+
+
+@dataclass(frozen=True)
+class Said:
+    """A statement with its numbers in it; ``values``: them, by name."""
+
+    name: str
+    page: str
+    role: str
+    text: str
+    problems: int
+    scope: str
+    machine: bool
+    values: Mapping[str, Any]
+
+    @property
+    def block(self) -> str:
+        """The sentence as a paragraph, marked where it depends on the machine."""
+        return machine(prose(self.text)) if self.machine else prose(self.text)
+
+
+def statements(store: Store) -> list[Said]:
+    """All of a campaign, in their order; none where it has not been analysed."""
+    return list(_read(store))
+
+
+def _read(store: Store) -> Iterator[Said]:
+    if not all(map(store.has_analysis, TABLES)):
+        return
+    table, numbers = (store.analysis(name) for name in TABLES)
+    numbers["word"] = numbers["word"].astype(object).where(numbers["word"].notna(), "")
+    values: dict[str, dict[str, Any]] = {}
+    for row in numbers.to_dict("records"):
+        values.setdefault(row["statement"], {})[row["field"]] = row["word"] or row["number"]
+    for row in table.to_dict("records"):
+        own = values.get(row["statement"], {})
+        text = Line({}).filled(row["text"], own) if own else row["text"]
+        name, page, role, scope = (str(row[key]) for key in ("statement", "page", "role", "scope"))
+        yield Said(name, page, role, text, int(row["problems"]), scope, bool(row["machine"]), own)
+
+
+def said(store: Store, name: str) -> Said | None:
+    """A statement by its name; None where the campaign does not make it."""
+    return next((each for each in statements(store) if each.name == name), None)
+
+
+def sentence(store: Store, name: str) -> str:
+    """Its text, nothing where the campaign does not make it."""
+    found = said(store, name)
+    return found.text if found else ""
+
+
+def of_page(store: Store, page: str, role: str = OPENING) -> str:
+    """The statements of a page that have a role, each a paragraph."""
+    return "\n\n".join(each.block for each in statements(store) if (each.page, each.role) == (page, role))

@@ -1,0 +1,80 @@
+"""What is said of cost: parts of the tyre, grids that follow the error, advice."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pandas as pd
+
+from studies.analysis.statements.record import OPENING, Statement
+
+WITHIN = 0.01  # error of the force
+FAMILIES = ("adapted", "local")  # grids that follow the error
+
+
+def parts(tyre_models: pd.DataFrame) -> Iterator[Statement]:
+    """What a part of the tyre saves."""
+    rows = tyre_models.set_index(["plies", "model"])["time_share"]
+    wanted = {"half": ("angle plies", "half"), "quarter": ("isotropic", "quarter")}
+    if not all(key in rows.index for key in wanted.values()):
+        return
+    values = {name: float(rows[key]) for name, key in wanted.items()}
+    values |= {"same": float(tyre_models["same"].sum()), "of": float(len(tyre_models))}
+    text = (
+        "A half of an angle-ply tyre takes {half:.0%} of the time of the whole, a quarter of an isotropic one "
+        "{quarter:.0%}; {same:.0f} of {of:.0f} models give force, pressures and contact set of the whole."
+    )
+    scope = "one travel of 20 mm on the mesh of the paper; a mirror is refused for angle plies"
+    yield Statement("parts-of-the-tyre", "cost", text, values, len(tyre_models), scope, OPENING, machine=True)
+
+
+def grids(grids_reaching: pd.DataFrame, work_precision: pd.DataFrame) -> Iterator[Statement]:
+    """Which grid gives the force of the tyre."""
+    own = grids_reaching[(grids_reaching["within"] == WITHIN) & (grids_reaching["element"] == "refined")]
+    found = own.set_index("family")["unknowns"]
+    best = found.reindex(FAMILIES).min()
+    uniform, patch = found.get("uniform"), found.get("patch")
+    if pd.isna(best) or pd.isna(uniform):
+        return
+    largest = work_precision[work_precision["family"] == "patch"]["unknowns"].max()
+    values = {"within": WITHIN, "adapted": best, "uniform": uniform, "largest": largest, "share": best / uniform}
+    text = (
+        "To know the tyre's force at 20 mm within {within:.0%} takes a uniform grid of {uniform:.0f} unknowns, or one "
+        "that follows the error with {adapted:.0f}, {share:.0%} of them"
+    )
+    text += "; the paper's graded grid does not get there with {largest:.0f}." if pd.isna(patch) else "."
+    scope = "default element; the smallest grid from which on all larger ones stay within"
+    yield Statement("grids-of-the-tyre", "cost", text, values, len(work_precision), scope, OPENING)
+
+
+def force_known(work_precision: pd.DataFrame) -> Iterator[Statement]:
+    """How far the force is known."""
+    row = work_precision.iloc[0]
+    values = {"force": row["reference_N"], "apart": row["apart"], "known": row["known"]}
+    text = (
+        "The force of the paper's tyre at 20 mm is {force:.1f} N in the limit of its grids, known to {known:.2%}: two "
+        "extrapolations by different elements are {apart:.3%} apart."
+    )
+    scope = "dead load, mid-surface area, exact measure; a follower load or a solid has another force"
+    yield Statement("force-known", "cost", text, values, len(work_precision), scope)
+
+
+def advice(held_out_summary: pd.DataFrame) -> Iterator[Statement]:
+    """What advice is worth."""
+    own = held_out_summary[held_out_summary["quantities"] == "headline"]
+    if own.empty or not own["advised"].iloc[0]:
+        return
+    row = own.iloc[0]
+    values = {"met": row["met"], "advised": row["advised"], "median": row["median_regret"], "mean": row["mean_regret"]}
+    text = (
+        "On scenes left out of what it learnt from, advice meets the tolerance in {met:.0%} of {advised:.0f} cases and "
+        "costs {median:.2f} times the best in the median, {mean:.2f} in the mean"
+    )
+    if "worst_regret" in row:
+        values |= {"worst": row["worst_regret"], "above": row["share_above"]}
+        text += ", {worst:.1f} at worst; {above:.0%} cost more than 1.5 times"
+    scope = "one quantity a scene, tolerances that its reference can decide"
+    yield Statement("advice", "advice", text + ".", values, int(row["advised"]), scope, OPENING, machine=True)
+
+
+MAKERS = (parts, grids, force_known, advice)

@@ -1,0 +1,32 @@
+"""The tables of statements of a campaign, from all makers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from studies.analysis.statements import agreement, contact, cost, laws, shells, tyre
+from studies.analysis.statements.record import Evidence, Maker, Statement, as_tables
+
+MAKERS: Sequence[Maker] = (
+    *(*tyre.MAKERS, *shells.MAKERS, *laws.MAKERS),
+    *(*agreement.MAKERS, *contact.MAKERS, *cost.MAKERS),
+)
+
+
+def statements(store: Path, campaign: str) -> list[Statement]:
+    """All that the tables of a campaign in its store allow to be said, by page and in the order of the makers."""
+    evidence = Evidence(store, campaign)
+    found = [each for maker in MAKERS for each in evidence.said_by(maker)]
+    names = [each.name for each in found]
+    if len(set(names)) < len(names):
+        twice = sorted({name for name in names if names.count(name) > 1})
+        raise ValueError(f"said twice: {', '.join(twice)}")
+    return found
+
+
+def statement_tables(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
+    """``statements`` and ``statement_values``, of the tables that are written already."""
+    return as_tables(statements(store, campaign))
