@@ -24,6 +24,7 @@ from studies.analysis.comparisons.solid_shell import solid_shell
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
 from studies.analysis.comparisons.tyre_models import SAME, grids_reaching, tyre_models
 from studies.analysis.findings.contact_summary import contact_summary
+from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_accuracy
 from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.findings.price_of_accuracy import price_of_accuracy
 from studies.analysis.findings.regimes import regimes
@@ -119,6 +120,8 @@ def concluded(table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]) -> dict[s
         "contact_summary": contact_summary(table),
         "regimes": regimes(table, split, tables["measure_errors"]),
         "price_of_accuracy": price_of_accuracy(table, split),
+        "equal_accuracy": equal_accuracy(tables["fronts"]),
+        "cheaper_measures": cheaper_measures(tables["fronts"]),
     }
 
 

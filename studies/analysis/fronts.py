@@ -1,11 +1,14 @@
 """What accuracy costs: fronts of cost against verified error, per scene and per family of scenes.
 
-An error below what the reference is uncertain by counts as that uncertainty: no cell is better than what is known. An
-answer that is off by more than WRONG beyond it is wrong, however fast: it is flagged and on no front. So is one whose
-formulation is that far off in any quantity of the scene: on a coarse mesh two errors may cancel.
+An error below what the reference is uncertain by counts as that uncertainty: no cell is better than what is known. One
+below what its formulation is off by counts as that: two errors have cancelled. An answer that is off by more than WRONG
+beyond it is wrong, however fast: it is flagged and on no front. So is one whose formulation is that far off in any
+quantity of the scene: on a coarse mesh two errors may cancel.
 """
 
 from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -15,19 +18,21 @@ from studies.analysis.verify import CLAIMED, family_of, headline, questions
 from studies.solving import UNSUPPORTED
 
 WRONG = 0.1  # relative error from which an answer is none
+TIE = 0.05  # of a cost: two that differ by less are equal
 SAME = 0.01  # errors that differ by less of themselves are one: what is left is the solver's noise
 COSTS = {"dofs": "c.dofs", **PRICES}
 NAMES = ("measure", "contact", "newton", "element", "model", "tolerance")  # of a configuration, beside its mesh
 SCENE_COLUMNS = (
     *("label", "scene", "family", "main", *NAMES, "mesh", "outcome", "path_end"),
-    *("quantity", "error", "uncertainty", "against"),
+    *("quantity", "error", "formulation_error", "uncertainty", "against"),
 )
 
 
 def on_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
     """Which are on the front (n,): no other has both at most as much cost and error, and less of one; NaN never is.
 
-    Errors that differ by less than SAME of themselves count as equal; of equals the first one is.
+    Errors that differ by less than SAME of themselves count as equal; of equals the first one is. So do costs that
+    differ by less than TIE: of those the most accurate one is.
     """
     front = np.zeros(len(cost), bool)
     best = np.inf
@@ -36,19 +41,28 @@ def on_front(cost: np.ndarray, error: np.ndarray) -> np.ndarray:
             # of those that cost the same, the first with this error
             same = (cost == cost[i]) & (error * (1 - SAME) <= error[i])
             front[np.flatnonzero(same)[0]], best = True, error[i]
+    on = np.flatnonzero(front)
+    on = on[np.argsort(cost[on], kind="stable")]
+    for cheaper, better in pairwise(on):
+        front[cheaper] = cost[better] > (1 + TIE) * cost[cheaper]
     return front
+
+
+def counting(rows: pd.DataFrame) -> pd.Series:
+    """The error of each answer, no less than that of its formulation: on a coarse mesh two errors may cancel."""
+    return rows[["error", "formulation_error"]].astype(float).max(axis=1, skipna=True).where(rows["error"].notna())
 
 
 def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
     """One row a planned cell and its scene's headline quantity: SCENE_COLUMNS, flag, and the fronts of each cost.
 
     Cells compete that were asked the same question; ``main`` is the one that the scene was asked most often.
-    flag: "wrong", "failed" (no answer), "unsupported", "unverified", or "".  Columns ``cost.NAME`` and ``front.NAME``,
-    and the request.
+    flag: "wrong", "failed" (no answer), "unsupported", "unverified", or "".  shown: the error that counts, NaN for a
+    cell with a flag.  Columns ``cost.NAME`` and ``front.NAME``, and the request.
     """
     named = {scene: headline(table, scene) for scene in table["scene"].unique()}
     own = verified[verified["quantity"] == verified["scene"].map(named)]
-    rows = priced(table).join(own.set_index("label")[["quantity", "error", "uncertainty", "against"]], on="label")
+    rows = priced(table).join(own.set_index("label")[list(SCENE_COLUMNS[-5:])], on="label")
     asked = questions(table)
     most_often = asked.groupby(table["scene"]).transform(lambda own: own.value_counts().index[0])
     rows = rows.assign(family=rows["scene"].map(family_of), main=asked == most_often)
@@ -62,9 +76,9 @@ def fronts(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFrame:
         "unverified": rows["error"].isna(),
     }
     rows["flag"] = np.select(list(flags.values()), list(flags), "")
-    shown = np.where(rows["flag"] == "", np.maximum(rows["error"], rows["uncertainty"]), np.nan)
+    rows["shown"] = counting(rows).clip(lower=rows["uncertainty"].astype(float)).where(rows["flag"] == "")
     for kind in kinds:
-        rows[f"front.{kind}"] = _fronts_of(asked, rows[f"cost.{kind}"], shown)
+        rows[f"front.{kind}"] = _fronts_of(asked, rows[f"cost.{kind}"], rows["shown"].to_numpy(float))
     return rows
 
 
@@ -87,7 +101,6 @@ def family_fronts(scenes: pd.DataFrame) -> pd.DataFrame:
     """
     kinds = [name for name in COSTS if f"cost.{name}" in scenes]
     good = scenes[(scenes["flag"] == "") & scenes["main"]].copy()
-    good["shown"] = np.maximum(good["error"], good["uncertainty"])
     good["rung"] = mesh_ranks(good)
     for kind in kinds:
         good[f"cost.{kind}"] /= good.groupby("scene")[f"cost.{kind}"].transform("min")

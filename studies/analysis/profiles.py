@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from studies.algorithm_settings import settings_of
+from studies.analysis.fronts import TIE, counting
 from studies.analysis.rows import PRICES
 from studies.request import Request
 from studies.solving import SOLVED
@@ -28,7 +29,7 @@ FEWEST = 5  # problems that a ranking needs
 NOT_ASKED = ("unsupported", "missing")  # outcomes that are no failure
 PROFILE_COLUMNS = ("axis", "cost", "competitor", "problems", "solved", "factor", "share")
 PAIR_COLUMNS = (
-    *("axis", "cost", "a", "b", "problems", "both", "scenes", "a_better", "b_better"),
+    *("axis", "cost", "a", "b", "problems", "a_solved", "b_solved", "both", "scenes", "a_better", "b_better", "ties"),
     *("ratio", "ratio_low", "ratio_high", "ratio_largest"),
 )
 FLIP_COLUMNS = ("axis", "cost", "problems", "removed", "ranking", "flips")
@@ -51,7 +52,7 @@ def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
     asked = main.groupby("scene")[axis].nunique()
     main = main[main["scene"].isin(asked[asked == asked.max()].index)]
     good = main[main["flag"] == ""]
-    reached = good.assign(bound=good["error"] + good["uncertainty"], cost=good[f"cost.{cost}"].astype(float))
+    reached = good.assign(bound=counting(good) + good["uncertainty"], cost=good[f"cost.{cost}"].astype(float))
     parts = {
         (scene, f"{target:g}"): own[own["bound"] <= target].groupby(axis)["cost"].min()
         for scene, own in reached.groupby("scene", sort=False)
@@ -189,20 +190,23 @@ def flip_check(matrix: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 def pairs_of(matrix: pd.DataFrame) -> Iterator[tuple[object, ...]]:
     """Each two alone: PAIR_COLUMNS from ``a`` on.
 
-    problems: put to both and solved by anybody; ratios, of b over a, on those that both solve, from FEWEST of them on.
+    problems: put to both and solved by anybody, with the share that each solves; ratios, of b over a, on those that
+    both solve, from FEWEST of them on.  better: cheaper by more than TIE, or alone.
     ratio_largest: the median on the FEWEST largest problems, by the cost of the cheaper of the two: most are small.
     """
     for a, b in combinations(matrix, 2):
         pair = matrix[[a, b]].dropna()
         pair = pair[np.isfinite(matrix.min(axis=1)).loc[pair.index]]
         both = pair[(np.isfinite(pair) & (pair > 0)).all(axis=1)]
-        better = int((pair[a] < pair[b]).sum()), int((pair[b] < pair[a]).sum())
+        better = int((pair[a] < (1 - TIE) * pair[b]).sum()), int((pair[b] < (1 - TIE) * pair[a]).sum())
+        ties = int(np.isfinite(pair).any(axis=1).sum()) - sum(better)
         scenes = both.index.get_level_values(0)
         ratios = (both[b] / both[a]).to_numpy(float)[: None if len(both) >= FEWEST else 0]
         largest_first = np.argsort(-both.min(axis=1).to_numpy(float), kind="stable")
         largest = float(np.median(ratios[largest_first[:FEWEST]])) if len(ratios) else np.nan
         middle = median_ratio(ratios, np.asarray(scenes))
-        yield a, b, len(pair), len(both), scenes.nunique(), *better, *middle, largest
+        shares = (float(np.isfinite(pair[each]).mean()) if len(pair) else np.nan for each in (a, b))
+        yield a, b, len(pair), *shares, len(both), scenes.nunique(), *better, ties, *middle, largest
 
 
 def median_ratio(ratios: np.ndarray, scenes: np.ndarray) -> tuple[float, float, float]:

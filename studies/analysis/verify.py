@@ -51,6 +51,7 @@ COLUMNS = (
 LIMIT_NAMES = ("ladder", "asked", "quantity", "scene", "measure", "label")
 LIMIT_NUMBERS = ("size", "tolerance", "epsilon", "finest", "limit", "limit_uncertainty", "order", "asymptotic")
 REFERENCE, LIMIT = "reference", "limit"
+UNKNOWN = "unknown"  # largest part of an error whose mesh stands alone, or with one other
 EXACT = "exact"  # the measure that the others approximate
 
 
@@ -127,7 +128,7 @@ def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.
         error=(rows["value"] - wanted).abs() / scale,
         **{f"{part}_error": parts[part] for part in parts},
         **{"order": own["order"], "asymptotic": own["asymptotic"].eq(True)},
-        largest=parts.fillna(-1.0).idxmax(axis=1).where(parts.notna().any(axis=1), ""),
+        largest=parts.fillna(-1.0).idxmax(axis=1).where(parts["mesh"].notna(), UNKNOWN),
     )
     return found[list(COLUMNS)]
 

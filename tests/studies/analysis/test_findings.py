@@ -8,10 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from formulations.strains.catalogue import MEASURES
 from studies.analysis.findings.contact_summary import contact_summary
+from studies.analysis.findings.equal_accuracy import KINDS, cheaper_measures, equal_accuracy
 from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.findings.price_of_accuracy import TOLERANCES, price_of_accuracy
 from studies.analysis.findings.regimes import REGIMES, regimes
+from studies.analysis.fronts import fronts
 from studies.analysis.verify import verified
 from studies.scenes import SCENES
 from support.sweeps import cells
@@ -134,3 +137,48 @@ def test_price_is_that_of_the_fastest_within_the_bound_or_the_nearest() -> None:
     assert found.loc[0.02, ["reached", "mesh"]].tolist() == [True, "16x1"]
     assert found.loc[0.002, ["reached", "mesh"]].tolist() == [False, "64x1"]
     assert found["command"].str.startswith("footprint solve hemisphere").all()
+
+
+PRICED = {"exact": 0.0, "linear": 0.05, "donnell": 0.004, "sanders": 0.0}
+
+
+def test_a_measure_that_reaches_an_error_for_less_is_found() -> None:
+    """sanders is as good and twice as cheap; donnell reaches 1 % on a finer mesh, and no less; linear 10 %."""
+    table = cells(measures=PRICED, sizes=(4, 8, 16, 32, 64))
+    cheap = table["measure"] == "sanders"
+    for column in ("t.seconds", "c.operations"):
+        table.loc[cheap, column] = 0.5 * table.loc[cheap, column]
+    scenes = fronts(table, verified(table))
+    found = equal_accuracy(scenes)
+    seconds = found[found["cost"] == "seconds"].set_index("measure")
+    counts = ["both", "cheaper", "ties", "dearer", "alone", "exact_alone"]
+    assert seconds.loc["sanders", counts].tolist() == [5, 5, 0, 0, 0, 0]
+    assert seconds.loc["sanders", "ratio"] == pytest.approx(0.5)
+    assert np.isnan(seconds.loc["sanders", "low"]), "one scene has no interval"
+    assert seconds.loc["donnell", counts].tolist() == [3, 0, 2, 1, 0, 2]
+    assert seconds.loc["linear", counts].tolist() == [1, 0, 1, 0, 0, 4]
+    assert seconds.loc["linear", "solved"] == pytest.approx(0.2)
+    assert np.isnan(seconds.loc["linear", "ratio"]), "one problem is too few"
+    assert seconds.loc["", counts].tolist() == [8, 5, 2, 1, 0, 2]
+    named = cheaper_measures(scenes)
+    assert set(named["measure"]) == {"sanders"}
+    assert set(named["cost"]) == {"seconds", "operations"}
+    assert named["ratio"].tolist() == [pytest.approx(0.5)] * 10
+    assert named["command"].str.startswith("footprint solve cantilever").all()
+
+
+def test_an_error_that_cancels_another_counts_as_that_of_the_formulation() -> None:
+    """A measure off by -2 % on meshes off by 2/n^2: at n = 10 the two cancel, and that is no 1 %."""
+    table = cells(measures={"exact": 0.0, "donnell": -0.02}, sizes=(5, 10, 20, 80))
+    scenes = fronts(table, verified(table))
+    lucky = scenes[(scenes["measure"] == "donnell") & (scenes["mesh"] == "10x1")].iloc[0]
+    assert lucky["error"] < 1e-3
+    assert lucky["shown"] == pytest.approx(0.02, rel=0.05)
+    assert not lucky["front.seconds"]
+    found = equal_accuracy(scenes)
+    own = found[(found["cost"] == "seconds") & (found["measure"] == "donnell")].iloc[0]
+    assert own["exact_alone"] == 3, "only 10 and 3 % are reached"
+
+
+def test_the_conclusion_has_a_kind_for_every_measure_of_ours() -> None:
+    assert set(KINDS) == set(MEASURES)
