@@ -5,6 +5,7 @@ PYTHON ?= python3
 VENV   ?= .venv
 STORE  ?= .footprint/store
 BIN    := $(VENV)/bin
+ADVICE := studies/analysis/advice
 READY  := $(VENV)/.ready
 JOBS   ?= 2
 ENGINE ?= local:$(JOBS)
@@ -14,7 +15,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 # what is compiled is kept: to rewrite the assertions of all tests anew takes each worker six seconds
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report standard test slow lint check bench clean
+.PHONY: report standard advice test slow lint check bench clean
 
 report: $(READY)
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
@@ -25,7 +26,13 @@ standard: $(READY)
 	$(BIN)/footprint run standard --store $(STORE) --engine $(ENGINE)
 	$(BIN)/footprint run fuzz --store $(STORE) --engine $(ENGINE) || test $$? -eq 1  # its findings are on the page
 	$(BIN)/footprint analyse standard --store $(STORE)
+	$(BIN)/footprint time standard --store $(STORE) --front --blocks 1 || test $$? -eq 1  # a busy machine has no times
+	$(BIN)/footprint analyse standard --store $(STORE)
 	$(BIN)/footprint report --store $(STORE) --campaign standard
+
+# what `footprint advise` answers from where there is no store: the tables of a standard campaign
+advice:
+	cp $(foreach name,advice_cells advice_questions held_out_summary,$(STORE)/tables/$(name).csv) $(ADVICE)
 
 test: $(READY)
 	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder -m "not slow"

@@ -65,7 +65,13 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
         path.relative_to(ROOT).as_posix() for name in PACKAGES for kind in data for path in (ROOT / name).rglob(kind)
     }
     assert ours - shipped == set()
-    for place in ("studies/campaigns/quick.toml", "studies/scenes/data/", "studies/baseline/", "reports/assets/"):
+    for place in (
+        "studies/campaigns/quick.toml",
+        "studies/scenes/data/",
+        "studies/baseline/",
+        "reports/assets/",
+        "studies/analysis/advice/",
+    ):
         assert any(name.startswith(place) for name in shipped), place
     assert not [name for name in shipped if name.startswith("tests/")]
 
@@ -76,6 +82,13 @@ def test_it_says_its_version_and_lists_its_parts(site: Path) -> None:
     assert all(name in listed for name in ("tyre", "exact", "semismooth"))
     script = next((site / "bin").glob("footprint*"))
     assert "studies.cli" in script.read_text(encoding="utf-8")
+
+
+def test_it_advises_without_a_store(site: Path) -> None:
+    """Price, unknowns, command, runner-up and how sure it is, from the tables that are shipped."""
+    said = footprint(site, "advise", "cantilever", "--error", "1%")
+    for words in ("s of processor time", "unknowns", "footprint solve cantilever", "runner-up:", "how sure: on"):
+        assert words in said
 
 
 def test_it_solves_plans_and_checks_without_the_tree(site: Path, tmp_path: Path) -> None:

@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.advise import advice_table
+from studies.analysis.advice.choose import advice_table
+from studies.analysis.advice.held_out import held_out, summary
+from studies.analysis.advice.shipped import shipped_tables
 from studies.analysis.answers import Answers
 from studies.analysis.attribution import attribution
 from studies.analysis.collect import collect
@@ -29,8 +31,8 @@ from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.findings.price_of_accuracy import price_of_accuracy
 from studies.analysis.findings.regimes import regimes
 from studies.analysis.fronts import family_fronts, fronts
-from studies.analysis.held_out import held_out, summary
 from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
+from studies.analysis.predicted_seconds import predicted_seconds
 from studies.analysis.profiles import profiles, solved
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.rows import reference_rows
@@ -148,4 +150,6 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         "advice": advice_table(table, split),
         "held_out": cases,
         "held_out_summary": summary(cases),
+        **shipped_tables(table, split),
+        **predicted_seconds(table),
     }

@@ -116,7 +116,8 @@ def time_campaign(
     Raises UsageError when there is none, and when a cell does not end as it did.
     """
     archive = Archive(store)
-    rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(plan(campaign)) if only(row.cell.label)}
+    wanted = [row for row in plan(campaign) if only(row.cell.label)]
+    rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(wanted)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
     if not right:

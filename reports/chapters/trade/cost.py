@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.chapters.trade.peers import peers_part
+from reports.chapters.trade.predicted import predicted_part
 from reports.chapters.trade.scaling import scaling_part
 from reports.chapters.trade.spent import spent_part
 from reports.chapters.trade.statements import statements_part
@@ -33,6 +34,7 @@ Times are of one run each, on the machine of the [overview](index.md); what is c
         _precision(store),
         statements_part(store),
         spent_part(store),
+        predicted_part(store),
         scaling_part(store),
         peers_part(store),
     )

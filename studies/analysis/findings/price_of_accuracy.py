@@ -8,7 +8,8 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.advise import Question, advise, questions, words_of
+from studies.analysis.advice.choose import advise, words_of
+from studies.analysis.advice.questions import Question, questions
 from studies.analysis.verify import EXACT, headline
 
 SCENES = ("tyre", "hemisphere", "roof-d")

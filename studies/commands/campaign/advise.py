@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 
-from studies.analysis.advise import Question, advise, asked_question, lines
-from studies.analysis.collect import collect
+from studies.analysis.advice.choose import advise, lines
+from studies.analysis.advice.questions import Question, asked_question
+from studies.analysis.advice.shipped import shipped_question, worth
 from studies.analysis.shell_limits.beyond import beyond, known_limits
 from studies.analysis.verify import verified
 from studies.commands import FAILED, OK
-from studies.commands.options import add_settings, add_store, pairs
+from studies.commands.options import STORE, add_settings, pairs
 from studies.complete import complete
 from studies.error_control import parse_error
 from studies.request import Settings
 from studies.scene import UsageError
 from studies.scenes import SCENES
+from studies.store.layout import Archive
+
+SHIPPED = "standard"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -22,8 +27,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("scene")
     parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
     parser.add_argument("--quantity", metavar="NAME", help="e.g. force_N; default: the first one of the scene")
-    add_store(parser)
-    parser.add_argument("--campaign", default="standard", help="default standard")
+    told = f"default {STORE} where it has the campaign, else the campaign {SHIPPED} as it is shipped"
+    parser.add_argument("--store", type=Path, metavar="DIR", help=told)
+    parser.add_argument("--campaign", default=SHIPPED, help=f"default {SHIPPED}")
     parser.add_argument("--cost", default="seconds", help="dofs, seconds or operations; default seconds")
     add_settings(parser)
 
@@ -33,25 +39,36 @@ def run(options: argparse.Namespace) -> int:
 
     Whether a shell is enough at all is said first: that takes no campaign, so it is known of a scene without one, too.
     """
-    tolerance, given = parse_error(options.error), pairs(options.settings)
+    tolerance, given, store = parse_error(options.error), pairs(options.settings), _store(options)
     try:
-        question = _asked(options, given)
+        question = _asked(options, given, store)
     except UsageError:
         if options.scene in SCENES:
             _say_limit(options, complete(options.scene, given)[1].settings, tolerance)
         raise
-    _say_limit(options, Settings(question.settings), tolerance)
+    _say_limit(options, Settings(question.values), tolerance)
     found = advise(question, tolerance)
-    print("\n".join(lines(found)))
+    print("\n".join([*lines(found), *filter(None, [worth(store)])]))
     return OK if found.best is not None else FAILED
 
 
-def _asked(options: argparse.Namespace, given: dict[str, str]) -> Question:
-    table = collect(options.store, options.campaign)
+def _store(options: argparse.Namespace) -> Path | None:
+    """The store that is asked; None for the shipped tables."""
+    if options.store is None and options.campaign == SHIPPED and not Archive(STORE).index_path(SHIPPED).exists():
+        return None
+    return Path(options.store or STORE)
+
+
+def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | None) -> Question:
+    if store is None:
+        return shipped_question(options.scene, options.quantity, given, options.cost)
+    from studies.analysis.collect import collect  # takes as long to load as all else
+
+    table = collect(store, options.campaign)
     return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
 
 
 def _say_limit(options: argparse.Namespace, settings: Settings, tolerance: float) -> None:
-    limit = beyond(options.scene, settings, options.quantity, tolerance, known_limits(options.store))
+    limit = beyond(options.scene, settings, options.quantity, tolerance, known_limits(options.store or STORE))
     if limit is not None:
         print(limit.line)

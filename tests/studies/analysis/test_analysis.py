@@ -9,11 +9,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.advise import advice_table, advise, asked_question, lines
+from studies.analysis.advice.choose import advice_table, advise, lines
+from studies.analysis.advice.held_out import held_out, summary
+from studies.analysis.advice.questions import asked_question
 from studies.analysis.attribution import INTERACTIONS, REST, shares
 from studies.analysis.everything import analysed
-from studies.analysis.fronts import WRONG, family_fronts, fronts, on_front
-from studies.analysis.held_out import held_out, summary
+from studies.analysis.fronts import COSTS, WRONG, family_fronts, fronts, on_front
 from studies.analysis.profiles import field, flip_check, pairs_of, problems, profiles, solved, within
 from studies.analysis.rows import ladders
 from studies.analysis.suspicious import flags, inert, inert_inputs, printed, walls
@@ -474,8 +475,11 @@ def test_all_tables_of_the_analysis() -> None:
     tables = analysed(several_scenes())
     assert set(tables) == {
         *("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "solved", "attribution"),
-        *("advice", "held_out", "held_out_summary", "unsolved"),
+        *("advice", "held_out", "held_out_summary", "unsolved", "advice_cells", "advice_questions"),
     }
+    for name, found in tables.items():  # whole prices alone
+        prices = {str(column).partition(".")[2] for column in found if str(column).startswith(("cost.", "front."))}
+        assert prices | set(found.get("cost", ())) <= set(COSTS), name
     assert len(tables["fronts"]) == 64
     assert (tables["fronts"]["flag"] == "").all()
     by_factor = (
@@ -494,7 +498,8 @@ def test_every_row_of_the_advice_table_holds(rng: np.random.Generator) -> None:
     given = found[found["label"] != ""]
     assert (errors[given["label"]].to_numpy() <= given["tolerance"].to_numpy()).all()
     assert (found["label"] == "").any()
-    assert (given["seconds_low"] <= given["seconds_high"]).all()
+    assert (given[["seconds", "operations", "unknowns"]] > 0).all(axis=None)
+    assert given["operations_seconds_ratio"].between(0.95, np.inf).all()  # what is cheaper by more would be advised
     assert WRONG == 0.1
 
 

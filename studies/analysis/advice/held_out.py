@@ -22,7 +22,8 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.advise import COST, Question, questions
+from studies.analysis.advice.choose import TIE
+from studies.analysis.advice.questions import COST, Question, questions
 from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
 from studies.analysis.rows import keys, sizes
 from studies.analysis.verify import EXACT, headline, judged
@@ -36,7 +37,11 @@ COLUMNS = (
     *("scene", "quantity", "headline", "tolerance", "factor", "advised", "best", "met", "regret"),
     *("true_error", "estimate"),
 )
-SUMMARY_COLUMNS = ("quantities", "cases", "advised", "met", "median_regret", "mean_regret", "abstained", "truly_none")
+DEAR = 1.5  # regret that is too much
+SUMMARY_COLUMNS = (
+    *("quantities", "scenes", "cases", "advised", "met", "scenes_met", "median_regret", "mean_regret", "worst_regret"),
+    *("dear", "share_above", "scenes_above", "abstained", "scenes_abstained", "truly_none"),
+)
 
 
 def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> pd.DataFrame:
@@ -56,16 +61,30 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> p
 
 
 def summary(cases: pd.DataFrame) -> pd.DataFrame:
-    """Rates and regrets, of the headline quantities and of all; met: of the advised ones."""
-    rows: list[list[object]] = []
-    for words, own in (("headline", cases[cases["headline"].astype(bool)]), ("all", cases)):
-        given = own[own["advised"] != ""]
-        none = own["best"] == ""
-        missed = int(((own["advised"] == "") & ~none).sum())
-        met = given["met"].astype(float).mean() if len(given) else math.nan
-        regret = given["regret"].astype(float)
-        rows.append([words, len(own), len(given), met, regret.median(), regret.mean(), missed, int(none.sum())])
+    """SUMMARY_COLUMNS, of the headline quantities and of all: cases, and scenes, of which there are fewer.
+
+    met: share of the advised cases; scenes_met: scenes in which all of them are.  share_above: share of the regrets
+    above ``dear``; scenes_above: scenes whose median is.  abstained: without advice, though a cell would do.
+    """
+    rows = [
+        _summary(words, own) for words, own in (("headline", cases[cases["headline"].astype(bool)]), ("all", cases))
+    ]
     return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
+
+
+def _summary(words: str, cases: pd.DataFrame) -> dict[str, object]:
+    given, none = cases[cases["advised"] != ""], cases["best"] == ""
+    missed = cases[(cases["advised"] == "") & ~none]
+    met, regret = given["met"].astype(float), given["regret"].astype(float)
+    by_scene = regret.groupby(given["scene"]).median()
+    return {
+        **{"quantities": words, "scenes": cases["scene"].nunique(), "cases": len(cases), "advised": len(given)},
+        **{"met": met.mean(), "scenes_met": int((met.groupby(given["scene"]).min() == 1).sum())},
+        **{"median_regret": regret.median(), "mean_regret": regret.mean(), "worst_regret": regret.max()},
+        **{"dear": DEAR, "share_above": (regret.dropna() > DEAR).mean()},
+        **{"scenes_above": int((by_scene > DEAR).sum()), "abstained": len(missed)},
+        **{"scenes_abstained": missed["scene"].nunique(), "truly_none": int(none.sum())},
+    }
 
 
 def ratios_of(cells: pd.DataFrame) -> np.ndarray:
@@ -94,7 +113,8 @@ def _advised(cells: pd.DataFrame, factor: float) -> Iterator[list[object]]:
         if offered.empty:
             yield [target, factor, "", best, math.nan, math.nan, math.nan, math.nan]
             continue
-        advised = offered.iloc[0]
+        tied = offered[offered["price"] <= (1 + TIE) * offered["price"].min()]
+        advised = tied.sort_values(["estimate", "price"], kind="stable").iloc[0]
         regret = math.nan if good.empty else advised["price"] / good["price"].iloc[0]
         met = float(advised["error"] <= target)
         yield [target, factor, advised["label"], best, met, regret, advised["error"], advised["estimate"]]

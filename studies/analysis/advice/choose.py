@@ -1,0 +1,144 @@
+"""Which configuration is good enough, and what is the cheapest? From the cells of a question, in what a user pays.
+
+Nothing is extrapolated: what no cell has shown is not advised. Prices within TIE of one another are a tie, which the
+smaller error decides: another run may turn them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from studies.analysis.advice.questions import CONFIGURATION, COST, Question, questions
+from studies.analysis.verify import headline
+
+TIE = 0.05  # of a price
+STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
+TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)  # of the table
+ADVICE_COLUMNS = (
+    *("scene", "quantity", "against", "tolerance", "cells", "label", "configuration", "bound"),
+    *("seconds", "seconds_low", "seconds_high", "operations", "unknowns"),
+    *("runner_up", "runner_up_ratio", "next_ratio", "by_operations", "operations_seconds_ratio", "command"),
+)
+
+
+@dataclass(frozen=True)
+class Advice:
+    """The cheapest cell that qualifies, the next configuration, the next tolerance; None where there is none.
+
+    best, runner_up, next_best: rows of the question's cells.  by_operations: the one with the fewest operations.
+    nearest: the cell with the smallest bound.
+    """
+
+    question: Question
+    tolerance: float
+    best: Mapping[str, Any] | None
+    runner_up: Mapping[str, Any] | None
+    next_step: float
+    next_best: Mapping[str, Any] | None
+    by_operations: Mapping[str, Any] | None
+    nearest: Mapping[str, Any]
+
+    def times(self, other: Mapping[str, Any] | None) -> float:
+        """What another cell costs over the best one; NaN where either is none."""
+        return math.nan if other is None or self.best is None else other["price"] / self.best["price"]
+
+
+def advise(question: Question, tolerance: float) -> Advice:
+    """The advice for a relative error."""
+    cells = question.cells
+    best = cheapest(cells, tolerance)
+    runner_up = next_best = None
+    step = next((each for each in STEPS if each < 0.999 * tolerance), math.nan)
+    if best is not None:
+        ways = cells[list(CONFIGURATION)].agg(" ".join, axis=1)
+        other = cells[ways != ways[cells["label"] == best["label"]].iloc[0]]
+        runner_up = cheapest(other, tolerance)
+        next_best = cheapest(cells, step)
+    counted = cells.reindex(columns=[*cells.columns[cells.columns != "cost.operations"], "cost.operations"])
+    by_operations = cheapest(counted.dropna(subset="cost.operations"), tolerance, "cost.operations")
+    nearest = _row(cells.sort_values("bound", kind="stable"))
+    return Advice(question, tolerance, best, runner_up, step, next_best, by_operations, nearest)
+
+
+def cheapest(cells: pd.DataFrame, tolerance: float, price: str = "price") -> dict[str, Any] | None:
+    """The cell with the least price whose bound meets the tolerance; of a tie the one with the smallest bound."""
+    good = cells[cells["bound"] <= tolerance]
+    if good.empty:
+        return None
+    tied = good[good[price] <= (1 + TIE) * good[price].min()]
+    return _row(tied.sort_values(["bound", price], kind="stable"))
+
+
+def _row(cells: pd.DataFrame) -> dict[str, Any]:
+    return {str(key): value for key, value in cells.iloc[0].to_dict().items()}
+
+
+def advice_table(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> pd.DataFrame:
+    """The advice for every scene, its largest question and headline, at each of TARGETS; empty where none qualifies."""
+    rows = []
+    for scene in dict.fromkeys(table["scene"]):
+        found = questions(table, verified, scene, headline(table, scene) or "", cost)
+        for target in TARGETS if found else ():
+            rows.append(_advice_row(advise(found[0], target)))
+    return pd.DataFrame(rows, columns=list(ADVICE_COLUMNS))
+
+
+def _advice_row(advice: Advice) -> list[object]:
+    question, best = advice.question, advice.best
+    named = [question.scene, question.quantity, question.against, advice.tolerance, len(question.cells)]
+    if best is None:
+        return [*named, "", "", advice.nearest["bound"], *[math.nan] * 5, "", math.nan, math.nan, "", math.nan, ""]
+    prices = [best.get(name, math.nan) for name in PRICED]
+    others: list[object] = ["" if advice.runner_up is None else words_of(advice.runner_up)]
+    others += [advice.times(advice.runner_up), advice.times(advice.next_best)]
+    others += ["" if advice.by_operations is None else words_of(advice.by_operations)]
+    return [
+        *(*named, best["label"], words_of(best), best["bound"], *prices, *others),
+        *(advice.times(advice.by_operations), best["command"]),
+    ]
+
+
+PRICED = ("cost.seconds", "t.seconds_low", "t.seconds_high", "cost.operations", "cost.dofs")
+
+
+def lines(advice: Advice) -> Iterator[str]:
+    """The advice for a terminal."""
+    question, cost = advice.question, advice.question.cost
+    asked = f"{question.scene}, {question.quantity} within {advice.tolerance:.3g} of {question.against}"
+    best = advice.best
+    if best is None:
+        near = advice.nearest
+        yield f"{asked}: none qualifies of {len(question.cells)} cells"
+        yield f"nearest: error at most {100 * near['bound']:.3g} %, {words_of(near)}"
+        yield f"  {near['command']}"
+        return
+    yield asked
+    yield f"cheapest: {words_of(best)}: error at most {100 * best['bound']:.3g} %"
+    yield f"  {best['command']}"
+    yield f"  {_prices(best)}"
+    told = [("runner-up", advice.runner_up, "no other configuration qualifies")]
+    if not math.isnan(advice.next_step):
+        told.append((f"next step, {100 * advice.next_step:g} %", advice.next_best, "none qualifies"))
+    if advice.by_operations is not None and advice.by_operations["label"] != best["label"]:
+        told.append(("by operations", advice.by_operations, ""))
+    for name, other, without in told:
+        words = without if other is None else f"{words_of(other)}: {advice.times(other):.3g} times the {cost}"
+        tied = other is not None and abs(advice.times(other) - 1) <= TIE
+        yield f"{name}: {words}{', a tie' if tied else ''}"
+
+
+def _prices(cell: Mapping[str, Any]) -> str:
+    seconds, low, high, operations, unknowns = (float(cell.get(name, math.nan)) for name in PRICED)
+    timed = "in one run" if math.isnan(low) else f"[{low:.3g}, {high:.3g}] in repeated runs"
+    return f"{seconds:.3g} s of processor time, {timed}; {unknowns:.0f} unknowns, {operations:.3g} operations"
+
+
+def words_of(cell: Mapping[str, Any]) -> str:
+    """The configuration of a cell, its mesh and its tolerance."""
+    words = [cell[name] for name in (*CONFIGURATION, "mesh") if cell[name]]
+    return " ".join(words) + ("" if pd.isna(cell["tolerance"]) else f", tolerance {cell['tolerance']:g}")
