@@ -18,6 +18,8 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from reports.hover import with_values
+
 P = ParamSpec("P")
 Picture = Callable[[], str]  # draws itself as SVG text when it is asked for
 # Okabe and Ito's colours, told apart with every common colour blindness
@@ -162,5 +164,5 @@ def to_svg(figure: Figure) -> str:
         collected.append(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    lines = buffer.getvalue().decode().splitlines()
+    lines = with_values(figure, buffer.getvalue().decode()).splitlines()
     return "\n".join(line.rstrip() for line in lines) + "\n"

@@ -15,7 +15,7 @@ from reports.chapters.overview.index import index_page
 from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
 from reports.files import write_texts
-from reports.html import REPORT, report_html
+from reports.html.document import REPORT, report_html
 from reports.markdown import Part
 from reports.origin import completeness_line, foot
 from reports.store.reading import StoreError
@@ -58,7 +58,7 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
     footed = {name: f"{text}\n{foot(store)}\n" for name, text in {**texts, **linked}.items()}
-    return {**svgs, **footed, REPORT: report_html(texts, titles, pictures, groups)}
+    return {**svgs, **footed, REPORT: report_html(texts, titles, pictures, groups, foot(store))}
 
 
 def _made(chapter: Chapter, store: Store) -> Part:

@@ -69,7 +69,7 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
         "studies/campaigns/quick.toml",
         "studies/scenes/data/",
         "studies/baseline/",
-        "reports/assets/",
+        "reports/html/assets/",
         "studies/analysis/advice/",
     ):
         assert any(name.startswith(place) for name in shipped), place

@@ -7,9 +7,11 @@ from html.parser import HTMLParser
 
 import pytest
 
-from reports import html
 from reports.contents import CHAPTERS
-from reports.html import LARGEST, MARKDOWN, REPORT, inlined_svg, is_title, report_html, to_html
+from reports.html import document
+from reports.html.convert import MARKDOWN, is_title, to_html
+from reports.html.document import LARGEST, REPORT, report_html
+from reports.html.pictures import Pictures, inlined_svg
 from reports.markdown import commands, machine, picture, table
 
 SVG = '<?xml version="1.0"?>\n<!DOCTYPE svg>\n<svg xmlns="http://www.w3.org/2000/svg"><metadata>who</metadata>\n{0}</svg>\n'
@@ -100,11 +102,10 @@ def test_pages_are_plain(files: dict[str, str]) -> None:
 
 
 def test_ids_of_two_pictures_are_never_the_same() -> None:
-    body = '<path id="a"/><use xlink:href="#a" clip-path="url(#b)"/><image xlink:href="data:image/png;base64,AA"/>'
-    one, two = (inlined_svg(SVG.format(body), prefix) for prefix in ("p0", "p1"))
-    assert one.startswith("<svg ")
-    assert "who" not in one
-    assert '<path id="p0-a"/><use xlink:href="#p0-a" clip-path="url(#p0-b)"/>' in one
+    """Those that nothing asks for are gone."""
+    body = '<g id="idle"/><path id="a"/><use xlink:href="#a" clip-path="url(#b)"/><clipPath id="b"/>'
+    one, two = (inlined_svg(SVG.format(body), prefix, {}) for prefix in ("p0", "p1"))
+    assert '<g/><path id="p0-a"/><use href="#p0-a" clip-path="url(#p0-b)"/><clipPath id="p0-b"/>' in one
     assert set(re.findall(r'id="([^"]+)"', one)) & set(re.findall(r'id="([^"]+)"', two)) == set()
 
 
@@ -113,7 +114,51 @@ def test_ids_of_two_pictures_are_never_the_same() -> None:
 )
 def test_a_picture_that_asks_for_another_file_is_refused(body: str) -> None:
     with pytest.raises(ValueError, match="a picture asks for"):
-        inlined_svg(SVG.format(body), "p0")
+        inlined_svg(SVG.format(body), "p0", {})
+
+
+LETTER = '<defs>\n<path id="A-1" d="M 2034 4250\nQ 1547 1.23456 z\n" transform="scale(0.015625)"/>\n</defs>'
+
+
+def test_letters_are_in_the_file_once_and_pictures_are_small() -> None:
+    body = (
+        LETTER
+        + '<g id="x"><use xlink:href="#A-1" x="1.23456" transform="translate(10.123456 -0.051) scale(0.1 -0.1)"/></g>'
+    )
+    both = Pictures({"a.svg": SVG.format(body), "b.svg": SVG.format(body)}, {})
+    assert both.shared().count('<path id="s0" d="M2034 4250Q1547 1.23z" transform="scale(0.015625)"/>') == 1
+    shown = both.figure("a.svg", "words")
+    assert '<g><use href="#s0" x="1.23" transform="translate(10.12 -0.05) scale(0.1 -0.1)"/></g>' in shown
+    assert "A-1" not in shown
+    assert "who" not in shown
+    alone = Pictures({"a.svg": SVG.format(body)}, {})
+    assert 'href="#p0-A-1"' in alone.figure("a.svg", "words")
+    assert "<path" not in alone.shared()
+
+
+def test_a_picture_is_named_by_its_caption() -> None:
+    made = Pictures({"a.svg": SVG.format("")}, {}).figure("a.svg", 'a < "b"')
+    assert made.startswith('<svg class="plot" role="img" aria-label="a &lt; &quot;b&quot;" xmlns=')
+    assert made.endswith("</svg><figcaption>a &lt; &quot;b&quot;</figcaption>")
+
+
+def test_a_picture_that_is_shown_twice_is_in_the_file_once() -> None:
+    svg = SVG.format('<path d="M 0 0"/>').replace("<svg ", '<svg width="9" viewBox="0 0 9 9" ')
+    made = Pictures({"a.svg": svg}, {"a.svg": 2})
+    assert made.shared().count('<symbol id="p0" viewBox="0 0 9 9">\n<path d="M0 0"/>') == 1
+    shown = made.figure("a.svg", "words")
+    assert 'viewBox="0 0 9 9"' in shown
+    assert '><use href="#p0"/></svg><figcaption>' in shown
+    assert "<path" not in shown
+
+
+def test_a_plot_takes_the_colours_of_the_scheme_and_a_map_keeps_its_own() -> None:
+    style = '<path style="fill: #ffffff; stroke: #0072b2"/>'
+    plot, field = (Pictures({"a": SVG.format(body)}, {}).figure("a", "") for body in (style, f"<image/>{style}"))
+    assert 'class="plot"' in plot
+    assert 'style="fill:var(--paper);stroke:#0072b2"' in plot
+    assert 'class="own"' in field
+    assert 'style="fill:#ffffff;stroke:#0072b2"' in field
 
 
 # --- the file -------------------------------------------------------------------------------------------------------
@@ -131,6 +176,24 @@ def test_links_lead_within_the_file() -> None:
     assert '<a href="#tyre">it</a>, <a href="#tyre--a-part">a part</a>, <a href="#index--all">here</a>' in made
     assert '<h2 id="tyre--a-part">' in made
     assert ".md" not in made
+
+
+def test_a_page_has_its_contents_below_its_title() -> None:
+    made = small("## One `x`\n\n### Two [of](tyre.md) them\n\n## Three")
+    listed = '<li class="h2"><a href="#index--one-x">One <code>x</code></a></li>'
+    assert f'<ul>{listed}<li class="h3"><a href="#index--two-of-them">Two of them</a></li>' in made
+    assert made.count('aria-label="On this page"') == 1  # few headings need no list
+
+
+def test_files_of_data_are_named_and_not_linked() -> None:
+    assert "<p>in <code>all <em>answers</em></code>, <a" in small("in [all *answers*](data/a.csv), [x](tyre.md)")
+
+
+def test_the_foot_stands_below_all_pages() -> None:
+    pages, titles = {"index.md": "# All"}, {"index.md": "All"}
+    made = report_html(pages, titles, {}, foot="*at [it](index.md#all)*")
+    foot = made[made.index("<footer>") : made.index("</footer>")]
+    assert '<em>at <a href="#index--all">it</a></em>' in foot
 
 
 @pytest.mark.parametrize(
@@ -155,12 +218,12 @@ def test_pages_of_a_folder_link_from_where_they_are() -> None:
     assert '<a href="#a/one">A</a>' in made
     assert '<a href="#index">up</a>, <a href="#a/two--part">two</a>' in made
     assert made.count("<figure><svg") == 1
-    assert '<b>Some</b> <a href="#a/one">One</a></span>' in made
+    assert '<summary>Some</summary><ul><li><a href="#a/one">One</a></li></ul>' in made
     assert '<a href="#a/two">' not in made
 
 
 def test_a_file_that_is_too_large_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(html, "LARGEST", 3000)
+    monkeypatch.setattr(document, "LARGEST", 3000)
     with pytest.raises(ValueError, match="bytes, more than 3000"):
         small("word " * 3000)
 
@@ -174,7 +237,7 @@ class Reader(HTMLParser):
         self.fetched: list[str] = []
 
     def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        if tag not in ("meta", "link", "br"):
+        if tag not in ("meta", "link", "br", "hr", "img"):
             self.open.append(tag)
         for name, value in attrs:
             if name in ("src", "href", "xlink:href") and not str(value).startswith(("#", "data:")):

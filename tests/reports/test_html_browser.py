@@ -1,105 +1,25 @@
-"""The HTML of all pages in a real browser without a network: no error, no request, tables sort, pages change."""
+"""The HTML of all pages in a real browser without a network: no error, no request, and what a reader does by hand.
+
+Pages change, tables sort and filter, words are found, colours change, everything prints; all by keyboard, and whatever
+can be used has a name for who cannot see it.
+"""
 
 from __future__ import annotations
 
-import base64
 import json
 import os
-import select
-import shutil
-import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from reports.contents import CHAPTERS
-from reports.html import REPORT
+from reports.html.document import REPORT
+from support.browser import CHROMIUM, PATIENCE, Browser
 
-CHROMIUM = next(
-    (path for name in ("chromium", "chromium-browser", "google-chrome") if (path := shutil.which(name))), None
-)
 NAMES = ["index", *(each.name for each in CHAPTERS if each.always)]
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here")]
-PATIENCE = 60.0  # s, for any answer
-FLAGS = (
-    *("--headless=new", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--no-first-run", "--disable-sync"),
-    *("--disable-dev-shm-usage", "--disable-background-networking", "--disable-component-update"),
-    *("--host-resolver-rules=MAP * ~NOTFOUND", "--proxy-server=127.0.0.1:9", "--remote-debugging-pipe"),
-)
-
-
-class Browser:
-    """Chromium by its debugging protocol through two pipes: JSON with a zero byte after each message."""
-
-    def __init__(self, profile: Path) -> None:
-        (theirs, self.to), (self.from_, ours) = os.pipe(), os.pipe()
-
-        def arrange() -> None:
-            high = [os.dup(fd) for fd in (theirs, ours)]  # neither may be lost when the other takes its number
-            os.dup2(high[0], 3)
-            os.dup2(high[1], 4)
-
-        command = [str(CHROMIUM), *FLAGS, f"--user-data-dir={profile}", "--window-size=1000,800", "about:blank"]
-        quiet = subprocess.DEVNULL
-        self.process = subprocess.Popen(command, preexec_fn=arrange, close_fds=False, stdout=quiet, stderr=quiet)
-        os.close(theirs)
-        os.close(ours)
-        self.count, self.rest, self.events = 0, b"", []
-        target = next(t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page")
-        attached = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)
-        self.session: str | None = attached["sessionId"]
-        for domain in ("Page", "Runtime", "Log", "Network"):
-            self.call(f"{domain}.enable")
-        offline = {"offline": True, "latency": 0, "downloadThroughput": 0, "uploadThroughput": 0}
-        self.call("Network.emulateNetworkConditions", **offline)
-
-    session: str | None = None
-
-    def call(self, method: str, **params: Any) -> dict[str, Any]:
-        self.count += 1
-        message = {"id": self.count, "method": method, "params": params}
-        if self.session:
-            message["sessionId"] = self.session
-        os.write(self.to, json.dumps(message).encode() + b"\0")
-        while True:
-            answer = self.read()
-            if answer.get("id") == self.count:
-                assert "error" not in answer, answer
-                return answer["result"]
-            self.events.append(answer)
-
-    def read(self) -> dict[str, Any]:
-        while b"\0" not in self.rest:
-            ready, _, _ = select.select([self.from_], [], [], PATIENCE)
-            assert ready, "the browser does not answer"
-            self.rest += os.read(self.from_, 1 << 20)
-        message, _, self.rest = self.rest.partition(b"\0")
-        return json.loads(message)
-
-    def wait_for(self, method: str) -> None:
-        while not any(event.get("method") == method for event in self.events):
-            self.events.append(self.read())
-
-    def run(self, script: str) -> Any:
-        answer = self.call("Runtime.evaluate", expression=script, returnByValue=True, awaitPromise=True)
-        assert "exceptionDetails" not in answer, answer
-        return answer["result"].get("value")
-
-    def of(self, method: str) -> list[dict[str, Any]]:
-        return [event["params"] for event in self.events if event.get("method") == method]
-
-    def screenshot(self, path: Path) -> None:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(base64.b64decode(self.call("Page.captureScreenshot")["data"]))
-
-    def close(self) -> None:
-        self.process.terminate()
-        self.process.wait(10)
-        os.close(self.to)
-        os.close(self.from_)
 
 
 @pytest.fixture(scope="module")
@@ -176,6 +96,187 @@ def test_nothing_is_wider_than_the_window(browser: Browser) -> None:
         assert browser.run("document.documentElement.scrollWidth") <= 1000
     assert browser.run("Math.max(...[...document.querySelectorAll('svg')].map(s => s.clientWidth))") <= 1000
     assert browser.run("document.querySelectorAll('figure > svg').length") > 20
+
+
+TABLE = """(() => {
+  const bar = document.querySelector('.tools'), field = bar.querySelector('input');
+  let wide = bar;
+  while (!wide.classList.contains('wide')) wide = wide.nextElementSibling;
+  const rows = [...wide.querySelector('tbody').rows];
+  if (WORDS !== null) {
+    field.value = WORDS;
+    field.dispatchEvent(new Event('input'));
+  }
+  const left = rows.filter(row => !row.hidden).map(row => row.textContent);
+  return { left, all: rows.length, first: rows[1].cells[0].textContent, told: bar.querySelector('span').textContent };
+})()"""
+
+
+def test_a_table_keeps_the_rows_that_have_the_words(browser: Browser) -> None:
+    """The count beside the field says how many."""
+    words = browser.run(TABLE.replace("WORDS", "null"))["first"]
+    found = browser.run(TABLE.replace("WORDS", json.dumps(words.upper())))
+    assert all(words in row for row in found["left"])
+    assert 1 <= len(found["left"]) <= found["all"]
+    assert found["told"] == f"{len(found['left'])} of {found['all']} rows"
+    nothing = browser.run(TABLE.replace("WORDS", "'no such words'"))
+    assert nothing["told"] == f"0 of {found['all']} rows"
+    assert len(browser.run(TABLE.replace("WORDS", "''"))["left"]) == found["all"]
+
+
+def press(browser: Browser, key: str, text: str = "") -> None:
+    code = {"Enter": 13, "Escape": 27, "ArrowDown": 40}.get(key, 0)
+    for kind in ("keyDown", "keyUp"):
+        told = {"text": text} if text and kind == "keyDown" else {}
+        browser.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, **told)
+
+
+def go(browser: Browser, name: str) -> None:
+    """To a page, whichever is shown; until it has been acted on."""
+    browser.run(f"document.activeElement.blur(); location.hash = '{name}'")
+    until(browser, f"document.getElementById('{name}').classList.contains('shown')")
+
+
+def until(browser: Browser, condition: str) -> None:
+    end = time.monotonic() + PATIENCE
+    while not browser.run(condition):
+        assert time.monotonic() < end, condition
+        time.sleep(0.05)
+
+
+def focus(browser: Browser, what: str) -> object:
+    return browser.run(f"document.activeElement.{what}")
+
+
+def test_words_are_found_by_keyboard(browser: Browser) -> None:
+    """A slash, the words, an arrow and the return key lead to the place; escape closes."""
+    go(browser, "tyre")
+    press(browser, "/", "/")
+    assert focus(browser, "ariaLabel") == "Search all pages"
+    browser.call("Input.insertText", text="donnell fails")
+    until(browser, "!document.querySelector('.found').hidden")
+    places = browser.run("[...document.querySelectorAll('.found a')].map(a => a.textContent.toLowerCase())")
+    assert places
+    assert all("donnell" in place for place in places)
+    assert browser.run("document.querySelector('.found [role=status]').textContent").endswith("places")
+    press(browser, "ArrowDown")
+    assert focus(browser, "closest('.found').id") == "found"
+    press(browser, "Enter", "\r")
+    until(browser, "document.getElementById('rigid-body').classList.contains('shown')")
+    assert focus(browser, "getBoundingClientRect().top") < browser.run("innerHeight")
+    assert focus(browser, "getBoundingClientRect().bottom") > 0
+    closed = "document.querySelector('.found').hidden"
+    assert browser.run(closed)
+    press(browser, "/", "/")
+    browser.run("document.activeElement.dispatchEvent(new Event('input'))")
+    until(browser, f"!{closed}")
+    press(browser, "Escape")
+    assert browser.run(closed)
+
+
+def is_light(browser: Browser) -> bool:
+    told = browser.run("getComputedStyle(document.body).backgroundColor").removeprefix("rgb(").removesuffix(")")
+    levels = [int(each) for each in told.split(",")]
+    assert min(levels) > 200 or max(levels) < 60
+    return min(levels) > 200
+
+
+def system(browser: Browser, scheme: str, media: str = "") -> None:
+    feature = {"name": "prefers-color-scheme", "value": scheme}
+    browser.call("Emulation.setEmulatedMedia", media=media, features=[feature])
+
+
+def test_colours_follow_the_system_and_the_switch(browser: Browser) -> None:
+    """The ink of pictures, too."""
+    system(browser, "light")
+    assert is_light(browser)
+    ink = "getComputedStyle(document.querySelector('svg.plot')).fill"
+    light = browser.run(ink)
+    system(browser, "dark")
+    assert not is_light(browser)
+    for words in ("dark", "light", "auto"):
+        browser.run("document.querySelector('.controls button').click()")
+        assert f"Colours: {words}." in browser.run("document.querySelector('.controls button').ariaLabel")
+        assert is_light(browser) == (words == "light")
+        assert (browser.run(ink) == light) == (words == "light")
+    system(browser, "light")
+
+
+CAPTION = 60  # px, at the most; above the head
+FROZEN = """[...document.querySelectorAll('.shown .freeze')].filter(wide => wide.offsetWidth).map(wide => {
+  wide.scrollTo(90, 300);
+  const head = wide.querySelector('th').getBoundingClientRect(), box = wide.getBoundingClientRect();
+  const [left, top] = [head.left - box.left, head.top - box.top];
+  return { left, top, down: wide.scrollTop, hint: wide.previousElementSibling.className, focus: wide.tabIndex };
+})"""
+
+
+def test_heads_of_tables_and_first_columns_stay(browser: Browser) -> None:
+    """A wide table scrolls under its head and beside its first column, says so, and is reached by keyboard."""
+    browser.call("Emulation.setDeviceMetricsOverride", width=600, height=500, deviceScaleFactor=1, mobile=False)
+    found = []
+    for name in NAMES:
+        go(browser, name)
+        found += browser.run(FROZEN)
+    browser.call("Emulation.clearDeviceMetricsOverride")
+    assert len(found) > 3
+    for each in found:
+        assert abs(each["left"]) <= 2
+        assert abs(each["top"]) <= 2 or each["down"] < CAPTION
+        assert (each["hint"], each["focus"]) == ("hint", 0)
+    assert any(each["down"] > CAPTION for each in found)
+
+
+def test_contents_lead_to_the_headings_of_the_page(browser: Browser) -> None:
+    go(browser, "rigid-body")
+    links = "[...document.querySelectorAll('.shown .contents a')]"
+    listed = browser.run(f"{links}.map(a => [decodeURIComponent(a.hash.slice(1)), a.textContent])")
+    heads = browser.run("[...document.querySelectorAll('.shown h2, .shown h3')].map(h => [h.id, h.textContent])")
+    assert listed == heads
+    follow(browser, f"{links}[2].click()")
+    assert focus(browser, "id") == heads[2][0]
+
+
+ON_SCREEN_ONLY = "header, .contents, .tools, .hint, footer button"
+
+
+def test_everything_prints(browser: Browser) -> None:
+    """All pages, or the one that is shown; in light colours, without what only a screen has."""
+    system(browser, "dark", "print")
+    assert len(shown(browser)) == browser.run("document.querySelectorAll('section').length")
+    assert is_light(browser)
+    heights = browser.run(f"[...document.querySelectorAll('{ON_SCREEN_ONLY}')].map(e => e.offsetHeight)")
+    assert set(heights) == {0}
+    browser.run("document.body.classList.add('alone')")
+    assert len(shown(browser)) == 1
+    browser.run("document.body.classList.remove('alone')")
+    system(browser, "light")
+
+
+NAMED = {"button", "link", "searchbox", "combobox", "img", "image", "region", "navigation", "heading", "columnheader"}
+
+
+def test_whatever_can_be_used_or_seen_has_a_name(browser: Browser) -> None:
+    """As a screen reader has it."""
+    go(browser, "tyre")
+    browser.call("Accessibility.enable")
+    nodes = browser.call("Accessibility.getFullAXTree")["nodes"]
+    browser.call("Accessibility.disable")
+    told = [(each["role"]["value"], each.get("name", {}).get("value", "")) for each in nodes if not each["ignored"]]
+    assert [role for role, name in told if role in NAMED and not name.strip()] == []
+    roles = {role for role, _ in told}
+    assert {"button", "link", "combobox", "navigation", "heading", "columnheader"} <= roles
+    assert {"img", "image"} & roles
+    assert {"banner", "main", "contentinfo"} <= roles
+
+
+def test_the_navigation_can_be_skipped(browser: Browser) -> None:
+    go(browser, "tyre")
+    browser.run("document.querySelector('.skip').focus()")
+    assert focus(browser, "getBoundingClientRect().left") >= 0
+    press(browser, "Enter", "\r")
+    until(browser, "document.activeElement.id === 'main'")
+    assert shown(browser) == ["tyre"]
 
 
 def test_no_error_and_no_request_but_for_the_file(browser: Browser, tmp_path: Path) -> None:

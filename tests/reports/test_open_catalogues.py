@@ -14,7 +14,7 @@ import pytest
 
 from reports.contents import CHAPTERS
 from reports.drawing import KNOWN, looks
-from reports.html import REPORT
+from reports.html.document import REPORT
 from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import analysed

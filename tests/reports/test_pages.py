@@ -16,7 +16,7 @@ from reports.chapter import INDEX_TITLE, Chapter
 from reports.chapters.limits import fuzz
 from reports.chapters.tyre.meshes import SOLID
 from reports.contents import CHAPTERS
-from reports.html import REPORT
+from reports.html.document import REPORT
 from reports.markdown import END_MACHINE, Part
 from reports.result_figures import draw_result
 from reports.site import check_pages, compare_pages, rendered, write_pages
