@@ -4,14 +4,15 @@ The adviser then sees values only, no reference and no mesh finer than the one i
 the error of a cell is
 
     what the mesh leaves       |v_j - v_(j-1)| / (r^2 - 1) by Richardson's law of second order, of the last two steps
-                               the larger one; three times as much where the last three meshes have no sensible order
+                               the larger one; three times as much where the last three meshes have no sensible order,
+                               but not where the last two steps are opposite: then the limit lies between their ends
   + what the measure leaves    its distance from the exact measure on the second-coarsest mesh
   + what the solver leaves     its distance from the tightest tolerance there
 
 relative to the value. How much too small such estimates are, it learns from the other scenes, whose references it does
-know: the COVER quantile of true error over estimate is the factor of safety. The cheapest cell whose estimate times
-that factor meets the tolerance is its advice; its regret is the cost of that over that of the cheapest cell that truly
-does, and its success whether the advised cell truly does.
+know: the COVER quantile of true error over estimate is the factor of safety, one for opposite steps and one for all
+others. The cheapest cell whose estimate times its factor meets the tolerance is the advice; its regret is the cost of
+that over that of the cheapest cell that truly does, and its success whether the advised cell truly does.
 """
 
 from __future__ import annotations
@@ -52,11 +53,10 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> p
         for name in judged(table, scene):
             for question in questions(table, verified, scene, name, cost)[:1]:
                 known.append((scene, name, name == first, estimated(question)))
-    ratios = [(scene, ratios_of(cells)) for scene, _, _, cells in known]
-    factors = {scene: factor_of([own for it, own in ratios if it != scene]) for scene, _ in ratios}
-    rows = [
-        [scene, name, first, *row] for scene, name, first, cells in known for row in _advised(cells, factors[scene])
-    ]
+    rows: list[list[object]] = []
+    for scene, name, first, cells in known:
+        factor = cells["between"].map(factors_of([other for it, _, _, other in known if it != scene]))
+        rows += [[scene, name, first, *row] for row in _advised(cells.assign(factor=factor))]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
@@ -93,56 +93,72 @@ def ratios_of(cells: pd.DataFrame) -> np.ndarray:
     return np.asarray(usable["error"] / usable["estimate"], float)
 
 
-def factor_of(others: list[np.ndarray]) -> float:
-    """The factor of safety from the ratios of other questions, each with the same weight; UNSAFE without any."""
+def factors_of(others: list[pd.DataFrame]) -> dict[bool, float]:
+    """The factors of safety from other questions: of estimates by opposite steps, and of all others."""
+    return {
+        between: factor_of([ratios_of(cells[cells["between"] == between]) for cells in others], without)
+        for between, without in ((False, UNSAFE), (True, 1.0))
+    }
+
+
+def factor_of(others: list[np.ndarray], without: float = UNSAFE) -> float:
+    """The factor of safety from the ratios of other questions, each with the same weight; or the one without any."""
     told = [ratios for ratios in others if len(ratios)]
     if not told:
-        return UNSAFE
+        return without
     weights = np.concatenate([np.full(len(ratios), 1 / len(ratios)) for ratios in told])
     return float(np.quantile(np.concatenate(told), COVER, method="inverted_cdf", weights=weights))
 
 
-def _advised(cells: pd.DataFrame, factor: float) -> Iterator[list[object]]:
+def _advised(cells: pd.DataFrame) -> Iterator[list[object]]:
     """From the tolerance to the estimate, for each tolerance that can be decided."""
     uncertainty = float(cells["uncertainty"].iloc[0])
     for target in TARGETS:
         if target < DECIDABLE * uncertainty:
             continue
-        offered, good = cells[factor * cells["estimate"] <= target], cells[cells["error"] <= target]
+        offered, good = cells[cells["factor"] * cells["estimate"] <= target], cells[cells["error"] <= target]
         best = "" if good.empty else good["label"].iloc[0]
         if offered.empty:
-            yield [target, factor, "", best, math.nan, math.nan, math.nan, math.nan]
+            yield [target, math.nan, "", best, math.nan, math.nan, math.nan, math.nan]
             continue
         tied = offered[offered["price"] <= (1 + TIE) * offered["price"].min()]
         advised = tied.sort_values(["estimate", "price"], kind="stable").iloc[0]
         regret = math.nan if good.empty else advised["price"] / good["price"].iloc[0]
         met = float(advised["error"] <= target)
-        yield [target, factor, advised["label"], best, met, regret, advised["error"], advised["estimate"]]
+        yield [target, advised["factor"], advised["label"], best, met, regret, advised["error"], advised["estimate"]]
 
 
 def estimated(question: Question) -> pd.DataFrame:
-    """The question's cells, in their order, with ``estimate`` of the relative error, from values only; NaN: unknown."""
+    """The question's cells, in their order, with ``estimate`` of the relative error, from values only; NaN: unknown.
+
+    between: whether the last two steps of the mesh are opposite.
+    """
     cells = question.cells.assign(size=sizes(question.cells))
     coarse = sorted(cells["size"].unique(), reverse=True)[:2]
     probe = cells[cells["size"] == coarse[-1]]
     ordered = cells.sort_values("size", ascending=False, kind="stable")
     ladders = ordered.groupby(keys(ordered, "mesh"), sort=False)
-    mesh = {label: left for _, rows in ladders for label, left in _mesh_parts(rows)}
+    parts = {label: part for _, rows in ladders for label, *part in _mesh_parts(rows)}
+    mesh, between = ({label: part[i] for label, part in parts.items()} for i in (0, 1))
     by_measure, by_tolerance = _measures(probe), _tolerances(probe)
     estimate = cells["label"].map(mesh) + cells["measure"].map(by_measure) + keys(cells, "mesh").map(by_tolerance)
-    return cells.assign(estimate=estimate)
+    return cells.assign(estimate=estimate, between=cells["label"].map(between).eq(True))
 
 
-def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float]]:
-    """Label and estimate on every mesh, coarse to fine, from the meshes up to it; the coarsest asks the second one."""
+def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float, bool]]:
+    """Label, estimate and whether the last steps are opposite, on every mesh, coarse to fine, from the meshes up to it.
+
+    The coarsest asks the second one.
+    """
     rungs = rungs.drop_duplicates("size")
     h, f = (rungs[name].astype(float).tolist() for name in ("size", "value"))
     for j, label in enumerate(rungs["label"] if len(h) > 1 else ()):
         steps = [abs(correction(h[: i + 1], f[: i + 1])) * (h[j] / h[i]) ** FORMAL for i in {max(1, j - 1), max(1, j)}]
+        between = j >= 2 and (f[j] - f[j - 1]) * (f[j - 1] - f[j - 2]) < 0
         doubt = 1.0
-        if j >= 2 and not SENSIBLE[0] <= order_of(h[j - 2 : j + 1], f[j - 2 : j + 1]) <= SENSIBLE[1]:
+        if j >= 2 and not between and not SENSIBLE[0] <= order_of(h[j - 2 : j + 1], f[j - 2 : j + 1]) <= SENSIBLE[1]:
             doubt = UNSAFE
-        yield str(label), doubt * max(steps) / abs(f[j]) if f[j] else math.inf
+        yield str(label), doubt * max(steps) / abs(f[j]) if f[j] else math.inf, between
 
 
 def _measures(probe: pd.DataFrame) -> dict[str, float]:

@@ -6,13 +6,17 @@ import json
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
+from studies.analysis.collect import collect
+from studies.analysis.everything import analyse
 from studies.bench.canary import canary
 from studies.bench.overhead import harness, lines
 from studies.bench.timing_lane import REPEATS, Stopwatch, interval, sample, summary, time_campaign
 from studies.campaigns.file import find
 from studies.campaigns.run import run
+from studies.cli import main
 from studies.scene import UsageError
 
 LABELS = ("a", "b", "c")
@@ -100,8 +104,31 @@ def test_only_what_is_known_to_be_right_is_timed(tmp_path: Path, monkeypatch: py
     raw = json.loads((store / "timing" / "three.json").read_text())
     assert [len(cell["warm"]) for cell in raw["cells"]] == [4, 4]
     assert len(raw["canaries"]) == 2
+    found = collect(store, "three").set_index("label").loc[list(table.index)]
+    assert list(found["t.seconds"]) == list(table["median_s"])
+    assert list(found["t.seconds_low"]) == list(table["low_s"])
+    assert set(found["canary"]) == {"quiet"}
     with pytest.raises(UsageError, match="no times of 'another'"):
         summary(store, "another")
+
+
+@pytest.mark.slow
+def test_the_cells_of_the_fronts_can_be_timed_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine that is not quiet leaves the seconds of the solve, and says that the canary has moved."""
+    path, store = tmp_path / "four.toml", tmp_path / "store"
+    path.write_text('[[cross]]\nmeshes = ["2x1", "4x1", "8x1", "8x2"]\n[cross.scenes.cantilever]\n')
+    run(find(str(path)), store)
+    timed = ["time", str(path), "--store", str(store), "--front", "--blocks", "1", "--rounds", "1"]
+    assert main(timed) == 2  # there are no fronts yet
+    analyse(store, "four")
+    before = collect(store, "four").set_index("label")["t.seconds"]
+    monkeypatch.setattr("studies.bench.timing_lane.DRIFT", -1.0)
+    assert main(timed) == 1
+    found = collect(store, "four").set_index("label")
+    fronts = pd.read_csv(store / "tables" / "fronts.csv").set_index("label")["front.seconds"]
+    assert dict(found["canary"] == "moved") == dict(fronts.astype(bool))
+    assert 0 < fronts.sum() < len(fronts)
+    assert list(found["t.seconds"]) == list(before)
 
 
 @pytest.mark.slow
