@@ -54,9 +54,9 @@ def held_out(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> p
             for question in questions(table, verified, scene, name, cost)[:1]:
                 known.append((scene, name, name == first, estimated(question)))
     rows: list[list[object]] = []
-    for scene, name, first, cells in known:
+    for scene, name, leads, cells in known:
         factor = cells["between"].map(factors_of([other for it, _, _, other in known if it != scene]))
-        rows += [[scene, name, first, *row] for row in _advised(cells.assign(factor=factor))]
+        rows += [[scene, name, leads, *row] for row in _advised(cells.assign(factor=factor))]
     return pd.DataFrame(rows, columns=list(COLUMNS))
 
 
