@@ -160,6 +160,7 @@ def test_a_measure_that_reaches_an_error_for_less_is_found() -> None:
     assert seconds.loc["linear", "solved"] == pytest.approx(0.2)
     assert np.isnan(seconds.loc["linear", "ratio"]), "one problem is too few"
     assert seconds.loc["", counts].tolist() == [8, 5, 2, 1, 0, 2]
+    assert seconds.loc[["sanders", "donnell", ""], "cheaper_both"].tolist() == [5, 0, 5]
     named = cheaper_measures(scenes)
     assert set(named["measure"]) == {"sanders"}
     assert set(named["cost"]) == {"seconds", "operations"}
