@@ -22,11 +22,11 @@ def measures_part(store: Store) -> Part:
     data = store.analysis("equal_accuracy")
     text = prose("""## Measures at equal error
 
-A problem is a scene and an error to reach: 10, 3, 1, 0.3 and 0.1 %, in the scenes in which all measures compete. Each
-measure reaches it at its own cheapest mesh and algorithm, or does not: an error below what its formulation is off by in
-the limit of its meshes does not count, there two errors have cancelled. Ratios are over `exact`, medians over the
-problems that both reach, with the 95 % interval of drawing scenes; fewer than five make none. *Cheaper*: by more than
-5 %, or where `exact` does not get there at all.""")
+A problem is a scene and an error to reach: 10, 3, 1, 0.3 and 0.1 %, in the scenes in which all measures compete, on the
+meshes and by the algorithms that all were given. Each measure reaches it at the cheapest of these, or does not: an
+error below what its formulation is off by in the limit of its meshes does not count, there two errors have cancelled.
+Ratios are over `exact`, medians over the problems that both reach, with the 95 % interval of drawing scenes; fewer than
+five make none. *Cheaper*: by more than 5 %, or where `exact` does not get there at all.""")
     if data.empty:
         return joined(text, "No two measures compete here.")
     by = {(row["measure"], row["cost"]): row for row in data.to_dict("records")}

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.fronts import TIE, counting
-from studies.analysis.profiles import FEWEST, field, median_ratio
+from studies.analysis.profiles import FEWEST, comparable, field, median_ratio
 from studies.analysis.rows import PRICES
 from studies.analysis.verify import EXACT
 
@@ -104,6 +104,7 @@ def cheaper_measures(fronts: pd.DataFrame) -> pd.DataFrame:
 
 def _cheapest(fronts: pd.DataFrame, scene: str, measure: str, target: float, cost: str) -> str:
     """The command of the cheapest cell that reaches the error."""
-    own = fronts[(fronts["scene"] == scene) & (fronts["measure"] == measure) & fronts["main"] & (fronts["flag"] == "")]
+    own = comparable(fronts, "measure")
+    own = own[(own["scene"] == scene) & (own["measure"] == measure) & (own["flag"] == "")]
     own = own[counting(own) + own["uncertainty"] <= target]
     return str(own.sort_values(f"cost.{cost}", kind="stable")["command"].iloc[0])
