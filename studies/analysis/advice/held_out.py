@@ -23,8 +23,8 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.advice.choose import TIE
 from studies.analysis.advice.questions import COST, Question, questions
+from studies.analysis.fronts import TIE
 from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
 from studies.analysis.rows import keys, sizes
 from studies.analysis.verify import EXACT, headline, judged
