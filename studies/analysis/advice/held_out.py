@@ -134,15 +134,18 @@ def estimated(question: Question) -> pd.DataFrame:
     between: whether the last two steps of the mesh are opposite.
     """
     cells = question.cells.assign(size=sizes(question.cells))
-    coarse = sorted(cells["size"].unique(), reverse=True)[:2]
-    probe = cells[cells["size"] == coarse[-1]]
     ordered = cells.sort_values("size", ascending=False, kind="stable")
     ladders = ordered.groupby(keys(ordered, "mesh"), sort=False)
     parts = {label: part for _, rows in ladders for label, *part in _mesh_parts(rows)}
     mesh, between = ({label: part[i] for label, part in parts.items()} for i in (0, 1))
-    by_measure, by_tolerance = _measures(probe), _tolerances(probe)
+    by_measure, by_tolerance = _measures(_probe(cells)), _tolerances(cells)
     estimate = cells["label"].map(mesh) + cells["measure"].map(by_measure) + keys(cells, "mesh").map(by_tolerance)
     return cells.assign(estimate=estimate, between=cells["label"].map(between).eq(True))
+
+
+def _probe(cells: pd.DataFrame) -> pd.DataFrame:
+    """Those on the second-coarsest mesh, or on the only one."""
+    return cells[cells["size"] == sorted(cells["size"].unique(), reverse=True)[:2][-1]]
 
 
 def _mesh_parts(rungs: pd.DataFrame) -> Iterator[tuple[str, float, bool]]:
@@ -169,13 +172,14 @@ def _measures(probe: pd.DataFrame) -> dict[str, float]:
     return {str(name): abs(value / values[base] - 1) for name, value in values.items() if values[base]}
 
 
-def _tolerances(probe: pd.DataFrame) -> dict[str, float]:
-    """By the key without the mesh, the relative distance from the same with the tightest tolerance.
+def _tolerances(cells: pd.DataFrame) -> dict[str, float]:
+    """By the key without the mesh, the relative distance from the same with the tightest tolerance, on its own probe.
 
     Of several meshes of this size, which differ across the refined direction, the largest distance on any one counts.
     """
     found: dict[str, float] = {}
-    for _, rows in probe.groupby(keys(probe, "tolerance"), sort=False):
+    probes = pd.concat([_probe(own) for _, own in cells.groupby(keys(cells, "mesh", "tolerance"), sort=False)])
+    for _, rows in probes.groupby(keys(probes, "tolerance"), sort=False):
         tightest = rows.sort_values("tolerance", kind="stable")["value"].iloc[0]
         for key, value in zip(keys(rows, "mesh"), rows["value"], strict=True):
             left = abs(value / tightest - 1) if tightest else math.inf

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.advice.choose import advice_table, advise, lines
-from studies.analysis.advice.held_out import held_out, summary
+from studies.analysis.advice.held_out import estimated, held_out, summary
 from studies.analysis.advice.questions import asked_question
 from studies.analysis.attribution import INTERACTIONS, REST, shares
 from studies.analysis.everything import analysed
@@ -461,6 +462,27 @@ def test_advice_for_a_scene_that_was_left_out() -> None:
     assert row["met"] >= 0.95
     assert row["median_regret"] < 1.5
     assert 1.0 <= cases["factor"].min() < cases["factor"].max() < 2.0
+
+
+def test_values_that_go_up_and_down_have_their_limit_between_them() -> None:
+    """Errors of +-2/n: by two steps of opposite signs the estimate is the error itself, and is not tripled."""
+    table = cells(mesh_error=lambda n: (-1) ** int(math.log2(n)) * 0.2 / n)
+    found = estimated(asked_question(table, verified(table), "cantilever")).sort_values("n1")
+    assert list(found["between"]) == [False, False, True, True]
+    assert (found["estimate"] / found["error"])[2:].to_numpy() == pytest.approx(1.0, rel=0.05)
+    straight = cells(mesh_error=lambda n: 0.2 / n)
+    assert not estimated(asked_question(straight, verified(straight), "cantilever"))["between"].any()
+
+
+def test_cells_of_another_grid_have_an_estimate_of_their_own() -> None:
+    """Two spacings of the lines on meshes that are not those of one another."""
+    table = pd.concat([cells(), cells(sizes=(12, 20, 40))], ignore_index=True)
+    uniform = table["n1"].isin((12, 20, 40))
+    other = [replace(it, settings=it.settings.with_values(grading="uniform")) for it in table["request"][uniform]]
+    table.loc[uniform, "request"] = pd.Series(other, index=table.index[uniform])
+    found = estimated(asked_question(table, verified(table), "cantilever"))
+    assert len(found) == 7
+    assert found["estimate"].notna().all()
 
 
 def test_an_estimate_that_is_too_small_elsewhere_raises_the_factor() -> None:
