@@ -11,6 +11,7 @@ from dataclasses import replace
 from reports.chapter import Chapter
 from reports.chapters.contact import agreement, algorithms, epsilon
 from reports.chapters.limits import extremes, fuzz, shell_limits, symmetry
+from reports.chapters.overview import data
 from reports.chapters.shells import benchmarks, convergence, locking, measures, rigid_body
 from reports.chapters.trade import advice, cost, tradeoff
 from reports.chapters.tyre import page as tyre
@@ -22,7 +23,7 @@ GROUPS = {
     "Contact": (agreement, algorithms, epsilon, extremes),
     "Cost": (tradeoff, cost),
     "Catalogue": (),
-    "Data": (),
+    "Data": (data,),
 }
 CHAPTERS: list[Chapter] = [replace(each.CHAPTER, group=group) for group, modules in GROUPS.items() for each in modules]
 """The pages, a folder for each subject. Only tables are read; nothing of ours beside :mod:`reports` is imported."""

@@ -1,7 +1,11 @@
-"""Texts onto the disk, by a temporary name and a rename, so that no reader sees half a page."""
+"""Texts onto the disk, by a temporary name and a rename, so that no reader sees half a page.
+
+One whose name ends in ``.gz`` is compressed, the same text always to the same bytes.
+"""
 
 from __future__ import annotations
 
+import gzip
 import os
 import tempfile
 from collections.abc import Mapping
@@ -20,9 +24,14 @@ def _write(path: Path, text: str) -> None:
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=".part-", suffix=path.suffix)
     temporary = Path(name)
     try:
-        with os.fdopen(descriptor, "w", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(as_bytes(path.name, text))
         temporary.chmod(0o644)
         temporary.replace(path)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def as_bytes(name: str, text: str) -> bytes:
+    """What a file of this name holds."""
+    return gzip.compress(text.encode(), mtime=0) if name.endswith(".gz") else text.encode()

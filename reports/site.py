@@ -11,6 +11,7 @@ from pathlib import Path
 
 from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, grouped, link_line, listed, relative
 from reports.chapters.overview.campaign import campaign_page
+from reports.chapters.overview.data import DATA, data_files
 from reports.chapters.overview.index import index_page
 from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
@@ -58,7 +59,8 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
     footed = {name: f"{text}\n{foot(store)}\n" for name, text in {**texts, **linked}.items()}
-    return {**svgs, **footed, REPORT: report_html(texts, titles, pictures, groups, foot(store))}
+    data = data_files(store) if any(each.name == DATA for each in chapters) else {}
+    return {**svgs, **data, **footed, REPORT: report_html(texts, titles, pictures, groups, foot(store))}
 
 
 def _made(chapter: Chapter, store: Store) -> Part:
@@ -78,11 +80,11 @@ def _headed(store: Store, chapter: Chapter, text: str, line: str) -> str:
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:
-    """Differences between ``files`` and what is in ``out``; of the one HTML nothing is asked.
+    """Differences between ``files`` and what is in ``out``; of the one HTML and of the data nothing is asked.
 
     Pictures in machine blocks alone may come and go with what was measured.
     """
-    files = {name: text for name, text in files.items() if name != REPORT}
+    files = {name: text for name, text in files.items() if name.endswith((".md", ".svg"))}
     folders = {out, *((out / name).parent for name in files if name.endswith(".md"))}
     pages = [path for folder in sorted(folders) for path in folder.glob("*.md")]
     there = {path.relative_to(out).as_posix() for path in [*pages, *(out / FIGURES).glob("*.svg")]}

@@ -1,7 +1,7 @@
 """A campaign of a store as one table: a row for each planned cell, whatever became of it.
 
-But for the cells that compare shares of the thickness strain and those that are drawn on the sheets: their meshes are
-too coarse on purpose, and would be taken for rungs of the ladders of their scenes.
+The cells that compare shares of the thickness strain and those that are drawn on the sheets are held apart: their
+meshes are too coarse on purpose, and would be taken for rungs of the ladders of their scenes.
 """
 
 from __future__ import annotations
@@ -33,10 +33,11 @@ COLUMNS = (
 NUMBERS = ("epsilon", "tolerance", "path_end_at")
 
 
-def collect(store: Path, campaign: str) -> pd.DataFrame:
+def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     """One row a planned cell: ``COLUMNS``, then q.<quantity>, c.<counter>, w.<operations of a kind>, t.<time in s>,
     k.<residual of the judge>.
 
+    apart: of the cells that are held apart, instead of all others.
     t.seconds: processor time, the median of the timing lane with its interval t.seconds_low to t.seconds_high where the
     cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
     "moved" where the cell was timed in vain, nothing where it was not timed.  c.operations: of all kinds.
@@ -47,7 +48,7 @@ def collect(store: Path, campaign: str) -> pd.DataFrame:
     thing. Raises UsageError when the store has no such campaign, or a record that cannot be read.
     """
     answers = Answers.of(store, campaign)
-    rows = (planned for planned in answers.planned.values() if planned.get("group") not in APART)
+    rows = (planned for planned in answers.planned.values() if (planned.get("group") in APART) == apart)
     timed = _timed(store, campaign)
     table = pd.DataFrame([{**_row(answers, planned), **timed.get(planned["id"], {})} for planned in rows])
     table = table.assign(canary=table["canary"].fillna("") if "canary" in table else "")

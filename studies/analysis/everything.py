@@ -34,6 +34,7 @@ from studies.analysis.fronts import family_fronts, fronts
 from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
 from studies.analysis.predicted_seconds import predicted_seconds
 from studies.analysis.profiles import profiles, solved
+from studies.analysis.published import published
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.rows import reference_rows
 from studies.analysis.shell_limits.boundaries import boundaries, parts
@@ -98,9 +99,11 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
     answers = Answers.of(store, campaign)
     sequences, errors = convergence(answers, table)
     curves, limits = measure_errors(answers)
+    every = pd.concat([table, collect(store, campaign, apart=True)], ignore_index=True)
     made = {name: (store / "tables" / f"{source}.csv", fit) for name, (source, fit) in FITTED.items()}
     return {
         "rules": pd.DataFrame([RULES]),
+        **published(every),
         "convergence": sequences,
         "convergence_errors": errors,
         "element_choice": element_choice(sequences),

@@ -92,17 +92,18 @@ ANSWERS: Mapping[str, tuple[str, str]] = {
     "kind": ("", "of the reference: exact, computed, read or printed"),
     "error": ("", "value over reference, minus 1"),
 }
+OF_ANSWERS = [("answers", name, *told) for name, told in ANSWERS.items()]
 
 
 def published(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """The tables data_cells, data_answers and data_columns of a collected table."""
     numbered = table.assign(cell=range(len(table)))
     kept = {name: name for name in ASKED}
-    kept |= {each: _renamed(each) for each in numbered if str(each)[:2] in GROUPS}
+    kept |= {each: _renamed(each) for each in map(str, numbered) if each[:2] in GROUPS}
     cells = numbered[list(kept)].rename(columns=kept)
     values = _answers(table, numbered)
     columns = pd.DataFrame(
-        [("cells", name, *_described(name)) for name in cells] + [("answers", name, *ANSWERS[name]) for name in values],
+        [("cells", name, *_described(name)) for name in kept.values()] + OF_ANSWERS,
         columns=["table", "column", "unit", "description"],
     )
     return {"data_cells": _rounded(cells, columns), "data_answers": _rounded(values, columns), "data_columns": columns}

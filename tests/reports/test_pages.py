@@ -14,8 +14,10 @@ import pytest
 
 from reports.chapter import INDEX_TITLE, Chapter
 from reports.chapters.limits import fuzz
+from reports.chapters.overview import data
 from reports.chapters.tyre.meshes import SOLID
 from reports.contents import CHAPTERS
+from reports.files import as_bytes
 from reports.html.document import REPORT
 from reports.markdown import END_MACHINE, Part
 from reports.result_figures import draw_result
@@ -25,7 +27,12 @@ from reports.store.tables import load_store
 from studies.campaigns.report_cells import LISTS
 from studies.store.atomic import write_json, write_text
 
-PAGES = ["index.md", *(each.file for each in CHAPTERS if each.always), fuzz.CHAPTER.file]  # of the tables made up
+PAGES = [
+    "index.md",
+    *(each.file for each in CHAPTERS if each.always),
+    fuzz.CHAPTER.file,
+    data.CHAPTER.file,
+]  # of the tables made up
 
 
 def edit_json(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
@@ -117,7 +124,7 @@ def same_bytes(store: Path, files: dict[str, str], tmp_path: Path) -> None:
     assert [path.relative_to(tmp_path).as_posix() for path in written] == list(files)
     assert {*PAGES} == {name for name in files if name.endswith(".md")}
     for path, text in zip(written, files.values(), strict=True):
-        assert path.read_bytes() == text.encode(), path.name
+        assert path.read_bytes() == as_bytes(path.name, text), path.name
     assert not list(tmp_path.rglob(".part-*"))
 
 
