@@ -39,12 +39,14 @@ def price_of_accuracy(table: pd.DataFrame, verified: pd.DataFrame) -> pd.DataFra
 def _asked(found: Sequence[Question]) -> Iterator[Question]:
     """The largest question with those of the same answer, by whatever loads it is come to; none where there is none.
 
-    Of measures that approximate those count whose formulation's error is known: on one mesh two errors may cancel.
+    Of measures that approximate those count whose formulation's error is known: on one mesh two errors may cancel. An
+    element without a name, one of the options alone, is none to be used.
     """
     for first in found[:1]:
         cells = pd.concat([each.cells for each in found])
         known = (cells["measure"] == EXACT) | cells["formulation_error"].notna()
         same = (cells["reference"] == first.cells["reference"].iloc[0]) & (cells["against"] == first.against)
+        known &= cells["element"] != ""
         if (known & same).any():
             yield replace(first, cells=cells[known & same].sort_values("price", kind="stable", ignore_index=True))
 

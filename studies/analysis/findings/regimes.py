@@ -117,7 +117,7 @@ def _against_reference(
     rows = rows[rows["measure"] == EXACT].sort_values("c.dofs", kind="stable")
     if rows.empty:
         return {}
-    last = rows.iloc[-1]
+    last = rows[rows["reference"] == rows["reference"].mode().iloc[0]].iloc[-1]  # of the question asked most often
     load = float(last.get(f"q.{key}", math.nan))
     error = float(last["value"] / last["reference"] - 1)
     return {EXACT: _error(error, scene, load, key, str(last["against"]), float(last["uncertainty"]))}
