@@ -1,6 +1,7 @@
 """How far operations predict seconds: a rate for each kind, and what the calls of a step and of a cell take.
 
-    seconds = sum of operations/rate over their kinds + a s a factorisation + b s a cell
+    seconds = sum of operations/rate over their kinds + a s a factorisation + b s an assembly + c s a Newton iteration
+              with contact + d s a cell
 
 fitted to the relative errors of one half of the cells and checked on the other, and the other way round, so that no
 cell is predicted by a law that it has a part in. Alternate cells of each scene make the halves.
@@ -15,12 +16,14 @@ from scipy.optimize import nnls
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from studies.operations import KINDS
+from studies.scene import has_contact
+from studies.scenes import SCENES
 from studies.solving import SOLVED
 
 LEAST = 0.02  # seconds; below it the clock and the calls decide
 WITHIN = 1.5
 BY_FUNCTIONS = "assembly by functions"  # of measures that are no polynomial: roots and sines take longer than products
-CALLS = {"factorisation": "c.factorisations", "assembly": "c.assemblies"}
+CALLS = {"factorisation": "c.factorisations", "assembly": "c.assemblies", "contact": "c.newton_iterations"}
 OUTLIER = 0.1  # relative error from which a cell counts less: what a busy machine has disturbed
 ROUNDS = 20
 FEWEST = 40  # cells: there are ten numbers to be found
@@ -79,8 +82,9 @@ def _work(cells: pd.DataFrame) -> np.ndarray:
     kinds = cells.reindex(columns=[f"w.{kind}" for kind in KINDS]).fillna(0.0).to_numpy(float) / 1e9
     by_functions = kinds[:, 0] * [not isinstance(MEASURES.get(name), QuadraticMeasure) for name in cells["measure"]]
     kinds[:, 0] -= by_functions
-    calls = cells[list(CALLS.values())].fillna(0.0).to_numpy(float)
-    return np.column_stack([kinds, by_functions, calls, np.ones(len(cells))])
+    calls = cells.reindex(columns=list(CALLS.values())).fillna(0.0).to_numpy(float)
+    touching = np.array([name in SCENES and has_contact(SCENES[name]) for name in cells["scene"]])
+    return np.column_stack([kinds, by_functions, calls[:, :-1], calls[:, -1] * touching, np.ones(len(cells))])
 
 
 def _rates(work: np.ndarray, seconds: np.ndarray) -> np.ndarray:
