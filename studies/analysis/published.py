@@ -41,12 +41,8 @@ COUNTED: Mapping[str, tuple[str, str]] = {
     "assemblies": ("", "assemblies of residual and tangent"),
     "dofs": ("", "unknowns"),
     "factorisations": ("", "factorisations of a matrix"),
-    "flops": ("operations", "of the factorisations alone"),
     "newton_iterations": ("", "linearised problems"),
-    "operations": (
-        "operations",
-        "of all kinds; of an old record, of the factorisations alone",
-    ),
+    "operations": ("operations", "floating-point operations of all kinds"),
     "set_changes": ("", "changes of the contact set"),
     "substeps": ("", "steps of the load, with those that were cut"),
     "superlu_instead": ("", "factorisations by SuperLU where the multifrontal one had no pivot"),
