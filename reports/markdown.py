@@ -80,6 +80,12 @@ def folded(summary: str, text: str) -> str:
     return f"<details><summary>{summary}</summary>\n\n{text}\n\n</details>"
 
 
+def fold(summary: str, *blocks: Part | str) -> Part:
+    """Pieces with their pictures that open on a click."""
+    inside = joined(*blocks)
+    return Part(folded(summary, inside.text.strip("\n")), inside.pictures)
+
+
 def commands(lines: Iterable[str]) -> str:
     """Shell commands in a fold."""
     block = "\n".join(["```sh", *dict.fromkeys(lines), "```"])

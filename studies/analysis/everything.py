@@ -17,6 +17,7 @@ from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_c
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
 from studies.analysis.comparisons.ladders import convergence
+from studies.analysis.comparisons.ladders import summary as summary_of_ladders
 from studies.analysis.comparisons.law_strain import law_offsets, law_rules
 from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY, contact_orders, manufactured_orders
 from studies.analysis.comparisons.measure_errors import measure_errors
@@ -106,6 +107,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         **published(every),
         "convergence": sequences,
         "convergence_errors": errors,
+        "convergence_summary": summary_of_ladders(sequences, errors),
         "element_choice": element_choice(sequences),
         "thickness_share": thickness_share(answers, sequences, errors),
         "measure_errors": curves,

@@ -6,7 +6,7 @@ import pandas as pd
 
 from reports.chapters.limits.causes import cause
 from reports.formats import code, formatted, share
-from reports.markdown import Part, commands, joined, listing, machine, prose
+from reports.markdown import Part, commands, fold, joined, listing, machine, prose, table
 from reports.store.tables import Store
 
 HOW = """## Limits
@@ -14,20 +14,43 @@ HOW = """## Limits
 Each limit is the last value of a setting, on the way from an ordinary one to a bound, at which a solve converges, is
 certified by the judge and is stable. The way goes in six equal steps of the logarithm up to the first failure; between
 it and the last success it is halved until the two are at most a factor of 1.26 (a tenth of a decade) apart. Where
-nothing fails, the bound is all that is known. The error is relative, of the result and not of a residual. It is taken
-from what stands above each table: where that is a closed form it counts the mesh and the assumptions of a measure, too,
-so that the error at the ordinary value, *at first*, stands beside it. *Right to* is the last value on the way up to
-which the error stays within 1 %. Measures are solved by `semismooth` (`regularised` for ε), algorithms with `exact`.
-A rotation is made in one step that is not cut; all other steps may be cut as in any solve."""
+nothing fails, the bound is all that is known, and a + stands behind it. The error is relative, of the result and not of
+a residual. It is taken from what stands above each table of the fold: where that is a closed form it counts the mesh
+and the assumptions of a measure, too, so that the error at the ordinary value, *at first*, stands beside it there.
+*Right to* is the last value on the way up to which the error stays within 1 %. Measures are solved by `semismooth`
+(`regularised` for ε), algorithms with `exact`. A rotation is made in one step that is not cut; all other steps may be
+cut as in any solve."""
 HEADS = "of | name | last certified | error there | error at first | right to | fails at"
 LINE = "{part} | {name:code} | {value} | {error:off} | {error_ordinary:off} | {right:.3g} | {fails:.3g}"
 
 
 def limit_tables(store: Store) -> Part:
-    """One table for each kind of limit."""
+    """All limits at a glance, then one table for each kind."""
     limits = store.table("extremes_limits")
     parts = [_table(str(name), own) for name, own in limits.groupby("limit", sort=False)]
-    return joined(prose(HOW), *parts, _false(limits), commands(limits["command"].astype(str)))
+    glances = [_glance(str(part), own) for part, own in limits.groupby("part", sort=False)]
+    glance = machine(*filter(None, (*glances, _false(limits))))
+    full = fold("Each limit in full, with where it fails and why", *parts, commands(limits["command"].astype(str)))
+    return joined(prose(HOW), glance, full)
+
+
+def _glance(part: str, own: pd.DataFrame) -> str:
+    """How far each goes and the error there: a line a limit and a column an algorithm, or a line a measure."""
+    cells = {
+        (row["limit"], row["name"]): f"{_number(row['value'])}{' +' if row['bound'] else ''} ({_off(row['error'])})"
+        for _, row in own.iterrows()
+    }
+    names, limits = (
+        list(dict.fromkeys(own["name"])),
+        own.drop_duplicates("limit")[["limit", "symbol"]].to_numpy().tolist(),
+    )
+    title = f"How far each {part} goes: last certified value (error there)"
+    if part == "measure":
+        header = [part, *(f"{limit}, {symbol}" for limit, symbol in limits)]
+        measured = [[code(name), *(cells[limit, name] for limit, _ in limits)] for name in names]
+        return table(title, header, measured, words=len(header))
+    rows = [[f"{limit}, {symbol}", *(cells[limit, name] for name in names)] for limit, symbol in limits]
+    return table(title, ["limit", *map(code, names)], rows, words=1 + len(names))
 
 
 def _table(name: str, own: pd.DataFrame) -> Part:
@@ -65,4 +88,4 @@ def _false(limits: pd.DataFrame) -> str:
     if false.empty:
         return ""
     names = "; ".join(f"{name} ({_names(own['name'])})" for name, own in false.groupby("limit", sort=False))
-    return machine(f"Certified there and half of the result off or more, though right at first: {names}.")
+    return f"Certified there and half of the result off or more, though right at first: {names}."

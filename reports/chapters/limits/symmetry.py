@@ -2,46 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.drawing import BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, canvas, looks, svg
+from reports.chapters.limits.figures_symmetry import LOOKS, deviations, mirror
 from reports.formats import code, fixed, scientific
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store
 
-LOOKS: dict[str, dict[str, Any]] = {  # of the classes
-    "exactly zero": {"color": BLUE, "marker": "o"},
-    "rounding": {"color": SKY, "marker": "o"},
-    "solver tolerance": {"color": GREEN, "marker": "^"},
-    "broken by design": {"color": ORANGE, "marker": "s"},
-    "broken by accident": {"color": VERMILION, "marker": "X"},
-    "does not apply": {"color": PURPLE, "marker": "|"},
-}
-ZERO = 1e-17  # where an exact zero is drawn
-INTRODUCTION = prose("""# Symmetry
+INTRODUCTION = prose("""# Symmetry and invariance
 
 An answer must not depend on the order of the nodes, on which coordinate is called the first, on the units, on the
 number of load steps, or on where in space the body is. Each check compares two answers that ought to be one, or an
 answer with its own image. The deviation is the largest difference of pressures over the peak, or of displacements over
-the largest, whichever is more. It belongs to one of five classes: *exactly zero*; *rounding*, below what machine
-precision explains of a nodal pressure; *solver tolerance*, below what the residual tolerance of Newton's iteration
-allows; *broken by design*, where a measure or a structure declares that it must be; and *broken by accident*, which is
-a failure. What is declared to be broken and is not is an accident, too, and so is an answer that does not pass the
-judge of contact.""")
+the largest, whichever is more. It belongs to one of these classes:""")
+CLASSES = (
+    ("exactly zero", "not a digit differs"),
+    ("rounding", "below what machine precision explains of a nodal pressure"),
+    ("solver tolerance", "below what the residual tolerance of Newton's iteration allows"),
+    ("broken by design", "a measure or a structure declares that it must deviate, and it does"),
+    ("broken by accident", "a failure: anything more, a declared deviation that is missing, an answer not certified"),
+    ("does not apply", "the algorithm refuses the problem, or there is nothing to compare"),
+)
 ACCIDENT, DESIGN = "broken by accident", "broken by design"
 PRINTED_ANGLE, PRINTED_MESH, PRINTED_MEASURE = 52.0, "42x40", "exact"
 
 
 def symmetry_page(store: Store) -> Part:
     """The whole page."""
-    return joined(INTRODUCTION, _overview(store), _design(store), _pairs(store), _mirror(store))
+    classes = table("Classes of deviations", ["class", "what belongs to it"], CLASSES, words=2)
+    return joined(INTRODUCTION, classes, _overview(store), _design(store), _pairs(store), _mirror(store))
 
 
 def accidents(store: Store) -> tuple[int, int]:
@@ -95,8 +85,8 @@ def _design(store: Store) -> Part:
     text = prose("""## What is broken by design
 
 A measure that strains under a rigid motion says so in its declared law, and a structure without a mirror plane has no
-mirrored answer. Such deviations are demanded: one that were missing would be an accident. They do not depend on the
-algorithm, so the smallest and the largest of all algorithms are given.""")
+mirrored answer. The checks require such a deviation, and its absence would count as a failure. It does not depend on
+the algorithm, so the smallest and the largest of all algorithms are given.""")
     return joined(text, listing("Deviations that must be there", each, heads, line, words=3))
 
 
@@ -134,16 +124,17 @@ def _mirror(store: Store) -> Part:
     zeros = float(data[data["gamma_deg"].isin((0.0, 90.0))]["mirror_MPa"].max())
     unstable = one[one["negative"] > 0]["gamma_deg"]
     shaky = f"{', '.join(f'{angle:.3g}°' for angle in unstable)}" if len(unstable) else "none of the angles"
-    rows = []
+    tables: dict[str, list[list[str]]] = {}
     for name, sweep in sweeps.items():
         at = (sweep[sweep["gamma_deg"] == gamma]["mirror_both_MPa"] for gamma in (0.0, PRINTED_ANGLE, 90.0))
         zero, middle, right = (float(value.iloc[0]) if len(value) else None for value in at)
         best, (measure, _, mesh) = _top(sweep), name.partition(", ")
         planned = every[(every["measure"] == measure) & (every["mesh"] == mesh) & (every["kind"] == "grid")]
         stable = int(((planned["negative"] == 0) & planned["mirror_MPa"].notna()).sum())
-        line = [f"{float(sweep['delta_mm'].iloc[0]):g}", scientific(zero), fixed(middle, 4), scientific(right)]
+        line = [scientific(zero), fixed(middle, 4), scientific(right)]
         line += [fixed(float(best["mirror_both_MPa"]), 4), fixed(float(best["gamma_deg"]), 1)]
-        rows.append([code(measure), mesh, *line, f"{stable} of {len(planned)}"])
+        where = f"mesh {mesh}, travel {float(sweep['delta_mm'].iloc[0]):g} mm"
+        tables.setdefault(where, []).append([code(measure), *line, f"{stable} of {len(planned)}"])
     text = prose(f"""## Mirror asymmetry over the cord angle
 
 Plies at ±γ leave a half turn about the contact normal, but no mirror plane, except at 0 and 90 degrees, where the
@@ -156,71 +147,20 @@ search in one dimension around the largest value of the grid.
 
 Not all angles make a stable tyre: on the paper's mesh the tangent has negative eigenvalues at {shaky}. There several
 states satisfy all conditions, which of them is found is a matter of the steps, and their asymmetry says little; they
-are drawn with open marks and left out of the maximum.""")
-    header = ["measure", "mesh", "travel [mm]", "at 0°", f"at {PRINTED_ANGLE:g}°", "at 90°"]
-    header += ["largest stable", "at [deg]", "angles stable"]
-    grid = table("Largest difference of the pressure from a mirror image, both touching [MPa]", header, rows, words=2)
+are drawn with open marks and left out of the maximum. Other meshes and travels have tables of their own: between those
+a difference says nothing of a measure.""")
+    header = ["measure", "at 0°", f"at {PRINTED_ANGLE:g}°", "at 90°", "largest stable", "at [deg]", "angles stable"]
+    title = "Largest difference of the pressure from a mirror image, both touching [MPa]"
+    grids = [table(f"{title}, {where}", header, rows) for where, rows in tables.items()]
     words = "Mirror asymmetry of the pressure over the cord angle, with the printed value at 52 degrees"
     shown = picture("symmetry-mirror.svg", words, mirror(sweeps, own, (PRINTED_ANGLE, told)))
-    return joined(text, grid, shown, commands([str(top["command"]), str(here["command"].iloc[0])]))
+    return joined(text, *grids, shown, commands([str(top["command"]), str(here["command"].iloc[0])]))
 
 
 def _top(sweep: pd.DataFrame) -> pd.Series:
     """The row of the largest asymmetry of a stable state, of any state where none is stable."""
     stable = sweep[sweep["negative"] == 0]
     return (stable if len(stable) else sweep).sort_values("mirror_both_MPa").iloc[-1]
-
-
-@svg
-def deviations(table: pd.DataFrame) -> Figure:
-    """All measures and algorithms as points, a row a check; the grey bar is what rounding explains."""
-    checks = list(dict.fromkeys(table["check"]))
-    rng = np.random.default_rng(0)
-    figure, (axes,) = canvas(width=9.0, height=0.36 * len(checks) + 1.7)
-    for row, check in enumerate(checks):
-        rounding = table[table["check"] == check]["rounding"].median()
-        axes.barh(row, rounding, left=ZERO / 3, height=0.72, color="#DDDDDD", zorder=0)
-    for name, look in LOOKS.items():
-        own = table[table["class"] == name].dropna(subset=["deviation"])
-        if len(own):
-            places = own["check"].map(checks.index).to_numpy() + rng.uniform(-0.25, 0.25, len(own))
-            axes.scatter(np.maximum(own["deviation"], ZERO), places, s=16, label=name, linewidths=0.8, **look)
-    axes.set(xscale="log", xlim=(ZERO / 3, 2.0), xlabel="largest deviation over the largest value [-]")
-    axes.set_yticks(range(len(checks)), checks)
-    axes.invert_yaxis()
-    figure.legend(loc="outside upper center", ncols=4)
-    return figure
-
-
-@svg
-def mirror(sweeps: Mapping[str, pd.DataFrame], own: str, printed: tuple[float, float]) -> Figure:
-    """Over the cord angle: the sweep ``own`` beside the printed table, and every measure on a coarse mesh.
-
-    Full marks are stable states, open ones have negative eigenvalues; printed: angle [deg] and asymmetry [MPa].
-    """
-    figure, (left, right) = canvas(2, width=9.0, height=4.6)
-    _curve(left, sweeps[own], {"color": BLUE, "marker": "o"}, "ours")
-    left.plot(printed[0], 1e3 * printed[1], color=VERMILION, marker="D", linestyle="none", label="printed")
-    left.plot([], [], color=BLACK, marker="o", fillstyle="none", linestyle="none", label="not stable")
-    left.set_title(own)
-    left.legend(loc="upper center")
-    others = {name.partition(", ")[::2]: sweep for name, sweep in sweeps.items() if name != own}
-    drawn = looks(measure for measure, _ in others)
-    for (measure, mesh), sweep in others.items():
-        _curve(right, sweep, drawn[measure].points, measure)
-        right.set_title(f"all measures, {mesh}")
-    right.legend(fontsize=8)
-    for axes in (left, right):
-        axes.set(xlabel="cord angle γ [deg]", ylabel="largest difference from a mirror image [10⁻³ MPa]")
-        axes.set(xlim=(-2, 92), ylim=(0, None), xticks=range(0, 91, 15))
-    return figure
-
-
-def _curve(axes: Axes, sweep: pd.DataFrame, look: Mapping[str, Any], label: str) -> None:
-    angle, value, stable = sweep["gamma_deg"], 1e3 * sweep["mirror_both_MPa"], sweep["negative"] == 0
-    axes.plot(angle, value, color=look["color"], linewidth=0.8, alpha=0.5)
-    axes.plot(angle[stable], value[stable], linestyle="none", label=label, markersize=4, **look)
-    axes.plot(angle[~stable], value[~stable], linestyle="none", fillstyle="none", markersize=4, **look)
 
 
 CHAPTER = Chapter(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import pandas as pd
 
-from reports.formats import NOTHING, code, fixed, percent, share
-from reports.markdown import Part, commands, joined, prose, table
+from reports.chapters.shells.figures_convergence import both_elements
+from reports.formats import NOTHING, fixed, percent, quantity, share
+from reports.markdown import Part, commands, folded, joined, picture, prose, table
 from reports.store.tables import Store
 
-SHOWN, COUNTS = 3, ("elements", "iterations")  # meshes; what is counted of both elements
+SHOWN, COUNTS = 2, ("elements", "iterations")  # meshes; what is counted of both elements
 
 
 def element_choice_part(store: Store) -> Part:
@@ -21,13 +22,13 @@ def element_choice_part(store: Store) -> Part:
             (float(paper), float(own)) for paper, own in zip(row["paper"].split(), row["default"].split(), strict=True)
         ]
         shown = [f"{percent(paper)} / {percent(default)}" for paper, default in pair[:SHOWN]]
-        named = [row["ladder"], code(row["quantity"]), row["verdict"], ", ".join(row["meshes"].split()[:SHOWN])]
+        named = [row["ladder"], quantity(row["quantity"]), row["verdict"], ", ".join(row["meshes"].split()[:SHOWN])]
         both = (" / ".join(fixed(row[f"{who}_{what}"]) for who in ("paper", "default")) for what in COUNTS)
         rows.append([*named, *shown, *[NOTHING] * (SHOWN - len(shown)), *both])
         pairs.append(pair[0])
         if row["verdict"] == "worse":
             paper, default = map(percent, pair[0])
-            worse.append(f"{row['ladder']} `{row['quantity']}` ({paper} by the paper's, {default})")
+            worse.append(f"{row['ladder']}, {quantity(row['quantity'])} ({paper} by the paper's, {default})")
     nearer = sum(abs(default) < abs(paper) for paper, default in pairs)
     farther = sum(abs(default) > abs(paper) for paper, default in pairs)
     enough = share(rule["enough"], 0)
@@ -42,9 +43,14 @@ mesh the default is better for {counts.get("better", 0)} quantities, equal withi
 for {counts.get("worse", 0)}{": " + "; ".join(worse) if worse else ""}. By the bare numbers, however close, it is nearer
 for {nearer} and farther for {farther}. *Elements for {enough}*: from which the error stays below, interpolated; a dash
 where it is so on every mesh or on none. *Iterations*: of Newton's method over the whole path on the second mesh.""")
-    header = ["scene", "quantity", "default is", "meshes", "coarsest: paper / default", "second", "third"]
+    header = ["scene", "quantity", "default is", "meshes", "coarsest: paper / default", "second"]
     header += [f"elements for {enough}", "iterations"]
-    return joined(text, table("Errors of both elements", header, rows, words=4), _commands(store, found))
+    coarsest = found.assign(**{who: [float(row.split()[0]) for row in found[who]] for who in ("paper", "default")})
+    unlike = coarsest[coarsest["verdict"] != "equal"]
+    words = "Error on the coarsest mesh by both elements, a row a quantity in which they are not equal"
+    shown = picture("convergence-elements.svg", words, both_elements(unlike)) if len(unlike) else ""
+    listed = folded("Both elements on two meshes", table("Errors of both elements", header, rows, words=4))
+    return joined(text, shown, listed, _commands(store, found))
 
 
 def _commands(store: Store, found: pd.DataFrame) -> str:

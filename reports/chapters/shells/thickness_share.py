@@ -7,8 +7,9 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from reports.formats import NOTHING, code, fixed, percent, share
-from reports.markdown import Part, commands, joined, prose, table
+from reports.formats import NOTHING, fixed, percent, share
+from reports.formats import quantity as words
+from reports.markdown import Part, commands, folded, joined, prose, table
 from reports.store.tables import Store
 
 SHARES = ("projected", "balanced", "nodal")  # none, half, all
@@ -30,8 +31,9 @@ it, or passes as many.
 
 What is taken from the nodes makes an element softer, and on a mesh that is too stiff for other reasons softness looks
 like accuracy. With all of it a strip that turns by φ bends like φ - φ³/6: folds end at limit points of the element.""")
-    header = ["scene", "quantity", "mesh", *SHARES, "best", "ends at a limit point", "iterations"]
-    return joined(text, table("Errors by the share", header, _rows(found), words=3), commands(found["command"]))
+    header = ["scene", "quantity", "mesh", "best", "ends at a limit point", *SHARES, "iterations"]
+    listed = table("Errors by the share", header, _rows(found), words=5)
+    return joined(text, folded("All scenes by the share", listed), commands(found["command"]))
 
 
 def said(found: pd.DataFrame) -> str:
@@ -75,7 +77,7 @@ def _rows(found: pd.DataFrame) -> Iterator[list[str]]:
             ends = [_end(*pair) for pair in zip(own["turns_at"], own["confirmed"], strict=True)]
             shown = NOTHING if set(ends) == {NOTHING} else " / ".join(ends)
             counted = " / ".join(map(fixed, own["iterations"]))
-            yield [str(ladder), code(quantity), mesh, *map(percent, own["error"]), best, shown, counted]
+            yield [str(ladder), words(str(quantity)), mesh, best, shown, *map(percent, own["error"]), counted]
 
 
 def _end(end: float, confirmed: object) -> str:

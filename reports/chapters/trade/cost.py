@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import pandas as pd
-from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
+from reports.chapters.trade.figures_cost import precision
 from reports.chapters.trade.peers import peers_part
 from reports.chapters.trade.predicted import predicted_part
 from reports.chapters.trade.scaling import scaling_part
 from reports.chapters.trade.spent import spent_part
 from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
-from reports.drawing import BLACK, canvas, legend_above, lines, svg
 from reports.formats import fixed, number, scientific, share
 from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose
 from reports.store.tables import Store
 
-LEAST = 1e-5  # below it an error is chance
 TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
 
@@ -102,7 +98,11 @@ stay below it. What it takes:
 local one, their finer grids and indicators included. What it takes in all:""")
     listed = listing(title, known, spent, times, words=3, bound=bound)
     timed = machine(own, _said(needed, "total_s", "CPU seconds", 2), listed)
-    drawn = picture("cost-precision.svg", "Error of the force over the unknowns, by grid", precision(grids, errors))
+    drawn = picture(
+        "cost-precision.svg",
+        "Error of the force over the unknowns, by grid; lines: the largest of a grid and all finer ones",
+        precision(grids, errors),
+    )
     return joined(text, body, timed, drawn)
 
 
@@ -121,27 +121,6 @@ def _said(needed: pd.DataFrame, column: str, unit: str, decimals: int) -> str:
         said = [f"{', '.join(reached)} {unit}"] * bool(reached) + [f"none of {', '.join(never)}"] * bool(never)
         items.append(f"- {bound(own['within'].iloc[0])}, element `{element}`: {'; '.join(said)}")
     return "\n".join(items)
-
-
-@svg
-def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
-    """Error of the force over the unknowns, a panel an element, a colour a family of grids.
-
-    Lines at ``errors``; grey where the reference is not known.
-    """
-    elements = data.groupby("element", sort=False)
-    figure, panels = canvas(len(elements), width=10.0, height=4.2, sharey=True)
-    for axes, (element, own) in zip(panels, elements, strict=True):
-        families = own.assign(error=own["error"].abs().clip(lower=LEAST)).groupby("family", sort=False)
-        lines(axes, {family: (grids["unknowns"], grids["error"]) for family, grids in families})
-        for error in errors:
-            axes.axhline(error, color=BLACK, linewidth=1, linestyle=":")
-        axes.axhspan(LEAST / 2, own["known"].iloc[0], color=BLACK, alpha=0.08, linewidth=0)
-        axes.set(title=f"element {element}", xlabel="unknowns", ylabel="relative error of the force")
-        axes.set(xscale="log", yscale="log", ylim=(LEAST / 2, None))
-        axes.tick_params(axis="x", which="minor", labelbottom=False)
-    legend_above(figure, panels[0], columns=5)
-    return figure
 
 
 CHAPTER = Chapter(

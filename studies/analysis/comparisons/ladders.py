@@ -20,13 +20,18 @@ from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS, Ladder
 from studies.scene import Reference
 
 COLUMNS = (
-    *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "value"),
+    *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "dofs", "value"),
     *("order", "verdict", "asymptotic", "cause", "limit", "uncertainty", "iterations", "label", "command"),
 )
 ERROR_COLUMNS = (
     *("sequence", "reference", "kind", "value", "uncertainty", "source", "mesh", "error", "order"),
     *("mesh_part", "model_part", "limit_uncertainty", "verdict"),
 )
+SUMMARY_COLUMNS = (
+    *("family", "scenes", "sequences", "asymptotic", "limits", "median_uncertainty", "largest_uncertainty"),
+    *("largest_in", "comparisons", "beyond"),
+)
+DEFAULT = "refined"
 WITHIN, BEYOND, NO_LIMIT = "within the uncertainties", "beyond the uncertainties", "no limit"
 ELEMENTS = {"refined": True, "paper": False}  # by name, whether its ladders have their finest mesh
 
@@ -142,10 +147,40 @@ def _rows(i: int, rungs: Rungs, sequence: MeshSequence) -> Iterator[list[object]
     for j, (mesh, answer) in enumerate(zip(rungs.meshes, rungs.answers, strict=True)):
         yield [
             *(i, rungs.ladder, rungs.family, rungs.element, *who, rungs.quantity, at),
-            *(mesh, sequence.sizes[j], sequence.values[j], orders[j], *verdict),
-            math.nan if answer is None else answer.record["counters"].get("newton_iterations", math.nan),
+            *(mesh, sequence.sizes[j], counted(answer, "dofs"), sequence.values[j], orders[j], *verdict),
+            counted(answer, "newton_iterations"),
             *(rungs.labels[j], "" if answer is None else answer.command),
         ]
+
+
+def counted(answer: Answer | None, name: str) -> float:
+    """A counter of an answer; NaN where there is none."""
+    return math.nan if answer is None else float(answer.record["counters"].get(name, math.nan))
+
+
+def summary(data: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
+    """A row a family of the planned ladders with the default element, and one for all ("all").
+
+    Columns: family, scenes, sequences, asymptotic (of them), limits (that exist), median_uncertainty and
+    largest_uncertainty of the limits (relative), largest_in (the ladder of that), comparisons with references and how
+    many of them have a model part beyond the uncertainties.
+    """
+    own = data[(data["element"] == DEFAULT) & (data["ladder"] != "")].drop_duplicates("sequence")
+    own = own.assign(known=(own["uncertainty"] / own["limit"]).abs())
+    judged = errors.drop_duplicates(["sequence", "reference"])
+    rows = []
+    for family, each in [("all", own), *own.groupby("family", sort=False)]:
+        known, compared = each.dropna(subset=["known"]), judged[judged["sequence"].isin(each["sequence"])]
+        largest = known.loc[known["known"].idxmax()] if len(known) else None
+        rows.append(
+            [
+                *(family, each["ladder"].nunique(), len(each), int(each["asymptotic"].astype(bool).sum()), len(known)),
+                *(known["known"].median(), math.nan if largest is None else largest["known"]),
+                "" if largest is None else largest["ladder"],
+                *(len(compared), int((compared["verdict"] == BEYOND).sum())),
+            ]
+        )
+    return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
 
 
 def _errors(
