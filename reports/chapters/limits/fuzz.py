@@ -15,7 +15,7 @@ VERDICTS = ("agrees", "explained", "not compared", "broken")
 KINDS = {"scene": "requests of all scenes", "posed": "panels posed in two ways", "matrices": "matrices with an answer"}
 INTRODUCTION = prose("""# Random cases
 
-Requests that nobody has thought of: scene, measure, algorithm, grid and settings are drawn from a number, near their
+Requests that nobody has written down: scene, measure, algorithm, grid and settings are drawn from a number, near their
 defaults, far from them and on the bounds of their ranges. Each case must end within a number of linearisations and
 without a traceback, converged, refused in one line, or ended with a cause. What is called converged is judged; its
 derivatives are compared with differences, its negative eigenvalues with those of dense algebra; and one law more is
@@ -38,16 +38,15 @@ def fuzz_page(store: Store) -> Part:
 def _overview(cases: pd.DataFrame) -> Part:
     """Kind by outcome."""
     words = [word for word in cases["word"].value_counts().index if word]
-    rows = [
-        [KINDS.get(str(kind), kind or "the process died"), len(own), *_counts(own, "word", words)]
-        for kind, own in cases.groupby("kind", sort=False)
-    ]
+    kinds = {KINDS.get(str(kind), kind or "the process died"): own for kind, own in cases.groupby("kind", sort=False)}
+    rows = [["all", *(len(own) for own in kinds.values())]]
+    rows += [[word, *(_counts(own, "word", words)[i] for own in kinds.values())] for i, word in enumerate(words)]
     broken = int((cases["verdict"] == "broken").sum())
     text = prose(f"""## What became of them
 
 {len(cases)} cases, of which {broken} break a law. An outcome in the table is that of the first solve: what breaks
 a law has none.""")
-    return joined(text, table("Cases by outcome", ["", "cases", *words], rows))
+    return joined(text, table("Cases by outcome", ["outcome", *kinds], rows))
 
 
 def _laws(cases: pd.DataFrame) -> Part:
@@ -88,7 +87,7 @@ def _faults(faults: pd.DataFrame) -> Part:
     latest = faults["cases"].max()
     text = prose(f"""## Planted faults
 
-What would be found? {len(faults)} faults were planted one at a time, in an algorithm or in a model, and the cases
+How much of what is wrong would be found: {len(faults)} faults were planted one at a time, in an algorithm or in a model, and the cases
 examined from the first one on; {lost} were not found, and the others by case {number(float(latest))} at the latest. A
 case that breaks a law without the fault does not count.""")
     line = "{fault} | {law} | {cases}"

@@ -12,16 +12,16 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, looks, svg
-from reports.formats import NOTHING, fixed, scientific
-from reports.markdown import Part, joined, listing, picture, prose, table
+from reports.formats import NOTHING, code, fixed, scientific
+from reports.markdown import Part, folded, joined, listing, picture, prose, table
 from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Rigid motions
 
-A rigid motion strains nothing. Whether a measure knows that is a question to its formulas alone: no mesh and no element
-is on this page. The exact displacements of a small piece of a shell, moved as a whole, are sent through the
+A rigid motion strains nothing. Whether a measure has that property is decided by its formulas alone: no mesh and no element is
+on this page. The exact displacements of a small piece of a shell, moved as a whole, are sent through the
 displacement gradients of each measure, and whatever strain comes out is the measure's own. Every measure declares what
-it leaves as a closed form; a Donnell that passes would be as wrong as an exact measure that fails.""")
+it leaves as a closed form; a Donnell measure that passed would be as wrong as an exact one that failed.""")
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
 MOTIONS = ("translation", "out of plane", "drilling", "about the axis")
 SAME = 1e-9  # measures this close all the way share a curve
@@ -36,24 +36,28 @@ def rigid_body_page(store: Store) -> Part:
 
 
 def _overview(store: Store) -> Part:
-    """Which measure survives which motion."""
+    """Which measure keeps which motion free of strain."""
     data = store.table("rigid_body")
-    rows = []
+    rows, free = [], []
     for name, own in data.groupby("measure", sort=False):
         told = own.dropna(subset=["declared"])
         largest = own.groupby("motion")["largest"].max().reindex(MOTIONS)
-        rows.append([name, *map(_size, largest), f"{len(told)} of {len(own)}", scientific(_miss(told))])
+        strained = [motion for motion in MOTIONS if largest[motion] >= NOTHING_LEFT]
+        if not strained:
+            free.append(code(name))
+        said = f"strains under {', '.join(strained)}" if strained else "free of strain"
+        rows.append([name, said, *map(_size, largest), f"{len(told)} of {len(own)}", scientific(_miss(told))])
     theta, slide = float(data["theta_rad"].max()), float(data["slide"].max())
-    text = prose(f"""## Who survives what
+    text = prose(f"""## Which measure is free of strain under which motion
 
-The largest of all eleven strains at the sample point of any of the four surfaces (plate, cylinder, sphere, torus),
+{len(free)} of {len(rows)} measures leave no strain under any of the motions: {", ".join(free) or "none"}. The largest of all eleven strains at the sample point of any of the four surfaces (plate, cylinder, sphere, torus),
 after a translation by {slide:g} of the size of the sample along x and after rotations by {theta:g} rad: *out of plane*
 about the tangent e2, *drilling* about the normal e3, *about the axis* about z, which is the axis of revolution of the
 curved surfaces and the normal of the plate. 0 is less than {NOTHING_LEFT:g}. The last columns say for how many of the
 cases a law is declared, and how far the measured strain is from it at most. Laws are those of a membrane strain: a
-measure that mends its membrane strains alone still shows here what its linear shears and its linear E33 leave.""")
-    header = ["measure", *MOTIONS, "laws", "off the law by at most"]
-    return joined(text, table("Largest strain left by rigid motions [-]", header, rows))
+measure that corrects its membrane strains alone still shows here what its linear shears and its linear E33 leave.""")
+    header = ["measure", "in words", *MOTIONS, "laws", "off the law by at most"]
+    return joined(text, table("Largest strain left by rigid motions [-]", header, rows, words=2))
 
 
 def _miss(told: pd.DataFrame) -> float:
@@ -120,7 +124,7 @@ def _donnell(store: Store) -> Part:
     line = "{amount:g} | {strain:strain} | {declared:strain} | {largest:strain}"
     data, found = store.table("small_motions"), store.analysis("rigid_body_powers")
     cylinder, plate = (_case(found, "donnell", name, "translation").iloc[0] for name in ("cylinder", "plate"))
-    text = prose(f"""## Why Donnell fails
+    text = prose(f"""## Why Donnell's measure fails
 
 Move a cylinder of radius R as a whole by U along x. At the angle φ from x the frame of the shell sees the components
 v3 = U cos φ along its normal and v2 = -U sin φ along its circumference. Both change along the circumference, though
@@ -189,9 +193,9 @@ the second order of the mesh. A dash stands where the path ended before.""")
 def _everything(store: Store) -> Part:
     """All cases, a table for each surface."""
     data = store.table("rigid_body")
-    text = prose("""## All cases
+    text = prose(f"""## All cases
 
-The strain named in the third column, on the outer face; *largest* is that of all eleven strains on both faces. A dash
+{len(data)} cases in a fold, by surface: the strain named in the third column, on the outer face; *largest* is that of all eleven strains on both faces. A dash
 stands where no law is declared: with Donnell's slopes or thin-shell gradients the strain depends on more than the
 stretch of the face.""")
     heads = "motion | measure | strain | measured | declared | difference | largest"
@@ -203,7 +207,7 @@ stretch of the face.""")
         listing(f"Rigid motions of the {surface}", own, heads, line, words=3, strain=_strain, size=_size)
         for surface, own in told.groupby("surface", sort=False)
     )
-    return joined(text, *tables)
+    return joined(text, folded("All cases by surface", "\n\n".join(tables)))
 
 
 def shared_curves(rows: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:

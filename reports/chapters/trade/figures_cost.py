@@ -27,7 +27,7 @@ def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
         for family, grids in own.sort_values("unknowns").groupby("family", sort=False):
             error = grids["error"].abs().clip(lower=LEAST).to_numpy(float)
             worst, look = np.maximum.accumulate(error[::-1])[::-1], drawn[family]
-            axes.step(grids["unknowns"], worst, where="pre", linewidth=1.1, **look.dashes)
+            axes.step(grids["unknowns"], worst, where="post", linewidth=1.1, **look.dashes)
             axes.plot(grids["unknowns"], error, linestyle="none", markersize=4.5, **look.points)
             axes.plot([], [], label=family, **look.whole)
         for error in errors:

@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 
 from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
+from reports.formats import quantity as words
 from reports.store.tables import load_store
 from studies.analysis.answers import Answers
 from studies.analysis.collect import collect
@@ -65,26 +66,26 @@ def test_every_quantity_of_every_ladder_has_the_order_it_was_made_with(store: Pa
 
 def test_page_shows_values_orders_limits_and_parts(store: Path) -> None:
     text = convergence_page(load_store(store)).text
-    values, *parts, choice, _, _ = rows(text, "scordelis-lo")  # the last two are of the shares
-    assert values[1:3] == ["`edge_deflection_mm`", "8x8, 16x16, 32x32, 64x64"]
-    assert values[3:] == [
-        "0.27216",
-        "0.29484",
-        "0.30051",
-        "0.301928",
-        "2.00",
-        "2.00",
+    values, raw, *parts, choice, _, _ = rows(text, "scordelis-lo")  # the last two are of the shares
+    assert values[1:] == [
+        "edge deflection [mm]",
         "asymptotic",
-        "0.3024",
-        "0.195 %",
+        *("64x64", "0.301928", "2.00", "0.3024", "0.195 %"),
     ]
-    assert [part[3] for part in parts] == ["0.3024", "0.30202", "0.3006"]
-    both = [f"{error} / {error}" for error in ("-10.00 %", "-2.50 %", "-0.62 %")]
-    assert choice[2:] == ["equal", "8x8, 16x16, 32x32", *both, "640 / 640", "9 / 9"]
-    assert parts[0][4:] == ["-0.156 %", "-0.156 %", "0.000 %", "0.195 %", "1.000 %", WITHIN]
+    assert raw[2:] == [
+        "`edge_deflection_mm`",
+        "8x8: 0.27216, 16x16: 0.29484, 32x32: 0.30051, 64x64: 0.301928",
+        "2.00, 2.00",
+    ]
+    assert [part[4] for part in parts] == ["0.3024", "0.30202", "0.3006"]
+    both = [f"{error} / {error}" for error in ("-10.00 %", "-2.50 %")]
+    assert choice[2:] == ["equal", "8x8, 16x16", *both, "640 / 640", "9 / 9"]
+    assert parts[0][3:] == [WITHIN, "0.3024", "-0.156 %", "0.000 %", "0.195 %", "1.000 %"]
     assert parts[2][6] == "+0.599 %"
-    assert parts[2][-1] == BEYOND
-    assert "`edge_deflection_mm`, read: +0.60 %" in text
+    assert parts[2][3] == BEYOND
+    assert "scordelis-lo, edge deflection [mm], read: +0.60 %" in text
+    (every,) = [line for line in text.splitlines() if line.startswith("| all | ")]
+    assert every.split(" | ")[1:5] == [str(n) for n in (34, 64, 64, 64)]
 
 
 def test_parts_add_up_to_the_difference(store: Path) -> None:
@@ -138,18 +139,20 @@ def test_one_ladder_has_one_verdict_everywhere(own_store: Path) -> None:
 def test_a_sequence_that_is_not_monotone_has_no_order_and_no_limit(own_store: Path) -> None:
     change_values(own_store, "convergence roof-a ", lambda value, i: 1 + 0.01 * (-1) ** i)
     page = convergence_page(load_store(own_store))
-    values, _, *parts = rows(page.text, "roof-a")
-    assert values[-5:] == ["–", "–", "not asymptotic: no order", "–", "–"]
-    assert parts[0][-1] == NO_LIMIT
+    values, _, raw, _, *parts = rows(page.text, "roof-a")
+    assert values[2] == "not asymptotic: no order"
+    assert values[-3:] == ["–", "–", "–"]
+    assert raw[-1] == "–, –"
+    assert parts[0][3] == NO_LIMIT
     assert parts[0][5:8] == ["–", "–", "–"]
 
 
 @pytest.mark.slow
 def test_a_mesh_that_was_not_solved_is_a_dash(own_store: Path) -> None:
     change_values(own_store, "convergence pagano-S10 ", lambda value, i: None if i == 1 else value)
-    values = rows(convergence_page(load_store(own_store)).text, "pagano-S10")[0]
-    assert values[4] == "–"
+    values, _, raw, *_ = rows(convergence_page(load_store(own_store)).text, "pagano-S10")
     assert "not solved on every mesh" in values
+    assert raw[3].split(", ")[1].endswith(": –")
 
 
 @pytest.mark.slow
@@ -161,7 +164,7 @@ def test_a_sequence_that_is_not_asymptotic_says_why(own_store: Path) -> None:
         quantity: line
         for line in convergence_page(load_store(own_store)).text.splitlines()
         for quantity in ladder.quantities
-        if line.startswith(f"- plate-contact, `{quantity}`: ")
+        if line.startswith(f"- plate-contact, {words(quantity)}: ")
     }
     assert set(told) == set(ladder.quantities)
     assert ladder.causes["contact_radius"] in told["contact_radius"]
