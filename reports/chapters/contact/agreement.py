@@ -5,7 +5,7 @@ from __future__ import annotations
 from reports.chapter import Chapter
 from reports.chapters.contact.agreement_cases import CASE, OF_CASE, SAME, Entry, entries, refusals
 from reports.chapters.tyre.figures import load_deflection
-from reports.formats import digits, fixed, scientific
+from reports.formats import digits, scientific
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store
 
@@ -31,12 +31,13 @@ algorithm. A finite ε solves other equations, and its difference is that of the
     drawn = load_deflection(curves, "travel of the plane [mm]", "force [N]", loc="upper left")
     return joined(
         introduction,
+        _exact(others),
+        _disagreements(others),
         _forces(found),
         picture("contact-forces.svg", "Force over the travel of the plane, by load and section", drawn),
-        _exact(others, exact[0].travels if exact else []),
-        _disagreements(others),
         _finite(found),
         refusals(refused) if refused else "No algorithm refuses any of the cases.",
+        _elsewhere(store),
         commands(entry.cell.command for entry in found),
     )
 
@@ -53,19 +54,24 @@ def _forces(found: list[Entry]) -> str:
         if entry.cell is entry.reference
     ]
     header = ["load", "section", *(f"{delta:g} mm" for delta in found[0].travels)]
-    return table("Force [N] and nodes in contact, by the reference", header, rows, words=2)
+    return table(
+        f"Force [N] (and nodes in contact) by the reference, mesh {found[0].reference.result['mesh']}",
+        header,
+        rows,
+        words=2,
+    )
 
 
-def _exact(others: list[Entry], travels: list[float]) -> str:
-    """Every other solve with the exact condition."""
-    rows = [
-        [entry.way, *entry.case, *map(fixed, entry.unlike), *map(scientific, entry.differences), _word(entry.agrees)]
-        for entry in others
-    ]
-    header = ["algorithm", "load", "section", *(f"nodes unlike, {delta:g} mm" for delta in travels)]
-    header += [*(f"force off, {delta:g} mm" for delta in travels), "agrees"]
+def _exact(others: list[Entry]) -> str:
+    """Every other solve with the exact condition, at the travel where it differs most."""
+    heads = f"{CASE} | nodes in one set only, at most | force off, at most | agrees"
+    line = OF_CASE + " | {most_nodes_unlike:.0f} | {largest_difference:.1e} | {agrees:word}"
     # the differences are rounding
-    return machine(table("Against the reference, the exact condition", header, rows, words=3))
+    return machine(
+        listing(
+            "Against the reference, the exact condition, over all travels", others, heads, line, words=3, word=_word
+        )
+    )
 
 
 def _word(agrees: bool) -> str:
@@ -81,10 +87,26 @@ def _disagreements(others: list[Entry]) -> str:
     return listing("Solves that do not agree", odd, heads, line, words=5)
 
 
+def _elsewhere(store: Store) -> Part:
+    """Where in the whole campaign an algorithm has failed."""
+    if not store.has_analysis("outcomes"):
+        return Part("")
+    found = store.analysis("outcomes")
+    own = found[(found["axis"] == "contact") & (found["scene"] != "") & (found["failed"] > 0)]
+    heads = "algorithm | scene | why not solved | problems | solved | failed"
+    line = "{name:code} | {scene:code} | {cause} | {planned} | {solved} | {failed}"
+    text = prose(f"""## Where algorithms do not end
+
+That all agree where they end says nothing of where they do not. Over all scenes with contact an algorithm has failed
+in {len(own)} of {int(((found["axis"] == "contact") & (found["scene"] != "")).sum())} pairs of algorithm and scene;
+[solved and failed](tradeoff.md#solved-and-failed) has all of them, with paths that end.""")
+    return joined(text, listing("Algorithms and scenes with failures", own, heads, line, words=3) if len(own) else "")
+
+
 def _finite(found: list[Entry]) -> str:
     """What a finite epsilon, the default of some algorithms, changes."""
     soft = [entry for entry in found if not entry.exact and not entry.cell.unsupported]
-    heads = f"{CASE} | force off, at most | nodes unlike, at most | penetration [mm]"
+    heads = f"{CASE} | force off, at most | nodes in one set only, at most | penetration [mm]"
     line = OF_CASE + " | {largest_difference:.1e} | {most_nodes_unlike:.0f} | {penetration:.1e}"
     return listing("Against the reference, a finite ε", soft, heads, line, words=3) if soft else ""
 

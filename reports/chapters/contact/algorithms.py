@@ -7,7 +7,7 @@ from reports.chapters.contact.agreement_cases import CASE, OF_CASE, Entry, entri
 from reports.chapters.contact.robustness import robustness
 from reports.chapters.tyre.figures import iterations
 from reports.formats import fixed, share
-from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store
 
 COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
@@ -48,10 +48,15 @@ def _counters(solved: list[Entry]) -> Part:
 
 How far an iteration gets is a matter of the algorithm: one that solves a whole complementarity problem in each counts
 one for it, one that guesses a set counts every guess.""")
-    blocks = [text, listing("Counters over the whole path", steady, heads, line, words=4)]
+    first = [entry for entry in steady if entry.case == steady[0].case]
+    blocks: list[Part | str] = [
+        text,
+        listing(f"Counters, {' load, '.join(steady[0].case)}", first, heads, line, words=4),
+    ]
+    every = [listing("Counters over the whole path", steady, heads, line, words=4)]
     if cut:
-        blocks.append(machine(listing("Counters of paths with a rejected step", cut, heads, line, words=4)))
-    return joined(*blocks)
+        every.append(machine(listing("Counters of paths with a rejected step", cut, heads, line, words=4)))
+    return joined(*blocks, fold("Counters of all loads and sections", *every))
 
 
 def _times(solved: list[Entry]) -> Part:
@@ -63,12 +68,15 @@ def _times(solved: list[Entry]) -> Part:
         shares = [share(float(times.get(name, 0.0)) / total, 0) for name in PARTS]
         rows.append([entry.way, *entry.case, fixed(total, 2), *shares])
     header = ["algorithm", "load", "section", "total [s]", *PARTS]
-    body = machine(table("Wall time of the whole path, and its parts", header, rows, words=3))
+    first = solved[0].case
+    shown = [row for row in rows if tuple(row[1:3]) == first]
+    body = machine(table(f"Wall time of the whole path and its parts, {' load, '.join(first)}", header, shown, words=3))
+    every = machine(table("Wall time of the whole path, and its parts", header, rows, words=3))
     text = prose("""## Times
 
 One run each. *Assembly* is the shell, *factorisation* and *solve* the sparse linear algebra, *contact* what an
 algorithm does with sets, gaps and multipliers; the rest is the building of the model and the judge.""")
-    return joined(text, body)
+    return joined(text, body, fold("Wall times of all loads and sections", every))
 
 
 def _histories(solved: list[Entry]) -> Part:
@@ -77,10 +85,11 @@ def _histories(solved: list[Entry]) -> Part:
     first = [entry for entry in exact if entry.case == exact[0].case and not entry.own]
     histories = {entry.contact: entry.cell.table("history") for entry in first}
     load, section = exact[0].case
-    text = prose(f"""## Iteration histories
+    text = prose(f"""## Iterations of one step
 
-The {load} load with the section `{section}` and the exact condition, inflation and all travels one after the other.""")
-    words = "Residual and contact set over the residual evaluations of the algorithms"
+The last step, from {first[0].travels[-2]:g} to {first[0].travels[-1]:g} mm, under the {load} load with the section
+`{section}` and the exact condition, a panel an algorithm.""")
+    words = "Residual over the iterations of the last step, with the nodes in contact"
     return joined(text, picture("contact-iterations.svg", words, iterations(histories)))
 
 

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, fixed, scientific, share
-from reports.markdown import Part, joined, listing, machine, picture, prose
+from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose
 from reports.store.tables import Store
 
 PAPER = 1e4  # MPa/mm
@@ -30,24 +30,41 @@ def epsilon_page(store: Store) -> Part:
     """The whole page."""
     data = store.table("epsilon")
     cases = list(dict.fromkeys(data["case"]))
+    meshes = data.drop_duplicates("case").set_index("case")["mesh"]
+    named = " and ".join(f"{SIZE.get(case, case)} (mesh {meshes[case]})" for case in cases)
     text = prose(f"""# Regularisation by ε
 
 The paper replaces the contact condition by p = ε <-g>: a pressure proportional to the penetration, with
 ε = {PAPER:g} MPa/mm. The same two problems are solved with ε from {data["epsilon"].min():g} to
 {data["epsilon"][np.isfinite(data["epsilon"])].max():g} MPa/mm, each from the state before contact, and compared with
-the exact multiplier: {" and ".join(SIZE.get(case, case) for case in cases)}. Two forms of one equation: the
+the exact multiplier: {named}. Two forms of one equation: the
 *multiplier* form keeps the pressure as an unknown; the *displacement* form eliminates it, K + ε GᵀWG, as penalty
 methods do. The error of the force is that of the sum of the contact forces.""")
     laws, rule = store.analysis("epsilon_laws"), store.rules()
     words = "Penetration, error of the force and condition over ε, two cases in two forms"
     return joined(
         text,
+        _recommended(laws, meshes),
         picture("epsilon.svg", words, draw_epsilon(data)),
         *_laws(laws, rule),
         _paper(data, laws),
         *(_case(data[data["case"] == case], case, rule["epsilon_level"]) for case in cases),
-        "The table is part of the campaigns `agreement` and `report`: `footprint run`.",
+        prose("""The commands solve the cases with the multiplier form, from the beginning of their paths; the
+displacement form is an experiment of the campaigns `agreement` and `report` (`footprint run`)."""),
+        commands(data["command"][data["form"] == "multiplier"]),
     )
+
+
+def _recommended(laws: pd.DataFrame, meshes: pd.Series) -> Part:
+    """From which epsilon on the force is right, and up to which a form of it can be solved."""
+    heads = "case | mesh | multiplier form | displacement form"
+    line = "{case} | {mesh} | from {level_from:g} on | from {level_from:g} to below {breaks_at:end}"
+    found = laws.assign(mesh=laws["case"].map(meshes))
+    return Part(machine(listing("Range of ε [MPa/mm] to be used", found, heads, line, words=4, end=_end)))
+
+
+def _end(breaks_at: float) -> str:
+    return "any tested" if math.isnan(breaks_at) else f"{breaks_at:g}"
 
 
 @svg
@@ -113,12 +130,12 @@ def _paper(data: pd.DataFrame, laws: pd.DataFrame) -> Part:
         ends.append(f"- {SIZE.get(case, case)}: {_room(breaks_at)}")
         lines.append(
             f"- {SIZE.get(case, case)}: force off by {scientific(abs(row['force_error']))} of itself, "
-            f"penetration {scientific(row['penetration_mm'])} mm, {int(row['nodes_unlike'])} nodes unlike the exact "
-            f"set, {int(row['iterations'])} iterations against {int(exact['iterations'])}; the matrix of the "
-            f"displacement form has {digits_of(growth)} times the condition of the exact one."
+            f"penetration {scientific(row['penetration_mm'])} mm, {int(row['nodes_unlike'])} nodes in only one of "
+            f"its set and the exact one, {int(row['iterations'])} iterations against {int(exact['iterations'])}; the "
+            f"matrix of the displacement form has {digits_of(growth)} times the condition of the exact one."
         )
-    text = prose("""With the multiplier form nothing speaks against a larger ε, or against the exact condition, which
-takes no more iterations. Eliminated, the pressure leaves this room for a harder one:""")
+    text = prose("""With the multiplier form a larger ε does no harm, and neither does the exact condition,
+which takes no more iterations. Eliminated, the pressure leaves this room for a harder one:""")
     return joined(f"## The paper's ε = {PAPER:g}", "\n".join(lines), text, machine("\n".join(ends)))
 
 
@@ -142,14 +159,16 @@ def _case(own: pd.DataFrame, case: str, level: float) -> Part:
         return scientific(abs(value), 2) if abs(value) > level else f"< {level:g}"
 
     heads = "ε [MPa/mm] | outcome | iterations | penetration [mm] | force [N] | error of the force | "
-    heads += "nodes unlike | condition"
+    heads += "nodes in one set only | condition"
     line = "{epsilon:g} | {outcome} | {iterations} | {penetration_mm:size} | {force_N:.7g} | {force_error:size} | "
     line += "{nodes_unlike} | {condition:.1e}"
-    blocks = [f"## {case.capitalize()}: all solves"]
+    blocks = []
     for form, rows in own.groupby("form", sort=False):
-        body = listing(f"The {form} form", rows, heads, line, words=2, size=size)
+        body = listing(
+            f"{case.capitalize()}, the {form} form, mesh {own['mesh'].iloc[0]}", rows, heads, line, 2, size=size
+        )
         blocks.append(body if form == "multiplier" else machine(body))
-    return joined(*blocks)
+    return fold(f"{case.capitalize()}: all solves", *blocks)
 
 
 CHAPTER = Chapter(

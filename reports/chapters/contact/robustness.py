@@ -31,7 +31,7 @@ def _one_step(store: Store) -> Part:
     text = prose(f"""## Far from the solution
 
 From the inflated tyre {DELTA:g} mm in one step. An algorithm that gives every set a linearisation of its own
-(`settle` 1, the textbook's) chases sets that mean nothing there; settled on one linearisation first, they cost
+(`settle` 1, the textbook's) changes between sets far from the solution; settled on one linearisation first, they cost
 factorisations, but few iterations. From the second mesh to the last the iterations grow: {found}.""")
     header = ["algorithm", "mesh", "outcome", "iterations", "factorisations", "set changes", "steps cut"]
     told = commands(cell.command for cells in ways.values() for cell in cells)
@@ -47,7 +47,7 @@ def _press(cell: Cell) -> list[str]:
 def _growth(cells: list[Cell]) -> str:
     before, after = cells[-2:]
     if not (before.converged and after.converged) or before.cuts or after.cuts:
-        return "is lost: its step has to be cut"
+        return "diverges, and its step has to be cut"
     pair = [cell.steps[-1]["newton_iterations"] for cell in (before, after)]
     return f"from {pair[0]} to {pair[1]}"
 

@@ -87,9 +87,9 @@ def _faults(faults: pd.DataFrame) -> Part:
     latest = faults["cases"].max()
     text = prose(f"""## Planted faults
 
-How much of what is wrong would be found: {len(faults)} faults were planted one at a time, in an algorithm or in a model, and the cases
-examined from the first one on; {lost} were not found, and the others by case {number(float(latest))} at the latest. A
-case that breaks a law without the fault does not count.""")
+How much of what is wrong would be found: {len(faults)} faults were planted one at a time, in an algorithm or in a
+model, and the cases examined from the first one on; {lost} were not found, and the others by case
+{number(float(latest))} at the latest. A case that breaks a law without the fault does not count.""")
     line = "{fault} | {law} | {cases}"
     return joined(text, listing("Planted faults", faults, "fault | found by | cases until found", line, words=2))
 

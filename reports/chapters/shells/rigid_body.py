@@ -18,8 +18,8 @@ from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Rigid motions
 
-A rigid motion strains nothing. Whether a measure has that property is decided by its formulas alone: no mesh and no element is
-on this page. The exact displacements of a small piece of a shell, moved as a whole, are sent through the
+A rigid motion strains nothing. Whether a measure has that property is decided by its formulas alone: no mesh and no
+element is on this page. The exact displacements of a small piece of a shell, moved as a whole, are sent through the
 displacement gradients of each measure, and whatever strain comes out is the measure's own. Every measure declares what
 it leaves as a closed form; a Donnell measure that passed would be as wrong as an exact one that failed.""")
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
@@ -50,7 +50,9 @@ def _overview(store: Store) -> Part:
     theta, slide = float(data["theta_rad"].max()), float(data["slide"].max())
     text = prose(f"""## Which measure is free of strain under which motion
 
-{len(free)} of {len(rows)} measures leave no strain under any of the motions: {", ".join(free) or "none"}. The largest of all eleven strains at the sample point of any of the four surfaces (plate, cylinder, sphere, torus),
+{len(free)} of {len(rows)} measures leave no strain under any of the motions: {", ".join(free) or "none"}.
+
+The largest of all eleven strains at the sample point of any of the four surfaces (plate, cylinder, sphere, torus),
 after a translation by {slide:g} of the size of the sample along x and after rotations by {theta:g} rad: *out of plane*
 about the tangent e2, *drilling* about the normal e3, *about the axis* about z, which is the axis of revolution of the
 curved surfaces and the normal of the plate. 0 is less than {NOTHING_LEFT:g}. The last columns say for how many of the
@@ -195,9 +197,9 @@ def _everything(store: Store) -> Part:
     data = store.table("rigid_body")
     text = prose(f"""## All cases
 
-{len(data)} cases in a fold, by surface: the strain named in the third column, on the outer face; *largest* is that of all eleven strains on both faces. A dash
-stands where no law is declared: with Donnell's slopes or thin-shell gradients the strain depends on more than the
-stretch of the face.""")
+{len(data)} cases in a fold, by surface: the strain named in the third column, on the outer face; *largest* is that of
+all eleven strains on both faces. A dash stands where no law is declared: with Donnell's slopes or thin-shell gradients
+the strain depends on more than the stretch of the face.""")
     heads = "motion | measure | strain | measured | declared | difference | largest"
     line = "{motion} | {measure} | {component} | {strain:strain} | {declared:strain} | {off:.1e} | {largest:size}"
     order = {motion: i for i, motion in enumerate(MOTIONS)}

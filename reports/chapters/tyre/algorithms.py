@@ -12,7 +12,7 @@ from reports.chapters.tyre.cells import ALGORITHMS, BASE, CONSISTENT, DELTA, SLO
 from reports.chapters.tyre.printed_pressures import HALF
 from reports.formats import NOTHING, digits, fixed, percent, scientific
 from reports.maps import at_delta, pressure_map
-from reports.markdown import Part, commands, folded, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, fold, folded, joined, listing, machine, picture, prose, table
 from reports.store.cells import Cell
 from reports.store.tables import Store
 
@@ -34,34 +34,57 @@ def yardstick(store: Store, cell: Cell) -> Cell:
 
 def _answers(store: Store) -> Part:
     cells = store.select(**ALGORITHMS)
-    rows = [_answer_row(cell, yardstick(store, cell)) for cell in cells]
-    header = ["measure", "contact", "Newton", "ε [MPa/mm]", "force [N]", "relative difference", "nodes in contact"]
-    header += ["nodes unlike the reference", "Newton iterations", "set changes", "factorisations"]
-    header += ["equilibrium [-]", "penetration [mm]", "tension [MPa]", "central asymmetry [-]"]
+    mesh = ALGORITHMS["mesh"]
     epsilon, base = store.find(**SOFT), store.find(**BASE)
     step = epsilon.find_step(delta_mm=DELTA)
     rejected = " A cost is a dash where a step was rejected: see Costs." if any(c.cuts for c in cells) else ""
     text = prose(f"""## Measures and algorithms
 
-The same tyre at Δ = {DELTA:g} mm by every combination; iterations, set changes and factorisations include the
-inflation. The load steps stated are those of the inflation, and again of the travel. The reference of a measure is its
-row with `semismooth`, mixed Newton and ε = inf, which enforces the contact condition exactly. With
+The same tyre at Δ = {DELTA:g} mm by every combination, mesh {mesh}, element of the paper; iterations, set changes and
+factorisations include the inflation. The load steps stated are those of the inflation, and again of the travel. The
+reference of a measure is its row with `semismooth`, mixed Newton and ε = inf, which enforces the contact condition
+exactly; *in one set only* are nodes that touch in only one of an answer and its reference. With
 ε = {_epsilon(epsilon)} MPa/mm the force changes by {scientific(change(epsilon, base), 2)} of its value, and the plane
 is penetrated by up to {scientific(None if step is None else step["kkt"]["penetration"])} mm.{rejected}""")
-    return joined(text, table("Answers and costs of the algorithms", header, rows, words=3))
+    named = ["measure", "contact", "Newton", "ε [MPa/mm]"]
+    answers = [*named, "force [N]", "off the reference", "nodes in contact", "in one set only"]
+    shown = [[*_named(cell), *_answer(cell, yardstick(store, cell))] for cell in cells]
+    costs = [*named, "Newton iterations", "set changes", "factorisations"]
+    spent = [[*_named(cell), *_counts(cell)] for cell in cells]
+    residuals = [*named, "equilibrium [-]", "penetration [mm]", "tension [MPa]", "central asymmetry [-]"]
+    left = [[*_named(cell), *_residuals(cell)] for cell in cells]
+    return joined(
+        text,
+        table(f"Answers of the algorithms, {mesh}", answers, shown, words=4),
+        table(f"What they cost, {mesh}", costs, spent, words=4),
+        folded("Residuals and asymmetry", table(f"Residuals and asymmetry, {mesh}", residuals, left, words=4)),
+    )
 
 
-def _answer_row(cell: Cell, reference: Cell) -> list[str]:
-    result, step = cell.result, cell.find_step(delta_mm=DELTA)
-    row = [result["measure"], result["contact"], f"{result['newton']}, {_steps(cell, 'step')}", _epsilon(cell)]
-    counts = (result["counters"][key] for key in ("newton_iterations", "set_changes", "factorisations"))
-    costs = [NOTHING if cell.cuts else str(count) for count in counts]
+def _named(cell: Cell) -> list[str]:
+    result = cell.result
+    return [result["measure"], result["contact"], f"{result['newton']}, {_steps(cell, 'step')}", _epsilon(cell)]
+
+
+def _answer(cell: Cell, reference: Cell) -> list[str]:
+    step = cell.find_step(delta_mm=DELTA)
     if step is None:
-        return [*row, f"{result['outcome']}: {result['reason']}", *[NOTHING] * 3, *costs, *[NOTHING] * 4]
-    row += [digits(step["force_N"], 10), scientific(change(cell, reference)), str(step["contact_nodes"])]
+        return [f"{cell.result['outcome']}: {cell.result['reason']}", *[NOTHING] * 3]
+    off, unlike = scientific(change(cell, reference)), fixed(nodes_unlike(cell, reference))
+    return [digits(step["force_N"], 10), off, str(step["contact_nodes"]), unlike]
+
+
+def _counts(cell: Cell) -> list[str]:
+    counts = (cell.result["counters"][key] for key in ("newton_iterations", "set_changes", "factorisations"))
+    return [NOTHING if cell.cuts else str(count) for count in counts]
+
+
+def _residuals(cell: Cell) -> list[str]:
+    step = cell.find_step(delta_mm=DELTA)
+    if step is None:
+        return [NOTHING] * 4
     residuals = [step["kkt"][name] for name in ("equilibrium", "penetration", "tension")]
-    row += [fixed(nodes_unlike(cell, reference)), *costs]
-    return row + [scientific(value) for value in (*residuals, step["central_asymmetry"])]
+    return [scientific(value) for value in (*residuals, step["central_asymmetry"])]
 
 
 def _steps(cell: Cell, name: str) -> str:
@@ -78,12 +101,12 @@ def _histories(store: Store) -> Part:
     fast, slow = store.find(**BASE), store.find(**SLOWEST)
     counts = [cell.result["counters"]["newton_iterations"] for cell in (fast, slow)]
     histories = {_way(cell): cell.table("history") for cell in (fast, slow)}
-    text = prose(f"""### Iteration histories
+    text = prose(f"""### Iterations of one step
 
-The cell `{fast.label}` needs {counts[0]} Newton iterations, `{slow.label}` {counts[1]}, the inflation included:
-{fixed(counts[1] / counts[0], 1)} times as many. A tooth of the slower curve is a Newton iteration that converged on a
-contact set which turned out wrong, or a load step.""")
-    words = "Residual and contact set over the residual evaluations of two algorithms"
+{_way(fast)} needs {counts[0]} Newton iterations, {_way(slow)} {counts[1]}, the inflation included:
+{fixed(counts[1] / counts[0], 1)} times as many. The picture shows the last step of each. Where the residual of the
+slower one rises again, its iteration had converged on a contact set that was not the solution's.""")
+    words = "Residual over the iterations of the last step of two algorithms, with the nodes in contact"
     return joined(text, picture("tyre-iterations.svg", words, figures.iterations(histories)))
 
 
@@ -95,7 +118,7 @@ def _coupling(store: Store) -> Part:
     lumped, consistent = store.find(**BASE), store.find(**CONSISTENT)
     rows = [_coupling_row(cell, lumped) for cell in (lumped, consistent)]
     header = ["coupling", "force [N]", "difference", "centre pressure [MPa]", "highest [MPa]"]
-    header += ["nodes in contact", "nodes unlike lumped"]
+    header += ["nodes in contact", "in one set only"]
     panels = {f"φ = {HALF * row:g} deg": _rows(store, (lumped, consistent), row) for row in DRAWN_ROWS}
     text = prose(f"""## From pressure to nodal force
 
@@ -105,7 +128,7 @@ printed rows under the reading φ = row label / 2.""")
     words = "Pressure along two meridians, lumped and consistent, with the printed rows"
     return joined(
         text,
-        table("Lumped and consistent coupling", header, rows),
+        table(f"Lumped and consistent coupling, {lumped.result['mesh']}", header, rows),
         picture("tyre-coupling.svg", words, figures.pressure_along_psi(panels)),
         commands([lumped.command, consistent.command]),
     )
@@ -149,10 +172,16 @@ def costs_part(store: Store) -> Part:
             listing("Counters of the cells in which a load step was rejected and cut", cut, counters, counts),
             *parts,
         ]
+    text = prose(f"""## Costs
+
+What a tyre costs by algorithm, size and grid is on the pages of [cost](cost.md) and of
+[algorithms](algorithms.md). Here are the counters and the wall times of the {len(cells)} solves behind this page and
+the convergence of the tyre, as they were taken.""")
+    title = "Counters of the cells whose load steps were all taken as asked"
     return joined(
-        "## Costs",
-        listing("Counters of the cells whose load steps were all taken as asked", steady, counters, counts),
-        machine(*parts),
+        text,
+        fold("Counters", listing(title, steady, counters, counts)),
+        fold("Wall times, and counters of rejected steps", machine(*parts)),
         folded(
             "Every cell and its command", listing("Commands", every, "cell | command", "{cell} | `{command}`", words=2)
         ),

@@ -10,7 +10,7 @@ from reports.chapters.tyre import figures, figures_patch
 from reports.chapters.tyre.cells import CURVES, DELTA, EVERY_MEASURE, FOLLOWER, ISOTROPIC, LINEAR, PAPER
 from reports.formats import fixed
 from reports.maps import Developed, along_meridian, at_delta, pressure_map
-from reports.markdown import Part, commands, joined, listing, picture, prose, table
+from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
 from reports.store.cells import Cell
 from reports.store.tables import Store
 
@@ -34,19 +34,50 @@ def forces(store: Store) -> dict[float, tuple[float, float]]:
 
 def _load(store: Store) -> Part:
     cell = store.find(**PAPER)
-    s = cell.settings
+    s, mesh = cell.settings, cell.result["mesh"]
     text = prose(f"""## The paper's tyre under a plane
 
 A torus of {s["plies"]} plies at ±{s["gamma_deg"]:g} deg to the meridian, held at ψ = ±{s["clamp_deg"]:g} deg, is
-inflated by {s["p0_MPa"]:g} MPa ({s["load"]} load, mesh {cell.result["mesh"]}). A rigid frictionless plane then moves
+inflated by {s["p0_MPa"]:g} MPa ({s["load"]} load, mesh {mesh}). A rigid frictionless plane then moves
 towards the axis by Δ, counted from first touch. Half lengths are measured along φ, around the axis, half widths along
-ψ, on the deformed outer face. The last four columns are residuals that a judge recomputes from the answer.""")
+ψ, on the deformed outer face, to half-way between the last node that touches and the first that does not: they are
+known to half an element, and may stand still or fall while the patch passes from one line of nodes to the next. The
+residuals are those that the judge recomputes from the answer.""")
     heads = "Δ [mm] | force P [N] | centre pressure [MPa] | nodes in contact | half length [mm] | half width [mm] | "
-    heads += "Newton iterations | equilibrium [-] | penetration [mm] | tension [MPa] | complementarity [MPa mm]"
+    heads += "Newton iterations"
     line = "{delta_mm:g} | {force_N:.2f} | {centre_pressure_MPa:.4f} | {contact_nodes} | {half_length_mm:.2f} | "
-    line += "{half_width_mm:.2f} | {newton_iterations} | {kkt[equilibrium]:.1e} | {kkt[penetration]:.1e} | "
-    line += "{kkt[tension]:.1e} | {kkt[complementarity]:.1e}"
-    return joined(text, listing("Load, patch and residuals of the paper's tyre", cell.steps, heads, line))
+    line += "{half_width_mm:.2f} | {newton_iterations}"
+    judged = "Δ [mm] | equilibrium [-] | penetration [mm] | tension [MPa] | complementarity [MPa mm]"
+    left = "{delta_mm:g} | {kkt[equilibrium]:.1e} | {kkt[penetration]:.1e} | {kkt[tension]:.1e} | "
+    left += "{kkt[complementarity]:.1e}"
+    return joined(
+        text,
+        _given(cell),
+        listing(f"Load and patch of the paper's tyre, {mesh}", cell.steps, heads, line),
+        folded(
+            "Residuals, recomputed by the judge", listing("Residuals of the paper's tyre", cell.steps, judged, left)
+        ),
+    )
+
+
+def _given(cell: Cell) -> str:
+    """Geometry, plies and moduli."""
+    s = cell.settings
+    rows = [
+        [
+            "radius of the tube, inner face",
+            f"{s['R1_mm']:g} mm",
+            "radius of the equator, inner face",
+            f"{s['R0_mm']:g} mm",
+        ],
+        ["plies", f"{s['plies']} at ±{s['gamma_deg']:g} deg", "thickness of a ply", f"{s['ply_thickness_mm']:g} mm"],
+        ["held at", f"ψ = ±{s['clamp_deg']:g} deg", "pressure inside", f"{s['p0_MPa']:g} MPa"],
+        ["E along and across the cords", f"{s['E_L_MPa']:g}, {s['E_T_MPa']:g} MPa"],
+        ["ν", f"LT {s['nu_LT']:g}, TT {s['nu_TT']:g}"],
+    ]
+    rows[3] += ["G", f"LT {s['G_LT_MPa']:g}, TT {s['G_TT_MPa']:g} MPa"]
+    rows[4] += ["section; element", f"{s['section']}; paper"]
+    return table("Geometry, plies and moduli", ["what", "is", "what", "is"], rows, words=4)
 
 
 def _linear_and_exact(store: Store) -> Part:
@@ -95,7 +126,9 @@ def _description(cell: Cell) -> str:
 
 
 def _profiles(store: Store) -> Part:
-    text = "### Deformed meridian\n\nInner and outer face at φ = 0, where the plane touches first."
+    text = (
+        "### Deformed meridian\n\nInner and outer face at φ = 0, where the plane touches first; smooth between nodes."
+    )
     drawn = figures.profiles(store.find(**PAPER).table("profile"), CURVES)
     return joined(text, picture("tyre-profiles.svg", "Meridian profiles: unloaded, inflated and pressed", drawn))
 
@@ -116,7 +149,11 @@ def _pressures(store: Store) -> Part:
         picture("tyre-pressure-psi.svg", "Contact pressure along the meridian under three travels", along),
         f"At Δ = {DELTA:g} mm the outermost nodes in contact lie at φ = ±{phi:g} deg and ψ = ±{psi:g} deg; "
         f"the highest pressure is {fixed(highest, 3)} MPa, at |φ| = {at_phi:g} deg and |ψ| = {at_psi:g} deg.",
-        picture("tyre-pressure-map.svg", "Contact pressure over the patch, with its outline", patch),
+        picture(
+            "tyre-pressure-map.svg",
+            "Contact pressure over the patch, and its difference from its mirror image, in mm of the outer face",
+            patch,
+        ),
     )
 
 
