@@ -81,13 +81,16 @@ def draw_epsilon(table: pd.DataFrame) -> Figure:
             value, converged = rows[column].abs(), rows["outcome"] == "converged"
             value = value.where(value.between(*limits))
             colour, marker = drawn[case].colour, drawn[case].marker
-            axes.loglog(rows["epsilon"], value, color=colour, linestyle=FORMS[form], label=f"{case}, {form} form")
+            axes.loglog(rows["epsilon"], value, color=colour, linestyle=FORMS[form])
+            axes.plot([], [], color=colour, linestyle=FORMS[form], marker=marker, label=f"{case}, {form} form")
             for fill, chosen in (("full", converged), ("none", ~converged)):
                 dots = {"color": colour, "marker": marker, "linestyle": "none", "fillstyle": fill}
                 axes.loglog(rows["epsilon"], value.where(chosen), **dots)
         axes.axvline(PAPER, color=BLACK, linestyle=":", linewidth=1)
         axes.set(xlabel="ε [MPa/mm]", ylabel=label, ylim=limits, xlim=(3e-3, 3e14))
-    legend_above(figure, every[0])
+    every[0].plot([], [], "o", color=BLACK, fillstyle="none", label="not converged")
+    every[0].plot([], [], color=BLACK, linestyle=":", linewidth=1, label="the paper's ε")
+    legend_above(figure, every[0], columns=6)
     return figure
 
 

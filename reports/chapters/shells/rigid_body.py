@@ -9,6 +9,7 @@ from textwrap import wrap
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from reports.chapter import Chapter
 from reports.drawing import BLACK, canvas, looks, svg
@@ -240,6 +241,8 @@ def full_turn(sweep: pd.DataFrame) -> Figure:
         axes.set(title=f"{surface}, {motion}", xlabel="rotation [deg]", ylabel="strain [-]", xlim=(0, 360))
         axes.set_xticks([0, 90, 180, 270, 360])
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), fontsize=8, frameon=False)
+    declared = Line2D([], [], color=BLACK, linestyle=":", linewidth=1.2, label="declared law")
+    figure.legend(handles=[declared], loc="outside upper center")
     return figure
 
 
