@@ -97,7 +97,7 @@ def _elsewhere(store: Store) -> Part:
     line = "{name:code} | {scene:code} | {cause} | {planned} | {solved} | {failed}"
     text = prose(f"""## Where algorithms do not end
 
-That all agree where they end says nothing of where they do not. Over all scenes with contact an algorithm has failed
+Agreement is shown above for solves that end; not all do. Over all scenes with contact an algorithm has failed
 in {len(own)} of {int(((found["axis"] == "contact") & (found["scene"] != "")).sum())} pairs of algorithm and scene;
 [solved and failed](tradeoff.md#solved-and-failed) has all of them, with paths that end.""")
     return joined(text, listing("Algorithms and scenes with failures", own, heads, line, words=3) if len(own) else "")

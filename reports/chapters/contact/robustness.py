@@ -71,7 +71,8 @@ def _cycles(store: Store) -> Part:
 The textbook's active set swaps all violators at once, with both bounds of an unknown as one set; on published problems
 it comes back to a set it has had. No rule that swaps all violators can be shown to end: the smallest counterexample
 has three unknowns and a symmetric positive definite matrix (3x3; Curtis, Han and Robinson, 2015). Here every bound is a
-candidate of its own, which alone settles the two-sided ones. Where a set comes back, the algorithm says so and solves
+candidate of its own, which alone settles the two-sided ones. Where a set comes back, that is reported and the algorithm
+solves
 the linearised problem on the misplaced candidates by principal pivots: finite for every P-matrix (Cottle, Pang and
 Stone, 1992), that is wherever the tangent is definite on the motions that contact leaves free, and contact lumped. An
 indefinite tangent has no such theorem, and the linearised problem perhaps no solution.""")
@@ -95,7 +96,7 @@ def _claims(store: Store) -> Part:
     versions = ", ".join(sorted(set(found["version"]) - {""}))
     ours = found[~found["contender"].str.contains("alone")]
     alone = found[found["contender"].str.contains("alone")]
-    heads = "who | asked for | judge's bound | claims | false by its own | false by ours | largest error | where"
+    heads = "solver | asked for | judge's bound | claims | false by its own | false by ours | largest error | where"
     line = "{contender} | {tolerance:.0e} | {bound:.0e} | {claimed} of {problems} | {false_own} | {false} | "
     line += "{largest_error:error} | {worst}"
     told = "; ".join(filled("{contender}: {false} of {claimed}, {false_own} by its own tolerance", alone))

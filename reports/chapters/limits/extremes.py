@@ -22,7 +22,7 @@ Each map takes two settings to their extremes and shows what comes of it; its pi
 small solve of its own, by `semismooth` unless the map says otherwise, followed by the judge of contact. Colours and
 hatches are classes of outcomes: *converged*; converged though *nothing touches*; *converged, unstable*, where the
 tangent has negative eigenvalues on the motions that contact leaves free; *wrong*, which is what the algorithm calls
-converged and the judge does not certify; the *end of the path*, where the tangent tells of a limit point or a
+converged and the judge does not certify; the *end of the path*, where the tangent shows a limit point or a
 bifurcation; *not converged* without such a reason; *refused*, by the range of a setting or by the algorithm; and
 *crashed*. Small numbers are the cost in Newton iterations, all load steps and rejected attempts included; between
 solved points a colour is inferred from those around.""")

@@ -56,7 +56,8 @@ def _laws(cases: pd.DataFrame) -> Part:
     ]
     text = prose("""## By law
 
-A law is not compared where the other way of solving is refused or ends before its last load; it then says why.""")
+A law is not compared where the other way of solving is refused or ends before its last load; the reason is
+then recorded.""")
     return joined(text, table("Cases by the law that was drawn, or broken", ["law", "cases", *VERDICTS], rows))
 
 

@@ -89,7 +89,7 @@ def _boundaries(usual: pd.DataFrame) -> Part:
 
 Between the thicknesses that were solved the error is interpolated as a power of h. *Known to*: what the finest meshes
 leave, at the worst thickness; the picture leaves out errors smaller than that. A dash in the order: fewer than three
-errors are told from zero, or they change their sign: then two errors work against each other, and the boundary is later
+errors differ from zero for certain, or they change their sign: then two errors partly cancel, and the boundary is later
 than either alone would have it.""")
     return joined(text, listing("Boundaries of the usual shell", _worded(usual), heads, line, words=3))
 

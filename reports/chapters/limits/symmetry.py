@@ -84,7 +84,7 @@ def _design(store: Store) -> Part:
     line = "{check} | `{measure}` | {reason} | {min:.4g} | {max:.4g}"
     text = prose("""## What is broken by design
 
-A measure that strains under a rigid motion says so in its declared law, and a structure without a mirror plane has no
+A measure that strains under a rigid motion declares that as a law, and a structure without a mirror plane has no
 mirrored answer. The checks require such a deviation, and its absence would count as a failure. It does not depend on
 the algorithm, so the smallest and the largest of all algorithms are given.""")
     return joined(text, listing("Deviations that must be there", each, heads, line, words=3))
@@ -146,9 +146,9 @@ stable states is {fixed(float(top["mirror_both_MPa"]), 3)} MPa at {fixed(float(t
 search in one dimension around the largest value of the grid.
 
 Not all angles make a stable tyre: on the paper's mesh the tangent has negative eigenvalues at {shaky}. There several
-states satisfy all conditions, which of them is found is a matter of the steps, and their asymmetry says little; they
-are drawn with open marks and left out of the maximum. Other meshes and travels have tables of their own: between those
-a difference says nothing of a measure.""")
+states satisfy all conditions, which of them is found is a matter of the steps, and their asymmetry means little; they
+are drawn with open marks and left out of the maximum. Other meshes and travels have tables of their own: a difference
+between those is not one of the measures.""")
     header = ["measure", "at 0°", f"at {PRINTED_ANGLE:g}°", "at 90°", "largest stable", "at [deg]", "angles stable"]
     title = "Largest difference of the pressure from a mirror image, both touching [MPa]"
     grids = [table(f"{title}, {where}", header, rows) for where, rows in tables.items()]

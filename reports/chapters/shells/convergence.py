@@ -150,7 +150,7 @@ def _parts(store: Store, data: pd.DataFrame) -> Part:
 
 The difference of the finest mesh from a reference is the sum of two parts: the *mesh* part, the value on that mesh less
 the extrapolated one, vanishes with the elements; the *model* part, the extrapolated value less the reference, does
-not, and tells the shell, its section or the reference itself. A model part counts only where it is larger than the
+not: it is that of the shell, its section or the reference itself. A model part counts only where it is larger than the
 uncertainties of limit and reference together; that is so in {len(beyond)} of {len(found)} comparisons. Kinds:
 *exact* is a closed form, *computed* another program or a solid, *read* a public transcription of published values,
 *printed* the source itself.""")

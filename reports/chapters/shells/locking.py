@@ -148,7 +148,8 @@ def _membrane(store: Store) -> Part:
 
 An octant of a shell of revolution under the pressure p cos 2φ, R = 1 and half the length 1, n x n elements, against a
 spectral solution of the same shell. Free ends let it bend without stretching, and there a membrane strain that bending
-does not have is fatal; clamped ends stretch it, and there a remedy must not lose anything. The error is that of the
+does not have makes it lock; clamped ends stretch it, and there a remedy must not lose anything. The error is that
+of the
 energy norm, the square root of |1 - U_h/U|. With assumed strains U_h may exceed U; where it passes U on its way, the
 error dips without the solution being any better.""")
     words = "Error in the energy norm over h/R, by surface, ends, mesh and membrane"

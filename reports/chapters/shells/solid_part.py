@@ -47,7 +47,8 @@ and the model part, what one director and the constant S33 of the shell are wort
 A patch grows by whole nodes, so its force converges irregularly: the order that three meshes show scatters, or does not
 exist (a dash). The limits below are extrapolated from the two finer meshes with the order
 {store.rules()["formal_order"]:g}; "known to" adds up how far the limits of both bodies have moved since the two coarser
-meshes. A model part smaller than that is not told from zero. Pressures at single nodes are not compared: those of
+meshes. A model part smaller than that is not distinguished from zero. Pressures at single nodes are not compared:
+those of
 quadratic faces scatter from corners to midpoints.""")
 
 

@@ -102,7 +102,7 @@ limit of its meshes, {percent(thick["limit_N"] / thick["measured_N"] - 1, 1)}; t
 {fixed(shell["limit_N"], 2)} N, {percent(shell["limit_N"] / soft["limit_N"] - 1, 1)} against the solid of its own law.
 
 The four readings are one: they lie on a line through the origin to their last digit, which no curve computed here does.
-What they say is the slope of that line; the bend of the curve was not read.""")
+They give the slope of that line; the bend of the curve was not read.""")
 
 
 def _forces(data: pd.DataFrame) -> str:
@@ -118,7 +118,7 @@ def _forces(data: pd.DataFrame) -> str:
     words = prose("""## Forces
 
 "ν = 0" is the other way to plane strain: E/(1 - ν²) and no contraction instead of sides that are held. A thin shell
-knows no difference; here the wall's own normal strain makes one.""")
+has no such difference; here the wall's own normal strain makes one.""")
     return joined(words, table("Force on half a plate, 10 mm wide [N]", header, lines, 2)).text
 
 
@@ -149,8 +149,8 @@ def _reasons(data: pd.DataFrame) -> str:
         data[data["wrong_reason"]],
     )
     if not lines:
-        return "## Right for the wrong reason\n\nNo measure is nearer to the test than the exact one by a larger error."
-    words = prose("""## Right for the wrong reason
+        return "## Agreement by errors that cancel\n\nNo measure is nearer to the test than the exact one by a larger error."
+    words = prose("""## Agreement by errors that cancel
 
 A measure that is nearer to the test than the exact one, while farther from the solid of the law that both have, owes it
 to two errors of opposite sign:""")
@@ -166,7 +166,7 @@ def _statements(data: pd.DataFrame, inputs: pd.DataFrame) -> str:
     )
     largest = inputs.groupby("input", sort=False)[["half", "relative"]].max().reset_index()
     counted = _counted(rows, rows["body"].drop_duplicates())
-    words = prose(f"""## Does the test object?
+    words = prose(f"""## Is the difference within the uncertainties?
 
 In the sense of ASME V&V 20: the comparison error E = S - D stands beside u_val = √(u_num² + u_input² + u_D²). u_num is
 half of the uncertainty of the meshes' limit; u_input what half of the last digit of each datum changes, and friction up
