@@ -149,7 +149,8 @@ def _reasons(data: pd.DataFrame) -> str:
         data[data["wrong_reason"]],
     )
     if not lines:
-        return "## Agreement by errors that cancel\n\nNo measure is nearer to the test than the exact one by a larger error."
+        nothing = "No measure is nearer to the test than the exact one by a larger error."
+        return f"## Agreement by errors that cancel\n\n{nothing}"
     words = prose("""## Agreement by errors that cancel
 
 A measure that is nearer to the test than the exact one, while farther from the solid of the law that both have, owes it
