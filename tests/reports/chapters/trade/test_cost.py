@@ -48,7 +48,7 @@ def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
     text = cost_page(load_store(own_store)).text
     assert f"{len(MODELS) - 2} of {len(MODELS)} models give the force" in text
     assert row(text, "| angle plies | `half` | 10080 ")[-2:] == ["3.0e-08", "under 1e-09"]
-    assert row(text, "| isotropic | `mirror` | 10 ")[-1] == "inf"
+    assert row(text, "| isotropic | `mirror` | 10080 ")[-1] == "inf"
 
 
 def test_grids_that_reach_an_error(store: Path) -> None:
