@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from reports.chapter import Chapter
 from reports.chapters.contact.agreement_cases import CASE, OF_CASE, Entry, entries, refusals
 from reports.chapters.contact.robustness import robustness
@@ -87,7 +89,7 @@ def _histories(solved: list[Entry]) -> Part:
     load, section = exact[0].case
     text = prose(f"""## Iterations of one step
 
-The last step, from {first[0].travels[-2]:g} to {first[0].travels[-1]:g} mm, under the {load} load with the section
+The last step of the path, to {max(first[0].travels, default=math.nan):g} mm, under the {load} load with the section
 `{section}` and the exact condition, a panel an algorithm.""")
     words = "Residual over the iterations of the last step, with the nodes in contact"
     return joined(text, picture("contact-iterations.svg", words, iterations(histories)))

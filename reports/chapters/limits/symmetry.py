@@ -10,7 +10,7 @@ from reports.formats import code, fixed, scientific
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store
 
-INTRODUCTION = prose("""# Symmetry and invariance
+INTRODUCTION = prose("""# Symmetry
 
 An answer must not depend on the order of the nodes, on which coordinate is called the first, on the units, on the
 number of load steps, or on where in space the body is. Each check compares two answers that ought to be one, or an
