@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -49,11 +50,11 @@ def unnamed(figure: Figure) -> Iterator[str]:
     """Panels with a label that no legend has, or with two colours of which one is in none."""
     legends = [*figure.legends, *(each for axes in figure.axes if (each := axes.get_legend()) is not None)]
     words = {text.get_text() for legend in legends for text in legend.get_texts()}
-    marked = {colour for legend in legends for handle in legend.legend_handles for colour in coloured(handle)}
+    marked = {colour for legend in legends for handle in legend.legend_handles if handle for colour in coloured(handle)}
     for axes in figure.axes:
         labels = {line.get_label() for line in axes.lines if not str(line.get_label()).startswith("_")}
         yield from (f"{axes.get_title()}: {label}" for label in labels - words if labels)
-        colours = {colour for line in axes.lines if len(line.get_xdata()) > 1 for colour in coloured(line)}
+        colours = {colour for line in axes.lines if np.size(line.get_xdata()) > 1 for colour in coloured(line)}
         if len(colours) > 1:
             yield from (f"{axes.get_title()}: {colour}" for colour in colours - marked)
 
@@ -61,16 +62,17 @@ def unnamed(figure: Figure) -> Iterator[str]:
 @pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_every_legend_names_every_series(store: Path) -> None:
-    loaded, lost = load_store(store), {}
+    loaded = load_store(store)
+    lost: set[str] = set()
     for chapter in CHAPTERS:
         if not chapter.applies(loaded):
             continue
         for name, picture in chapter.render(loaded).pictures.items():
             with drawn() as figures:
                 picture()
-            lost |= {f"{name}, {each}": True for figure in figures for each in unnamed(figure)}
+            lost |= {f"{name}, {each}" for figure in figures for each in unnamed(figure)}
     assert loaded.pages == ALL
-    assert list(lost) == []
+    assert lost == set()
 
 
 def lines_of(axes: Axes) -> None:

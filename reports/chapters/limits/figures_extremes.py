@@ -85,9 +85,9 @@ def _filled(axes: Axes, classes: np.ndarray, names: list[str]) -> None:
 def _costs(axes: Axes, solved: pd.DataFrame) -> None:
     """Newton iterations beside the points that converged, at as many as there is room for."""
     apart = 1 + int(max(solved["i"].max(), solved["j"].max()) // 12) if len(solved) else 1
-    for row in solved.itertuples():
-        if row.i % apart == 0 and row.j % apart == 0:
-            axes.annotate(f"{row.iterations:.0f}", (row.j, row.i), (0, 4), **_SMALL)
+    for row in solved.to_dict("records"):
+        if row["i"] % apart == 0 and row["j"] % apart == 0:
+            axes.annotate(f"{row['iterations']:.0f}", (row["j"], row["i"]), (0, 4), **_SMALL)
 
 
 def _ticks(axes: Axes, points: pd.DataFrame, named: bool) -> None:

@@ -38,7 +38,8 @@ def fuzz_page(store: Store) -> Part:
 def _overview(cases: pd.DataFrame) -> Part:
     """Kind by outcome."""
     words = [word for word in cases["word"].value_counts().index if word]
-    kinds = {KINDS.get(str(kind), kind or "the process died"): own for kind, own in cases.groupby("kind", sort=False)}
+    of_kind = cases.groupby("kind", sort=False)
+    kinds = {KINDS.get(str(kind), str(kind) or "the process died"): own for kind, own in of_kind}
     rows = [["all", *(len(own) for own in kinds.values())]]
     rows += [[word, *(_counts(own, "word", words)[i] for own in kinds.values())] for i, word in enumerate(words)]
     broken = int((cases["verdict"] == "broken").sum())

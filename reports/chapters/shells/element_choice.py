@@ -48,9 +48,9 @@ where it is so on every mesh or on none. *Iterations*: of Newton's method over t
     coarsest = found.assign(**{who: [float(row.split()[0]) for row in found[who]] for who in ("paper", "default")})
     unlike = coarsest[coarsest["verdict"] != "equal"]
     words = "Error on the coarsest mesh by both elements, a row a quantity in which they are not equal"
-    shown = picture("convergence-elements.svg", words, both_elements(unlike)) if len(unlike) else ""
+    drawn = picture("convergence-elements.svg", words, both_elements(unlike)) if len(unlike) else ""
     listed = folded("Both elements on two meshes", table("Errors of both elements", header, rows, words=4))
-    return joined(text, shown, listed, _commands(store, found))
+    return joined(text, drawn, listed, _commands(store, found))
 
 
 def _commands(store: Store, found: pd.DataFrame) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -28,10 +30,10 @@ def mesh_changes(data: pd.DataFrame) -> Figure:
         first, values = own.iloc[0], own["value"].to_numpy(float)
         change = np.abs(np.diff(values) / values[-1])
         j, drawn[first["ladder"]] = drawn[first["ladder"]], drawn[first["ladder"]] + 1
-        line = {"color": look(scenes.index(first["ladder"])).colour, "linestyle": LINES[j % len(LINES)]}
-        marker = {"marker": MARKERS[j % len(MARKERS)], "fillstyle": "full" if first["asymptotic"] else "none"}
+        how: dict[str, Any] = {"color": look(scenes.index(first["ladder"])).colour, "linestyle": LINES[j % len(LINES)]}
+        how |= {"marker": MARKERS[j % len(MARKERS)], "fillstyle": "full" if first["asymptotic"] else "none"}
         name = f"{first['ladder']}, {quantity(first['quantity'])}: {fixed(own['order'].iloc[-1], 2)}"
-        axes.plot(own["dofs"].to_numpy(float)[:-1], np.where(change > 0, change, np.nan), **line, **marker, label=name)
+        axes.plot(own["dofs"].to_numpy(float)[:-1], np.where(change > 0, change, np.nan), **how, label=name)
     axes.set(xscale="log", yscale="log", xlabel="unknowns", ylabel="relative change to the next mesh")
     _orders(axes)
     figure.legend(loc="outside right upper", fontsize=8)
@@ -60,12 +62,13 @@ def both_elements(found: pd.DataFrame) -> Figure:
     ).abs()
     rows = found.assign(apart=apart).sort_values("apart", kind="stable").reset_index(drop=True)
     figure, (axes,) = canvas(width=9.0, height=0.21 * len(rows) + 1.3)
-    for i, row in rows.iterrows():
+    each = rows.to_dict("records")
+    for i, row in enumerate(each):
         sizes = [max(abs(row[name]), SMALLEST) for name in ("paper", "default")]
         axes.plot(sizes, [i, i], color=GREY, linewidth=1)
     for name, marker, colour in (("paper", "s", ORANGE), ("default", "o", BLUE)):
         axes.plot(rows[name].abs().clip(lower=SMALLEST), rows.index, marker, color=colour, linestyle="none")
-    axes.set_yticks(range(len(rows)), [f"{r.ladder}, {quantity(r.quantity)}" for r in rows.itertuples()], fontsize=7)
+    axes.set_yticks(range(len(rows)), [f"{row['ladder']}, {quantity(row['quantity'])}" for row in each], fontsize=7)
     axes.set(xscale="log", xlabel="relative error on the coarsest mesh", ylim=(-0.7, len(rows) - 0.3))
     axes.axvline(0.01, color=BLACK, linewidth=0.8, linestyle=":")
     keys = [

@@ -30,8 +30,8 @@ def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
             axes.step(grids["unknowns"], worst, where="post", linewidth=1.1, **look.dashes)
             axes.plot(grids["unknowns"], error, linestyle="none", markersize=4.5, **look.points)
             axes.plot([], [], label=family, **look.whole)
-        for error in errors:
-            axes.axhline(error, color=BLACK, linewidth=1, linestyle=":")
+        for level in errors:
+            axes.axhline(level, color=BLACK, linewidth=1, linestyle=":")
         axes.axhspan(LEAST / 2, own["known"].iloc[0], color=BLACK, alpha=0.08, linewidth=0)
         axes.set(title=f"element {element}", xlabel="unknowns", xscale="log", yscale="log", ylim=(LEAST / 2, None))
         axes.tick_params(axis="x", which="minor", labelbottom=False)
