@@ -44,6 +44,7 @@ from studies.analysis.suspicious import flags
 from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
 from studies.bench.scaling import FITTED_FROM, exponents
+from studies.catalogue.tables import catalogue_tables
 from studies.scene import UsageError
 from studies.store.atomic import write_table
 
@@ -82,6 +83,7 @@ def analyse(store: Path, campaign: str) -> list[Path]:
     table = collect(store, campaign)
     tables = analysed(table) | compared(store, campaign, table)
     paths = written(store, campaign, tables | concluded(table, tables))
+    paths += written(store, campaign, catalogue_tables(store, campaign, tables["convergence"]))
     return [*paths, *written(store, campaign, statement_tables(store, campaign))]
 
 
@@ -121,15 +123,14 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
 
 def concluded(table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     """What is to be said of measures and contact algorithms, from a collected table and those of the analysis."""
-    split, requests = tables["verified"], dict(zip(table["label"], table["request"], strict=True))
-    scenes = tables["fronts"].assign(request=tables["fronts"]["label"].map(requests))
+    split = tables["verified"]
     return {
         "outcomes": outcomes(table),
         "contact_summary": contact_summary(table),
         "regimes": regimes(table, split, tables["measure_errors"]),
         "price_of_accuracy": price_of_accuracy(table, split),
-        "equal_accuracy": equal_accuracy(scenes),
-        "cheaper_measures": cheaper_measures(scenes),
+        "equal_accuracy": equal_accuracy(tables["fronts"]),
+        "cheaper_measures": cheaper_measures(tables["fronts"]),
     }
 
 

@@ -65,8 +65,8 @@ def meaning_of(name: str) -> str:
         return SCENES[name].title
     if name in MEASURES:
         measure = MEASURES[name]
-        return getattr(measure, "meaning", "") or _paragraphs(measure)[0]
-    return _paragraphs(ALGORITHMS[name]())[0]
+        return getattr(measure, "meaning", "") or paragraphs(measure)[0]
+    return paragraphs(ALGORITHMS[name]())[0]
 
 
 def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Setting]) -> Description:
@@ -83,7 +83,7 @@ def _described(name: str, kind: str, body: Iterable[str], settings: Sequence[Set
 
 
 def _of_scene(scene: Scene) -> Iterator[str]:
-    yield from ("", *_plain(inspect.getdoc(inspect.getmodule(type(scene))) or "").splitlines(), "")
+    yield from ("", *plain_text(inspect.getdoc(inspect.getmodule(type(scene))) or "").splitlines(), "")
     yield f"mesh {scene.default_mesh[0]}x{scene.default_mesh[1]} by default, elements along a1 and a2"
     yield f"models {', '.join(scene.models)}" if isinstance(scene, SettlingScene) else "models auto, full"
 
@@ -108,13 +108,14 @@ def _of_measure(measure: StrainMeasure) -> Iterator[str]:
         yield f"  th_a = -v_3,a/A_a{'' if measure.kinematics.shallow else ' + k_a v_a'}"
         yield f"  zeta_a = 1{'' if measure.kinematics.thin else ' + k_a d'}"
     else:
-        yield from ("", *_paragraphs(measure)[1:])
+        yield from ("", *paragraphs(measure)[1:])
     yield from ("", "strain left by a rigid motion (amount or angle theta, stretch zeta of the face), by its law:")
-    yield from columns([(f.name, _law(measure.rigid_body_law, f.name)) for f in fields(RigidBodyLaw)], "  ")
+    yield from columns([(f.name, law_text(measure.rigid_body_law, f.name)) for f in fields(RigidBodyLaw)], "  ")
     yield from ("", f"source: {measure.reference}")
 
 
-def _law(laws: RigidBodyLaw, motion: str) -> str:
+def law_text(laws: RigidBodyLaw, motion: str) -> str:
+    """A law in one line: its formula, or its value where it states none."""
     law = getattr(laws, motion)
     stated = (inspect.getdoc(law) or "").splitlines()
     return stated[0] if stated else f"{law(0.1, 1.05):.3g} at 0.1, zeta = 1.05"
@@ -122,18 +123,18 @@ def _law(laws: RigidBodyLaw, motion: str) -> str:
 
 def _of_algorithm(algorithm: ContactAlgorithm) -> Iterator[str]:
     yield ""
-    for paragraph in _paragraphs(algorithm)[1:]:
+    for paragraph in paragraphs(algorithm)[1:]:
         yield from paragraph.splitlines()
     yield from ("", f"when: {inspect.getdoc(algorithm.supports)}")
 
 
-def _paragraphs(part: object) -> list[str]:
+def paragraphs(part: object) -> list[str]:
     """The docstring of the part's class; its module's where the class has none."""
     text = inspect.getdoc(type(part)) or inspect.getdoc(inspect.getmodule(type(part))) or ""
-    return _plain(text).split("\n\n")
+    return plain_text(text).split("\n\n")
 
 
-def _plain(text: str) -> str:
+def plain_text(text: str) -> str:
     """A docstring without its markup."""
     text = re.sub(r":\w+:`([^`]*)`", r"\1", text).replace("``", "")
     return re.sub(r"(?<=\S) +", " ", text)

@@ -1,0 +1,107 @@
+"""The tables that pictures of the scenes are drawn from: bodies at rest and deformed, supports and loads on them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import pandas as pd
+
+from formulations.shell import ShellModel
+from formulations.solid import SolidDiscretisation
+from studies.analysis.answers import Answers
+from studies.campaigns.sheet_cells import GROUP
+from studies.catalogue.fields import read_fields, skin
+from studies.catalogue.loads import arrows, middle_of
+from studies.catalogue.models import Built
+from studies.catalogue.supports import held_of
+
+POINTS = ("label", "scene", "point", "x", "y", "z", "ux", "uy", "uz", "pressure")
+QUADS = ("label", "a", "b", "c", "d")
+MARKS = ("scene", "kind", "x", "y", "z", "dx", "dy", "dz")
+DIGITS = 6
+Mark = tuple[str, np.ndarray]  # kind, and a point with a direction (6,)
+
+
+def drawn_bodies(answers: Answers) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """POINTS of the skin [mm, MPa], and QUADS of their numbers, of all cells of the sheets that have fields."""
+    points, quads = [], []
+    for label, row in answers.planned.items():
+        answer = answers.get(label) if row.get("group") == GROUP else None
+        if answer is None or not (answer.files / "fields.vtu").exists():
+            continue
+        fields = read_fields(answer.files / "fields.vtu")
+        faces = skin(fields.cells)
+        used, numbers = np.unique(faces, return_inverse=True)
+        values = np.column_stack([fields.points, fields.data["displacement"], fields.data["pressure"]])[used]
+        body = pd.DataFrame(rounded(values), columns=POINTS[3:])
+        points.append(body.assign(label=label, scene=row["scene"], point=np.arange(len(used)))[list(POINTS)])
+        quads.append(pd.DataFrame(numbers.reshape(-1, 4), columns=QUADS[1:]).assign(label=label)[list(QUADS)])
+    return _table(points, POINTS), _table(quads, QUADS)
+
+
+def marks(built: Sequence[Built]) -> pd.DataFrame:
+    """MARKS: a symbol a row; held and hinged points with their direction, forces and couples by their own length."""
+    tables = []
+    for each in built:
+        kinds, values = zip(*_marks(each), strict=True)
+        own = pd.DataFrame(rounded(np.array(values)), columns=MARKS[2:])
+        tables.append(own.assign(scene=each.cell.scene, kind=kinds)[list(MARKS)])
+    return _table(tables, MARKS)
+
+
+def _marks(built: Built) -> Iterator[Mark]:
+    if isinstance(built.body, ShellModel):
+        yield from _shell_marks(built.body)
+    elif isinstance(built.body, SolidDiscretisation):
+        yield from _solid_marks(built.body)
+    if built.normal is not None:
+        yield "plane", _row(np.zeros(3), built.normal)
+
+
+def _shell_marks(shell: ShellModel) -> Iterator[Mark]:
+    body = shell.discretisation
+    at, frame = middle_of(body), body.surface.frame(*body.grid.nodes.T)
+    held, middle = held_of(body)
+    for node in np.flatnonzero(held.any(axis=(1, 2)) | middle.any(axis=1)):
+        if held[node].all():
+            yield "clamped", _row(at[node], np.zeros(3))
+            continue
+        if middle[node].all():
+            yield "hinged", _row(at[node], np.zeros(3))
+            continue
+        for i in range(3):
+            if held[node, i].any() or middle[node, i]:
+                yield "held" if held[node, i].all() else "middle held", _row(at[node], frame[node, i])
+    for each in arrows(shell):
+        for point, along in zip(each.at, each.along, strict=True):
+            yield each.kind, _row(point, along)
+    if shell.pressure is not None and shell.pressure.value:
+        for point, normal in zip(at, frame[:, 2], strict=True):
+            yield "pressure", _row(point, np.sign(shell.pressure.value) * normal)
+
+
+def _solid_marks(solid: SolidDiscretisation) -> Iterator[Mark]:
+    for node in np.flatnonzero(solid.fixed.any(axis=1)):
+        if solid.fixed[node].all():
+            yield "clamped", _row(solid.mesh.x[node], np.zeros(3))
+            continue
+        for i in np.flatnonzero(solid.fixed[node]):
+            yield "held", _row(solid.mesh.x[node], np.eye(3)[i])
+
+
+def _row(at: np.ndarray, along: np.ndarray) -> np.ndarray:
+    return np.concatenate([at, along])
+
+
+def rounded(values: np.ndarray) -> np.ndarray:
+    """Columns to six digits of their largest value: more is not seen."""
+    sizes = np.abs(values).max(axis=0, initial=0.0)
+    places = [DIGITS - 1 - math.floor(math.log10(size)) if size > 0 else 0 for size in sizes]
+    columns = [np.round(column, place) for column, place in zip(values.T, places, strict=True)]
+    return np.stack(columns, axis=-1) + 0.0
+
+
+def _table(parts: list[pd.DataFrame], columns: Sequence[str]) -> pd.DataFrame:
+    return pd.concat(parts, ignore_index=True) if parts else pd.DataFrame(columns=list(columns))
