@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from reports.chapter import Chapter
+from reports.chapters.catalogue import gallery
 from reports.chapters.contact import agreement, algorithms, epsilon
 from reports.chapters.limits import extremes, fuzz, shell_limits, symmetry
 from reports.chapters.overview import data
@@ -22,7 +23,7 @@ GROUPS = {
     "Verification": (*(tyre, benchmarks, convergence, manufactured, rigid_body, locking, symmetry, fuzz, experiment),),
     "Contact": (agreement, algorithms, epsilon, extremes),
     "Cost": (tradeoff, cost),
-    "Catalogue": (),
+    "Catalogue": (gallery,),
     "Data": (data,),
 }
 CHAPTERS: list[Chapter] = [replace(each.CHAPTER, group=group) for group, modules in GROUPS.items() for each in modules]

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, grouped, link_line, listed, relative
+from reports.chapters.catalogue.gallery import sheets, with_appearances
 from reports.chapters.overview.campaign import campaign_page
 from reports.chapters.overview.data import DATA, data_files
 from reports.chapters.overview.index import index_page
@@ -48,12 +49,12 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
 
     draw: False where only the names of the pictures count; none is drawn then.
     """
-    chapters = [each for each in CHAPTERS if each.applies(store)]
+    chapters = [each for each in CHAPTERS if each.applies(store)] + sheets(store)
     first = index_page if store.pages == ALL else campaign_page
     made = {each.file: _made(each, store) for each in chapters}
     parts = {INDEX: first(store, listed(chapters)), **made}
     pictures = {name: each() if draw else UNDRAWN for part in parts.values() for name, each in part.pictures.items()}
-    texts = {name: part.text for name, part in parts.items()}
+    texts = with_appearances({name: part.text for name, part in parts.items()}, chapters)
     titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
     linked = {each.file: _headed(store, each, texts[each.file], link_line(chapters, each.file)) for each in chapters}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}

@@ -19,11 +19,14 @@ from matplotlib.figure import Figure
 
 from reports.site import rendered
 from reports.store.tables import load_store
+from studies.analysis.everything import written
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import LADDERS, Ladder
 from studies.campaigns.plan import Row
 from studies.campaigns.report_cells import GROWING, LISTS
 from studies.campaigns.sheet_cells import GROUP as SHEETS
+from studies.catalogue.models import built
+from studies.catalogue.tables import catalogue_tables
 from studies.experiments import epsilon as epsilon_study
 from studies.experiments import locking, rigid_body
 from studies.experiments.extremes import maps as extremes
@@ -37,7 +40,7 @@ from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_t
 from support.made_up import analysed_again, linked
 from support.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.rings import made_up_laws, made_up_ring
-from support.sheets import cube_text, sheet_answer
+from support.sheets import BUILT, DRAWN, cube_text, sheet_answer
 from support.walls import made_up_walls
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
@@ -387,7 +390,8 @@ def write_cell(cell: Cell, directory: Path) -> Row:
         at, quantities = sheet_answer(cell)
         known = tyre_step(20.0, "exact") if cell.scene.startswith("tyre") else {**JUDGED, "rounding": 1e-8}
         steps = [{**known, "newton_iterations": 4, "substeps": 1, **at}]
-        write_text(directory / "fields.vtu", cube_text())
+        if cell.scene in DRAWN:
+            write_text(directory / "fields.vtu", cube_text())
     elif cell.scene.startswith("tyre"):
         deltas = [float(delta) for delta in settings["delta_mm"]]
         steps = [tyre_step(delta, request.measure) for delta in deltas]
@@ -447,6 +451,8 @@ def _fill(root: Path) -> None:
     told = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
     write_json(root / "campaigns" / "report.json", {**told, "cells": rows})
     analysed_again(root)
+    models = [built(name) for name in BUILT]
+    written(root, "report", catalogue_tables(root, "report", pd.read_csv(root / "tables/convergence.csv"), models))
 
 
 def without_svg(patch: pytest.MonkeyPatch) -> None:

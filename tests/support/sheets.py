@@ -13,6 +13,7 @@ from studies.campaigns.cell import Cell
 from studies.scenes import SCENES
 from studies.store.vtu import write_vtu
 
+BUILT, DRAWN = ("cantilever", "strip-contact"), ("tyre", "strip-contact")  # scenes with a model, and with fields
 LOADS = ("load_fraction", "delta_mm")
 CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))  # in VTK's order
 

@@ -1,0 +1,100 @@
+"""The tables of the catalogue, read once for all of its sheets, and what these share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import pandas as pd
+
+from reports.chapters.catalogue.bodies import Body
+from reports.formats import said
+from reports.markdown import listing
+from reports.store.tables import Store
+
+TABLES = ("parts", "settings", "facts", "plies", "terms", "laws", "values", "answers", "marks", "points", "quads")
+NEEDS = tuple(f"sheet_{name}" for name in TABLES)
+FRAME = "sheet tyre at "  # how the labels of the filmstrip begin
+SETTING_HEADS = "setting | default | unit | range | meaning"
+SETTING_LINE = "{key:code} | {default:said} | {unit} | {range} | {meaning}"
+KINDS = {"scene": "Scene", "measure": "Strain measure", "algorithm": "Contact algorithm"}
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A row of the table of parts."""
+
+    kind: str
+    part: str
+    meaning: str
+    about: str
+    source: str
+    module: str
+
+    @property
+    def name(self) -> str:
+        """Of its page."""
+        return f"sheets/{self.kind}-{self.part}"
+
+    @property
+    def title(self) -> str:
+        """Of its page."""
+        return f"{KINDS[self.kind]}: {self.part}"
+
+
+@dataclass(frozen=True, eq=False)
+class Catalogue:
+    """The tables of the sheets by their short names; bodies by the labels of their cells."""
+
+    store: Store
+    tables: dict[str, pd.DataFrame]
+    bodies: dict[str, Body] = field(repr=False)
+
+    @classmethod
+    def of(cls, store: Store) -> Catalogue:
+        """Reads them all."""
+        tables = {name: store.analysis(f"sheet_{name}") for name in TABLES}
+        quads = dict(iter(tables["quads"].groupby("label", sort=False)))
+        bodies = {}
+        for label, own in tables["points"].groupby("label", sort=False):
+            rest, u, pressure = (
+                own[each].to_numpy(float) for each in (["x", "y", "z"], ["ux", "uy", "uz"], "pressure")
+            )
+            bodies[str(label)] = Body(rest, u, pressure, quads[label][["a", "b", "c", "d"]].to_numpy(int))
+        return cls(store, tables, bodies)
+
+    def own(self, table: str, **where: str) -> pd.DataFrame:
+        """The rows of a table with these words."""
+        found = self.tables[table]
+        keep = np.logical_and.reduce([found[key] == value for key, value in where.items()])
+        return found[keep]
+
+    def sheets(self, *kinds: str) -> Iterator[Sheet]:
+        """The parts of some kinds, in the order of their catalogues."""
+        parts = self.tables["parts"].fillna("")
+        columns = ["kind", "part", "meaning", "about", "source", "module"]
+        yield from (Sheet(*map(str, row)) for row in parts.loc[parts["kind"].isin(kinds), columns].to_numpy())
+
+    def body(self, scene: str) -> Body | None:
+        """That of the sheet of a scene, None where its cell has no fields."""
+        return self.bodies.get(f"sheet {scene}")
+
+    @property
+    def frames(self) -> list[tuple[str, Body]]:
+        """The tyre at growing travel."""
+        return [(label.removeprefix(FRAME), body) for label, body in self.bodies.items() if label.startswith(FRAME)]
+
+    def settings(self, kind: str, part: str) -> str:
+        """Settings with meaning, unit, range and default."""
+        own = self.own("settings", kind=kind, part=part).fillna("")
+        if own.empty:
+            return ""
+        shown = listing("Settings, --set KEY=VALUE", own, SETTING_HEADS, SETTING_LINE, words=5, said=said)
+        return f"## Settings\n\n{shown}"
+
+
+def about(text: str) -> str:
+    """Paragraphs of a part's own words; what looks like markup is none."""
+    plain = text.replace("<", "&lt;").replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
+    return f"## About\n\n{plain}" if text.strip() else ""
