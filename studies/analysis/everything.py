@@ -123,14 +123,15 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
 
 def concluded(table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
     """What is to be said of measures and contact algorithms, from a collected table and those of the analysis."""
-    split = tables["verified"]
+    split, requests = tables["verified"], dict(zip(table["label"], table["request"], strict=True))
+    scenes = tables["fronts"].assign(request=tables["fronts"]["label"].map(requests))
     return {
         "outcomes": outcomes(table),
         "contact_summary": contact_summary(table),
         "regimes": regimes(table, split, tables["measure_errors"]),
         "price_of_accuracy": price_of_accuracy(table, split),
-        "equal_accuracy": equal_accuracy(tables["fronts"]),
-        "cheaper_measures": cheaper_measures(tables["fronts"]),
+        "equal_accuracy": equal_accuracy(scenes),
+        "cheaper_measures": cheaper_measures(scenes),
     }
 
 

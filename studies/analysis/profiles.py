@@ -15,6 +15,7 @@ import pandas as pd
 from studies.algorithm_settings import settings_of
 from studies.analysis.fronts import TIE, counting
 from studies.analysis.rows import PRICES
+from studies.analysis.verify import ELEMENT
 from studies.request import Request
 from studies.solving import SOLVED
 
@@ -48,9 +49,7 @@ def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
         price = rows[f"cost.{cost}"].astype(float).where(rows["outcome"].isin(SOLVED), np.inf)
         keys = ["scene", "problem"]
         return rows.assign(cost=price).pivot_table(index=keys, columns=axis, values="cost", aggfunc="min", sort=False)
-    main = fronts[fronts["main"] & (fronts["flag"] != "unsupported")].dropna(subset=[axis])
-    asked = main.groupby("scene")[axis].nunique()
-    main = main[main["scene"].isin(asked[asked == asked.max()].index)]
+    main = comparable(fronts, axis)
     good = main[main["flag"] == ""]
     reached = good.assign(bound=counting(good) + good["uncertainty"], cost=good[f"cost.{cost}"].astype(float))
     parts = {
@@ -59,6 +58,20 @@ def field(fronts: pd.DataFrame, axis: str, cost: str) -> pd.DataFrame:
         for target in TARGETS
     }
     return pd.DataFrame(parts, index=main[axis].unique()).T.fillna(np.inf) if parts else pd.DataFrame()
+
+
+def comparable(fronts: pd.DataFrame, axis: str) -> pd.DataFrame:
+    """The cells of ``main`` questions in the scenes in which all levels of an axis compete, on what all were asked.
+
+    A mesh, or an algorithm, that one of them alone was given would be its advantage.
+    """
+    main = fronts[fronts["main"] & (fronts["flag"] != "unsupported")].dropna(subset=[axis])
+    asked = main.groupby("scene")[axis].nunique()
+    most = asked.max()
+    main = main[main["scene"].isin(asked[asked == most].index)]
+    chosen = ELEMENT if axis == "element" else (axis,)
+    ways = main["request"].map(lambda request: request.key(chosen))
+    return main[main.groupby(["scene", ways.rename("way")])[axis].transform("nunique") == most]
 
 
 def problems(matrix: pd.DataFrame, axis: str) -> pd.DataFrame:

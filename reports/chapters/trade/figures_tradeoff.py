@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -27,20 +28,28 @@ COST_WORDS = {
 
 
 @svg
-def profiles(data: pd.DataFrame, cost: str) -> Figure:
-    """Share of problems within a factor of the best, a panel an axis of comparison, a line a competitor."""
-    kinds = data[data["cost"] == cost].groupby("axis", sort=False)
-    figure, panels = canvas(len(kinds), columns=2, width=10.0, height=4.4)
-    for axes, (kind, own) in zip(panels, kinds, strict=True):
-        drawn = looks(own["competitor"])
+def profiles(data: pd.DataFrame, costs: Sequence[str]) -> Figure:
+    """Share of problems within a factor of the best: a row an axis of comparison, a panel a cost, a line a competitor.
+
+    At the right end stands the share that each solves, however dear.
+    """
+    kinds = list(dict.fromkeys(data["axis"]))
+    figure, panels = canvas(len(kinds) * len(costs), columns=len(costs), width=10.0, height=4.4)
+    for axes, (kind, cost) in zip(panels, product(kinds, costs), strict=True):
+        own = data[(data["axis"] == kind) & (data["cost"] == cost)]
+        drawn, ends = looks(own["competitor"]), []
         for name, line in own.groupby("competitor", sort=False):
-            words = f"{name} ({100 * line['solved'].iloc[0]:.0f} % solved)"
-            axes.step(line["factor"], line["share"], where="post", label=words, **drawn[name].dashes)
+            solved = float(line["solved"].iloc[0])
+            words = f"{name} ({100 * solved:.0f} % solved)"
+            (shown,) = axes.step(line["factor"], line["share"], where="post", label=words, **drawn[name].dashes)
+            ends.append((solved, shown.get_color()))
         axes.set(xscale="log", ylim=(-0.02, 1.03), xlim=(1, own["factor"].max()))
+        for solved, colour in ends:
+            axes.plot([1.0, 1.03], [solved, solved], color=colour, clip_on=False, transform=axes.get_yaxis_transform())
         _factors(axes, (1, 2, 5, 10, 20))
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
         axes.set_title(f"{kind}, {own['problems'].iloc[0]} problems")
-        axes.set(xlabel=f"{cost} over those of the best", ylabel="share of problems")
+        axes.set(xlabel=f"{cost} over those of the best; right: solved at all", ylabel="share of problems")
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2, fontsize=8)
     return figure
 
@@ -55,6 +64,7 @@ def attribution(data: pd.DataFrame, responses: Sequence[str]) -> Figure:
     """Shares of the variance, a panel a response, a bar a scene or family, a colour a factor."""
     colours = {name: each.colour for name, each in looks(FACTORS).items() if (data["factor"] == name).any()}
     colours |= {"interactions": "#888888", "rest": "#DDDDDD"}
+    said = {"rest": "rest, unexplained", "interactions": "pairs of factors"}
     names = list(dict.fromkeys(zip(data["scope"], data["name"], strict=True)))[::-1]
     words = [name if scope == "scene" else f"all {name}" for scope, name in names]
     figure, panels = canvas(len(responses), width=10.0, height=1.4 + 0.27 * len(names))
@@ -66,12 +76,13 @@ def attribution(data: pd.DataFrame, responses: Sequence[str]) -> Figure:
                 share = float(own.get((scope, name, factor), 0.0))
                 axes.barh(i, share, left=start, color=colour, height=0.75, edgecolor="white", linewidth=0.4)
                 start += share
-            axes.barh(i, max(1.0 - start, 0.0), left=start, height=0.75, **BOTH)
+            if start > 0.0:  # else nothing was told apart
+                axes.barh(i, max(1.0 - start, 0.0), left=start, height=0.75, **BOTH)
         axes.set_yticks(range(len(names)), words if axes is panels[0] else [""] * len(names), fontsize=8)
         axes.set(xlim=(0, 1), xlabel="share of the variance", title=f"logarithm of {_article(response)}")
         axes.xaxis.set_major_formatter(PercentFormatter(1.0))
         axes.grid(visible=False, axis="y")
-    keys = [Patch(color=colour, label=factor) for factor, colour in colours.items()]
+    keys = [Patch(color=colour, label=said.get(factor, factor)) for factor, colour in colours.items()]
     keys.append(Patch(**BOTH, label="by no factor alone"))
     figure.legend(handles=keys, loc="outside upper center", ncols=6)
     return figure

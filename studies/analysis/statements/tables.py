@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.statements import agreement, contact, cost, laws, shells, tyre
+from studies.analysis.statements import agreement, contact, cost, laws, shells, trade, tyre
 from studies.analysis.statements.record import Evidence, Maker, Statement, as_tables
 
 MAKERS: Sequence[Maker] = (
     *(*tyre.MAKERS, *shells.MAKERS, *laws.MAKERS),
-    *(*agreement.MAKERS, *contact.MAKERS, *cost.MAKERS),
+    *(*agreement.MAKERS, *contact.MAKERS, *cost.MAKERS, *trade.MAKERS),
 )
 
 

@@ -160,6 +160,7 @@ def test_a_measure_that_reaches_an_error_for_less_is_found() -> None:
     assert seconds.loc["linear", "solved"] == pytest.approx(0.2)
     assert np.isnan(seconds.loc["linear", "ratio"]), "one problem is too few"
     assert seconds.loc["", counts].tolist() == [8, 5, 2, 1, 0, 2]
+    assert seconds.loc[["sanders", "donnell", ""], "cheaper_both"].tolist() == [5, 0, 5]
     named = cheaper_measures(scenes)
     assert set(named["measure"]) == {"sanders"}
     assert set(named["cost"]) == {"seconds", "operations"}
@@ -182,3 +183,12 @@ def test_an_error_that_cancels_another_counts_as_that_of_the_formulation() -> No
 
 def test_the_conclusion_has_a_kind_for_every_measure_of_ours() -> None:
     assert set(KINDS) == set(MEASURES)
+
+
+def test_a_mesh_that_one_measure_alone_was_given_is_no_advantage() -> None:
+    """exact is also solved at n = 12, which reaches 3 % for less than the 16 of both."""
+    table = cells(measures={"exact": 0.0, "sanders": 0.0}, sizes=(8, 16, 32))
+    more = cells(measures={"exact": 0.0}, sizes=(9, 10, 12))
+    found = equal_accuracy(fronts(both := pd.concat([table, more], ignore_index=True), verified(both)))
+    own = found[(found["cost"] == "seconds") & (found["measure"] == "sanders")].iloc[0]
+    assert own[["both", "cheaper", "ties", "dearer"]].tolist() == [4, 0, 4, 0]
