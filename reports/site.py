@@ -56,12 +56,22 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     pictures = {name: each() if draw else UNDRAWN for part in parts.values() for name, each in part.pictures.items()}
     texts = with_appearances({name: part.text for name, part in parts.items()}, chapters)
     titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
-    linked = {each.file: _headed(store, each, texts[each.file], link_line(chapters, each.file)) for each in chapters}
+    answers = {each.file: of_page(store, each.name) for each in chapters}
+    told = {name: _headed(text, answers.get(name, "")) for name, text in texts.items()}
+    linked = {name: _headed(texts[name], answer, link_line(chapters, name)) for name, answer in answers.items()}
     svgs = {f"{FIGURES}/{name}": svg for name, svg in pictures.items()}
     groups = {group: [each.file for each in pages] for group, pages in grouped(chapters).items()}
     footed = {name: f"{text}\n{foot(store)}\n" for name, text in {**texts, **linked}.items()}
     data = data_files(store) if any(each.name == DATA for each in chapters) else {}
-    return {**svgs, **data, **footed, REPORT: report_html(texts, titles, pictures, groups, foot(store))}
+    above = {each.file: f"{each.under}.md" for each in chapters if each.under}
+    html = report_html(told, titles, pictures, groups, f"{foot(store)}\n\n{_terms(data)}", above)
+    return {**svgs, **data, **footed, REPORT: html}
+
+
+def _terms(data: Mapping[str, str]) -> str:
+    """Licence and citation, below the pages in one file."""
+    where = f": see [licence and citation]({DATA}.md#licence-and-citation)" if data else ""
+    return f"© The Footprint authors; MIT licence. To be cited with version and commit{where}."
 
 
 def _made(chapter: Chapter, store: Store) -> Part:
@@ -74,10 +84,10 @@ def _made(chapter: Chapter, store: Store) -> Part:
     return Part(part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/"), part.pictures)
 
 
-def _headed(store: Store, chapter: Chapter, text: str, line: str) -> str:
-    """A page with its answer and the links to others under its heading."""
+def _headed(text: str, *lines: str) -> str:
+    """A page with lines under its heading: its answer, and the links to others."""
     heading, _, rest = text.partition("\n\n")
-    return "\n\n".join(filter(None, [heading, of_page(store, chapter.name), line, rest]))
+    return "\n\n".join(filter(None, [heading, *lines, rest]))
 
 
 def compare_pages(files: Mapping[str, str], out: Path) -> list[str]:

@@ -31,12 +31,13 @@ def report_html(
     pictures: Mapping[str, str],
     groups: Mapping[str, Sequence[str]] = MappingProxyType({}),
     foot: str = "",
+    above: Mapping[str, str] = MappingProxyType({}),
 ) -> str:
     """The file from texts and titles of the pages by file name, and the SVG of their pictures by name.
 
     groups: the pages that are linked at the top of each, by the title of their group; the first page is linked before
-    them. foot: what stands below every page. Raises ValueError for a link or a picture that leads nowhere, and for a
-    file that has become too large.
+    them. foot: what stands below every page. above: the page that lists a page, by file name. Raises ValueError for a
+    link or a picture that leads nowhere, and for a file that has become too large.
     """
     drawn = Pictures(pictures, Counter(at for text in pages.values() for at in SHOWN.findall(text)))
     whole = f"""<!doctype html>
@@ -60,7 +61,7 @@ def report_html(
 </header>
 {drawn.shared()}
 <main id="main" tabindex="-1">
-{chr(10).join(_section(name, text, pages, drawn) for name, text in pages.items())}
+{chr(10).join(_section(name, text, pages, drawn, _up(above.get(name), titles)) for name, text in pages.items())}
 </main>
 <footer>
 {to_html(foot, partial(_target, "", pages), drawn.figure, partial(_anchor, "")) if foot else ""}
@@ -95,11 +96,16 @@ def _linked(name: str, titles: Mapping[str, str]) -> str:
     return f'<a href="#{_page(name)}">{escape(titles[name])}</a>'
 
 
-def _section(name: str, text: str, pages: Mapping[str, str], drawn: Pictures) -> str:
+def _up(name: str | None, titles: Mapping[str, str]) -> str:
+    """The way to the page that lists this one; none for a page of the navigation."""
+    return f'<p class="up">↑ {_linked(name, titles)}</p>\n' if name else ""
+
+
+def _section(name: str, text: str, pages: Mapping[str, str], drawn: Pictures, up: str) -> str:
     """A page, its contents below its title."""
     body = to_html(text, partial(_target, name, pages), drawn.figure, partial(_anchor, name))
     body = body.replace("</h1>", f"</h1>\n{_contents(body)}", 1)
-    return f'<section id="{_page(name)}">\n{body}\n</section>'
+    return f'<section id="{_page(name)}">\n{up}{body}\n</section>'
 
 
 def _contents(body: str) -> str:

@@ -214,11 +214,13 @@ def test_pages_of_a_folder_link_from_where_they_are() -> None:
     pages = {"index.md": "[A](a/one.md)", "a/one.md": "# One\n\n[up](../index.md), [two](two.md#part)"}
     pages["a/two.md"] = "# Two\n\n## Part\n\n![x](../figures/x.svg)"
     titles = {"index.md": "All", "a/one.md": "One", "a/two.md": "Two"}
-    made = report_html(pages, titles, {"x.svg": SVG.format("")}, {"Some": ["a/one.md"]})
+    made = report_html(pages, titles, {"x.svg": SVG.format("")}, {"Some": ["a/one.md"]}, above={"a/two.md": "a/one.md"})
     assert '<a href="#a/one">A</a>' in made
     assert '<a href="#index">up</a>, <a href="#a/two--part">two</a>' in made
     assert made.count("<figure><svg") == 1
     assert '<summary>Some</summary><ul><li><a href="#a/one">One</a></li></ul>' in made
+    assert '<section id="a/two">\n<p class="up">↑ <a href="#a/one">One</a></p>' in made
+    assert made.count('class="up"') == 1
     assert '<a href="#a/two">' not in made
 
 

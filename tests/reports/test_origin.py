@@ -7,6 +7,7 @@ from typing import Any
 
 from reports.chapters.overview.outcomes import completeness
 from reports.compare import differences
+from reports.html.document import REPORT
 from reports.markdown import END_MACHINE, MACHINE
 from reports.origin import completeness_line, foot, origin
 from reports.store.cells import Cell
@@ -81,3 +82,13 @@ def test_every_page_ends_with_the_foot_which_is_not_compared(files: dict[str, st
     assert "commit unknown" in end
     text = pages["index.md"]
     assert differences("index.md", text, text.replace(end, foot(store(MADE)) + "\n")) == []
+
+
+def test_the_one_file_has_the_foot_once(files: dict[str, str]) -> None:
+    """And says under which licence it is, and where a citation stands."""
+    whole = files[REPORT]
+    end = whole[whole.index("<footer>") : whole.index("</footer>")]
+    assert "cells planned: " in end
+    assert whole.count("footprint 0, commit unknown") == 1
+    assert "MIT licence" in end
+    assert 'href="#data--licence-and-citation"' in end

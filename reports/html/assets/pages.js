@@ -15,11 +15,15 @@
     if (wanted === "main") return document.getElementById("main").focus();
     const page = (target && target.closest("section")) || sections[0];
     for (const section of sections) section.classList.toggle("shown", section === page);
+    const up = page.querySelector(":scope > .up a"); // what lists a page stands for it in the navigation
     for (const link of links) {
       if (link.hash === "#" + page.id) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
     }
-    for (const menu of menus) menu.classList.toggle("here", Boolean(menu.querySelector("[aria-current]")));
+    for (const menu of menus) {
+      const here = [...menu.querySelectorAll("a")].some((link) => link.ariaCurrent || (up && link.hash === up.hash));
+      menu.classList.toggle("here", here);
+    }
     const head = page.querySelector("h1");
     if (head) document.title = head.textContent + " – " + title;
     shut();
