@@ -1,7 +1,7 @@
 """How far operations predict seconds: a rate for each kind, and what the calls of a step and of a cell take.
 
-    seconds = sum of operations/rate over their kinds + a s a factorisation + b s an assembly + c s a Newton iteration
-              with contact + d s a cell
+    seconds = sum of operations/rate over their kinds + the calls of each factorisation, assembly and load step, of each
+              load step with contact and of each of its iterations by the algorithm, and of the cell
 
 fitted to the relative errors of one half of the cells and checked on the other, and the other way round, so that no
 cell is predicted by a law that it has a part in. Alternate cells of each scene make the halves.
@@ -13,6 +13,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
+from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from studies.operations import KINDS
@@ -23,10 +24,11 @@ from studies.solving import SOLVED
 LEAST = 0.02  # seconds; below it the clock and the calls decide
 WITHIN = 1.5
 BY_FUNCTIONS = "assembly by functions"  # of measures that are no polynomial: roots and sines take longer than products
-CALLS = {"factorisation": "c.factorisations", "assembly": "c.assemblies", "contact": "c.newton_iterations"}
+CALLS = {"factorisation": "c.factorisations", "assembly": "c.assemblies", "load step": "c.substeps"}
+OF_CONTACT = ("load step with contact", *(f"iteration of {name}" for name in ALGORITHMS))
 OUTLIER = 0.1  # relative error from which a cell counts less: what a busy machine has disturbed
 ROUNDS = 20
-FEWEST = 40  # cells: there are ten numbers to be found
+FEWEST = 40  # cells: there are twice ten numbers to be found
 PREDICTED_COLUMNS = ("label", "scene", "contact", "unknowns", "seconds", "predicted", "factor", "within")
 SHARE_COLUMNS = ("scene", "cells", "share", "factor", "least", "low", "median", "high")
 ENDS = (0.05, 0.5, 0.95)
@@ -55,7 +57,7 @@ def predicted_seconds(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     rates = _rates(work, seconds)
     told = (
         [(kind, "10^9 operations") for kind in (*KINDS, BY_FUNCTIONS)]
-        + [(f"{name} call", "call") for name in CALLS]
+        + [(f"{name} call", "call") for name in (*CALLS, *OF_CONTACT)]
         + [("cell", "cell")]
     )
     spent = work.sum(axis=0) * rates
@@ -84,7 +86,9 @@ def _work(cells: pd.DataFrame) -> np.ndarray:
     kinds[:, 0] -= by_functions
     calls = cells.reindex(columns=list(CALLS.values())).fillna(0.0).to_numpy(float)
     touching = np.array([name in SCENES and has_contact(SCENES[name]) for name in cells["scene"]])
-    return np.column_stack([kinds, by_functions, calls[:, :-1], calls[:, -1] * touching, np.ones(len(cells))])
+    iterations = cells.reindex(columns=["c.newton_iterations"]).fillna(0.0).to_numpy(float)[:, 0]
+    of_contact = [calls[:, -1], *(iterations * (cells["contact"] == name) for name in ALGORITHMS)]
+    return np.column_stack([kinds, by_functions, calls, *(touching * each for each in of_contact), np.ones(len(cells))])
 
 
 def _rates(work: np.ndarray, seconds: np.ndarray) -> np.ndarray:

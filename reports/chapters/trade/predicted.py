@@ -26,8 +26,8 @@ def predicted_part(store: Store) -> Part:
 Operations are counted where they are done: of the elements by the shapes of what is multiplied, of factorisations,
 solutions and condensed columns by their factors, of dense pivots and quadratic programmes by their iterations; what
 checks an answer is counted, too. They are the same on every machine. To predict seconds, each kind has a rate of
-its own; a factorisation, an assembly, an iteration with contact and a cell take their calls beside. The law is fitted
-to one half of the cells of each scene and checked on the other, and the other way round.""")
+its own; factorisations, assemblies, load steps and the iterations of each contact algorithm take their calls beside.
+The law is fitted to one half of the cells of each scene and checked on the other, and the other way round.""")
     told = prose(f"""Of {whole["cells"]:.0f} cells of {fixed(1000 * whole["least"], 0)} ms or more, the operations
 predict the seconds of {share(whole["share"], 0)} within a factor of {whole["factor"]:g}; predicted over measured lies
 between {fixed(whole["low"], 2)} and {fixed(whole["high"], 2)} in nine of ten.""")
