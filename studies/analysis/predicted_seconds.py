@@ -3,7 +3,7 @@
     seconds = sum of operations/rate over their kinds + the calls of each factorisation, assembly and load step, of each
               load step with contact and of each of its iterations by the algorithm, and of the cell
 
-fitted to the relative errors of one half of the cells and checked on the other, and the other way round, so that no
+fitted to one half of the cells and checked on the other, and the other way round, so that no
 cell is predicted by a law that it has a part in. Alternate cells of each scene make the halves.
 """
 
@@ -92,11 +92,12 @@ def _work(cells: pd.DataFrame) -> np.ndarray:
 
 
 def _rates(work: np.ndarray, seconds: np.ndarray) -> np.ndarray:
-    """The least sum of relative errors, rates not below zero: least squares, outliers weighing less each time."""
+    """The least sum of errors as factors, rates not below zero: least squares, outliers weighing less each time."""
     relative, weights = work / seconds[:, None], np.ones(len(seconds))
     rates = np.zeros(work.shape[1])
     for _ in range(ROUNDS):
         root = np.sqrt(weights)
         rates, _ = nnls(relative * root[:, None], root)
-        weights = 1.0 / np.maximum(np.abs(relative @ rates - 1.0), OUTLIER)
+        ratio = np.maximum(relative @ rates, OUTLIER)
+        weights = 1.0 / (ratio * np.maximum(np.abs(np.log(ratio)), OUTLIER))  # twice too much is as bad as half
     return rates
