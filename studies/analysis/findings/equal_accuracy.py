@@ -92,19 +92,19 @@ def cheaper_measures(fronts: pd.DataFrame) -> pd.DataFrame:
     ratio: of the costs, 0 where the exact measure has no cell that reaches it.  command: of the cheaper cell.
     """
     rows: list[tuple[object, ...]] = []
+    cells = comparable(fronts, "measure")
+    reaching = cells.assign(bound=counting(cells) + cells["uncertainty"])[cells["flag"] == ""]
     for cost in PRICES:
         matrix = _field(fronts, cost)
         for measure in (str(name) for name in matrix if name != EXACT and EXACT in matrix):
             less = matrix[_less(matrix, measure)]
             for (scene, target), own, exact in zip(less.index, less[measure], less[EXACT], strict=True):
                 found = (measure, kind_of(measure), scene, float(target), own, exact, own / exact)
-                rows.append((cost, *found, _cheapest(fronts, str(scene), measure, float(target), cost)))
+                rows.append((cost, *found, _cheapest(reaching, str(scene), measure, float(target), cost)))
     return pd.DataFrame(rows, columns=list(CHEAPER_COLUMNS))
 
 
-def _cheapest(fronts: pd.DataFrame, scene: str, measure: str, target: float, cost: str) -> str:
+def _cheapest(cells: pd.DataFrame, scene: str, measure: str, target: float, cost: str) -> str:
     """The command of the cheapest cell that reaches the error."""
-    own = comparable(fronts, "measure")
-    own = own[(own["scene"] == scene) & (own["measure"] == measure) & (own["flag"] == "")]
-    own = own[counting(own) + own["uncertainty"] <= target]
+    own = cells[(cells["scene"] == scene) & (cells["measure"] == measure) & (cells["bound"] <= target)]
     return str(own.sort_values(f"cost.{cost}", kind="stable")["command"].iloc[0])
