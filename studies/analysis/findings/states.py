@@ -6,6 +6,8 @@ which differ in a parameter of the algorithm alone; then the best of them counts
 
 from __future__ import annotations
 
+import re
+
 import pandas as pd
 
 from studies.analysis.profiles import problem_of
@@ -24,6 +26,7 @@ CAUSES = {  # of a failure, by its outcome
     MEMORY: "memory limit",
     CRASH: "process died",
 }
+HOW_MUCH = re.compile(r" by \d\S* of its size")  # told apart by it, all refusals were unlike
 DOES_NOT_APPLY = " does not apply: "  # before the reason of a refusal
 
 
@@ -54,7 +57,7 @@ def _told(outcome: str, end: str, reason: str) -> tuple[str, str]:
     if outcome in SOLVED:
         return SOLVED_STATE, ""
     if outcome == UNSUPPORTED:
-        return REFUSED, reason.partition(DOES_NOT_APPLY)[2] or reason
+        return REFUSED, HOW_MUCH.sub("", reason.partition(DOES_NOT_APPLY)[2] or reason)
     if end:
         return PATH_ENDS, end
     return FAILED, CAUSES.get(outcome, outcome)
