@@ -30,9 +30,7 @@ from studies.analysis.rows import keys, sizes
 from studies.analysis.verify import EXACT, headline, judged
 
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)
-COVER = (
-    0.8  # quantile of true error over estimate elsewhere; 0.9 meets 1 % more tolerances for 1.4 times the mean price
-)
+COVER = 0.8  # quantile of true error over estimate elsewhere; 0.9: 1 % more met, 1.4 times the mean price
 LEAST, MOST = 5e-4, 0.3  # estimates of which the factor is learnt: below is the reference's own error, above is none
 SENSIBLE = (0.7, 4.5)  # observed orders that do not raise a doubt
 DECIDABLE = 2.0  # a tolerance below so many uncertainties of the reference decides nothing
