@@ -18,7 +18,8 @@ CASE = ("load", "section")  # settings that change the problem
 
 def algorithms_agree(answers: Answers) -> Iterator[Statement]:
     """Every solve with the exact condition against the reference of its case."""
-    solved = [each for each in answers.those(agreement()) if each.settings["epsilon"] in ("inf", math.inf)]
+    found = (each for each in answers.those(agreement()) if each.steps)  # what was refused has no state to compare
+    solved = [each for each in found if each.settings["epsilon"] in ("inf", math.inf)]
     references = {_case(each): each for each in solved if each.label.startswith(f"agreement {REFERENCE} ")}
     others = [each for each in solved if _case(each) in references and each is not references[_case(each)]]
     pairs = [_unlike(each, references[_case(each)]) for each in others]
