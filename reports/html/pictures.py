@@ -13,6 +13,8 @@ from html import escape
 
 DECIMALS = 2
 SHAPE = re.compile(r'<path id="([^"]+)"( [^>]*)/>')  # as defined for many uses
+STYLE = re.compile(r' style="([^"]*)"')
+FEW = 3  # uses up to which a look has no name
 EVERYWHERE = "*{stroke-linejoin: round; stroke-linecap: butt}"  # matplotlib's style; tables.css has it
 # what lies on a colour of its own stays as it is drawn; all else takes paper and ink from the scheme
 OWN_PAPER = re.compile(r'<image|id="(?:QuadMesh|PolyCollection|FillBetween|TriMesh|Poly3D|Path3D|pane3d)')
@@ -30,7 +32,11 @@ class Pictures:
     """The pictures of all pages by file name; ``shown``: how often each is shown, though it is in the file once."""
 
     def __init__(self, svgs: Mapping[str, str], shown: Mapping[str, int]) -> None:
-        self.plain = {name: _smaller(svg) for name, svg in svgs.items()}
+        self.kinds = {name: "own" if OWN_PAPER.search(svg) else "plot" for name, svg in svgs.items()}
+        small = {name: _smaller(svg) for name, svg in svgs.items()}
+        self.plain = {name: svg if self.kinds[name] == "own" else _in_scheme(svg) for name, svg in small.items()}
+        looks = Counter(look for svg in self.plain.values() for look in STYLE.findall(svg))
+        self.looks = {look: f"q{n}" for n, look in enumerate(sorted(each for each in looks if looks[each] > FEW))}
         counts = Counter(shape for svg in self.plain.values() for shape in set(SHAPE.findall(svg)))
         often = sorted(shape for shape, count in counts.items() if count > 1)
         self.common = {shape: f"s{number}" for number, shape in enumerate(often)}
@@ -41,13 +47,15 @@ class Pictures:
         """What is in the file once and shown often: shapes, and whole pictures."""
         paths = "".join(f'<path id="{name}"{how}/>' for (_, how), name in self.common.items())
         whole = "".join(map(self._symbol, sorted(self.twice)))
-        return f'<svg width="0" height="0" aria-hidden="true" class="shared"><defs>{paths}</defs>{whole}</svg>'
+        rules = "".join(f".{name}{{{look}}}" for look, name in self.looks.items())
+        inside = f"<style>{rules}</style><defs>{self._classed(paths)}</defs>{whole}"
+        return f'<svg width="0" height="0" aria-hidden="true" class="shared">{inside}</svg>'
 
     def figure(self, name: str, words: str) -> str:
         """The inside of a figure: the picture, named by its caption, and the caption. Raises ValueError."""
         if name not in self.plain:
             raise ValueError(f"no picture {name!r}")
-        told = f'class="{self._kind(name)}" role="img" aria-label="{escape(words)}"'
+        told = f'class="{self.kinds[name]}" role="img" aria-label="{escape(words)}"'
         svg = self._inlined(name).replace("<svg", f"<svg {told}", 1)
         if name in self.twice:
             svg = f'{svg[: svg.index(">") + 1]}<use href="#{self.names[name]}"/></svg>'
@@ -61,11 +69,11 @@ class Pictures:
 
     def _inlined(self, name: str) -> str:
         shapes = {shape[0]: self.common[shape] for shape in SHAPE.findall(self.plain[name]) if shape in self.common}
-        svg = inlined_svg(self.plain[name], self.names[name], shapes)
-        return svg if self._kind(name) == "own" else _in_scheme(svg)
+        return self._classed(inlined_svg(self.plain[name], self.names[name], shapes))
 
-    def _kind(self, name: str) -> str:
-        return "own" if OWN_PAPER.search(self.plain[name]) else "plot"
+    def _classed(self, svg: str) -> str:
+        """Looks that many shapes have, by their names."""
+        return STYLE.sub(lambda at: f' class="{self.looks[at[1]]}"' if at[1] in self.looks else at[0], svg)
 
 
 def inlined_svg(svg: str, prefix: str, common: Mapping[str, str]) -> str:

@@ -161,6 +161,15 @@ def test_a_plot_takes_the_colours_of_the_scheme_and_a_map_keeps_its_own() -> Non
     assert 'style="fill:#ffffff;stroke:#0072b2"' in field
 
 
+def test_a_look_that_many_shapes_have_is_in_the_file_once() -> None:
+    body = '<path style="fill: #0072b2; stroke: #ffffff"/>' * 4 + '<path style="fill: none"/>'
+    made = Pictures({"a.svg": SVG.format(body)}, {})
+    assert "<style>.q0{fill:#0072b2;stroke:var(--paper)}</style>" in made.shared()
+    shown = made.figure("a.svg", "")
+    assert shown.count('<path class="q0"/>') == 4
+    assert shown.count('<path style="fill:none"/>') == 1
+
+
 # --- the file -------------------------------------------------------------------------------------------------------
 
 
