@@ -58,25 +58,32 @@ def test_pages_change_by_their_links(browser: Browser) -> None:
     assert 0 <= browser.run("document.getElementById('convergence--which-element').getBoundingClientRect().top") < 300
 
 
-COLUMN = "[...document.querySelectorAll('#rigid-body table')[0].tBodies[0].rows].map(r => r.cells[{0}].textContent)"
+NUMERIC = """[...document.querySelectorAll('table')].flatMap((table, at) =>
+  [...table.tHead.rows[0].cells].map((head, column) => {
+    const texts = [...table.tBodies[0].rows].map(row => row.cells[column].textContent);
+    const right = head.className === 'n' && texts.every(text => /^[-+]?[0-9.]+$/.test(text));
+    return { at, column, many: right ? new Set(texts).size : 0 };
+  })).find(each => each.many > 4)"""
+COLUMN = "[...document.querySelectorAll('table')[{0}].tBodies[0].rows].map(row => row.cells[{1}].textContent)"
+HEADS = "document.querySelectorAll('table')[{0}].tHead.rows[0].cells"
 
 
-def click(browser: Browser, column: int) -> list[str]:
-    browser.run(f"document.querySelectorAll('#rigid-body table')[0].tHead.rows[0].cells[{column}].firstChild.click()")
-    return browser.run(COLUMN.format(column))
+def click(browser: Browser, table: int, column: int) -> list[str]:
+    browser.run(f"{HEADS.format(table)}[{column}].firstChild.click()")
+    return browser.run(COLUMN.format(table, column))
 
 
 def test_tables_sort_on_a_click(browser: Browser) -> None:
-    before = browser.run(COLUMN.format(1))
-    rising, falling = click(browser, 1), click(browser, 1)
-    assert [float(x) for x in rising] == sorted(map(float, before))
-    assert [float(x) for x in falling] == sorted(map(float, before), reverse=True)
-    assert rising != before
-    words = click(browser, 0)
+    """Numbers by their size, words by their letters; a second click the other way round."""
+    found = browser.run(NUMERIC)
+    table, column = found["at"], found["column"]
+    rising, falling = click(browser, table, column), click(browser, table, column)
+    assert [float(x) for x in rising] == sorted(map(float, rising))
+    assert [float(x) for x in falling] == sorted(map(float, rising), reverse=True)
+    assert rising != falling
+    words = click(browser, table, 0)
     assert words == sorted(words)
-    heads = browser.run(
-        "[...document.querySelectorAll('#rigid-body table')[0].tHead.rows[0].cells].map(h => h.ariaSort)"
-    )
+    heads = browser.run(f"[...{HEADS.format(table)}].map(head => head.ariaSort)")
     assert [h for h in heads if h] == ["ascending"]
 
 
