@@ -9,22 +9,23 @@ from __future__ import annotations
 from dataclasses import replace
 
 from reports.chapter import Chapter
+from reports.chapters.answers import findings, glossary, questions
 from reports.chapters.catalogue import gallery
 from reports.chapters.contact import agreement, algorithms, epsilon
 from reports.chapters.limits import extremes, fuzz, shell_limits, symmetry
-from reports.chapters.overview import data
+from reports.chapters.overview import data, solved
 from reports.chapters.shells import benchmarks, convergence, locking, measures, rigid_body
 from reports.chapters.trade import advice, cost, tradeoff
 from reports.chapters.tyre import page as tyre
 from reports.chapters.validation import experiment, manufactured
 
 GROUPS = {
-    "Answers": (measures, advice, shell_limits),
+    "Answers": (questions, measures, advice, shell_limits),
     "Verification": (*(tyre, benchmarks, convergence, manufactured, rigid_body, locking, symmetry, fuzz, experiment),),
     "Contact": (agreement, algorithms, epsilon, extremes),
     "Cost": (tradeoff, cost),
-    "Catalogue": (gallery,),
-    "Data": (data,),
+    "Catalogue": (gallery, glossary),
+    "Data": (solved, findings, data),
 }
 CHAPTERS: list[Chapter] = [replace(each.CHAPTER, group=group) for group, modules in GROUPS.items() for each in modules]
 """The pages, a folder for each subject. Only tables are read; nothing of ours beside :mod:`reports` is imported."""

@@ -6,7 +6,8 @@ which is neither committed nor compared.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from reports.chapter import ALL, INDEX, INDEX_TITLE, Chapter, grouped, link_line, listed, relative
@@ -26,6 +27,7 @@ from reports.store.tables import Store, load_store
 
 FIGURES = "figures"
 UNDRAWN = "<svg/>\n"
+LINK = re.compile(r"\[([^\[\]]+)\]\(([\w./-]+\.md)(?:#[^)]*)?\)")
 
 
 def write_pages(store: Path, out: Path, campaign: str | None = None) -> list[Path]:
@@ -52,7 +54,9 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     chapters = [each for each in CHAPTERS if each.applies(store)] + sheets(store)
     first = index_page if store.pages == ALL else campaign_page
     made = {each.file: _made(each, store) for each in chapters}
-    parts = {INDEX: first(store, listed(chapters)), **made}
+    absent = {each.file for each in CHAPTERS} - {each.file for each in chapters}
+    made = {INDEX: first(store, listed(chapters)), **made}
+    parts = {name: Part(without_links(part.text, absent), part.pictures) for name, part in made.items()}
     pictures = {name: each() if draw else UNDRAWN for part in parts.values() for name, each in part.pictures.items()}
     texts = with_appearances({name: part.text for name, part in parts.items()}, chapters)
     titles = {INDEX: INDEX_TITLE, **{each.file: each.title for each in chapters}}
@@ -82,6 +86,15 @@ def _made(chapter: Chapter, store: Store) -> Part:
         tables = ", ".join(chapter.needs) or "its cells"
         raise StoreError(f"{store.path}: {chapter.file} lacks {error}, of {tables}") from error
     return Part(part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/"), part.pictures)
+
+
+def without_links(text: str, absent: Collection[str]) -> str:
+    """A text in which links to pages that this campaign does not have are words only."""
+
+    def kept(found: re.Match[str]) -> str:
+        return found[1] if found[2] in absent else found[0]
+
+    return LINK.sub(kept, text)
 
 
 def _headed(text: str, *lines: str) -> str:

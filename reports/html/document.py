@@ -15,6 +15,7 @@ from reports.html.convert import to_html, words
 from reports.html.pictures import Pictures
 
 REPORT = "report.html"
+OUTSIDE = "https://github.com/"
 LARGEST = 8 * 2**20  # bytes
 ASSETS = Path(__file__).parent / "assets"
 STYLES = ("page.css", "tables.css", "print.css")
@@ -130,7 +131,9 @@ def _anchor(page: str, fragment: str) -> str:
 
 
 def _target(page: str, pages: Mapping[str, str], to: str) -> str:
-    """Where a link of a page leads within the file; nowhere for a file of data."""
+    """Where a link of a page leads within the file; nowhere for a file of data; out of it to a thread in public."""
+    if to.startswith(OUTSIDE):
+        return to
     name, _, fragment = to.partition("#")
     name = name and normpath(join(dirname(page), name))
     if name.startswith(DATA):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from reports.formats import Line
@@ -33,9 +34,10 @@ class Said:
         return machine(prose(self.text)) if self.machine else prose(self.text)
 
 
-def statements(store: Store) -> list[Said]:
-    """All of a campaign, in their order; none where it has not been analysed."""
-    return list(_read(store))
+@lru_cache(maxsize=8)
+def statements(store: Store) -> tuple[Said, ...]:
+    """All of a campaign, in their order; none where it has not been analysed. Read once a store."""
+    return tuple(_read(store))
 
 
 def _read(store: Store) -> Iterator[Said]:

@@ -37,6 +37,7 @@ from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
+from support.answers import write_answers
 from support.made_up import analysed_again, linked
 from support.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.rings import made_up_laws, made_up_ring
@@ -450,6 +451,7 @@ def _fill(root: Path) -> None:
     write_tables(root / "tables")
     told = {"schema": SCHEMA, "campaign": "report", "title": "made up", "pages": "all"}
     write_json(root / "campaigns" / "report.json", {**told, "cells": rows})
+    write_answers(root, "report")
     analysed_again(root)
     models = [built(name) for name in BUILT]
     written(root, "report", catalogue_tables(root, "report", pd.read_csv(root / "tables/convergence.csv"), models))

@@ -219,6 +219,12 @@ def test_what_leads_nowhere_is_refused(text: str, says: str) -> None:
         small(text)
 
 
+def test_a_thread_in_public_is_linked_and_nothing_else_outside() -> None:
+    assert '<a href="https://github.com/a/b/issues/1">a</a>' in small("[a](https://github.com/a/b/issues/1)")
+    with pytest.raises(ValueError, match="which is no page"):
+        small("[a](https://example.org/b)")
+
+
 def test_pages_of_a_folder_link_from_where_they_are() -> None:
     pages = {"index.md": "[A](a/one.md)", "a/one.md": "# One\n\n[up](../index.md), [two](two.md#part)"}
     pages["a/two.md"] = "# Two\n\n## Part\n\n![x](../figures/x.svg)"

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 
 from reports.chapter import Chapter
+from reports.chapters.answers.sections import regimes_table
 from reports.chapters.shells.figures_measures import errors_over_load
 from reports.formats import NOTHING, digits, fixed, percent
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
+from reports.store.statements import statements
 from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Strain measures
@@ -33,7 +35,7 @@ OPTIONS, MESHES = ("interpolation", "thickness_strain", "membrane"), ("8x8", "16
 
 def measures_page(store: Store) -> Part:
     """The whole page."""
-    return joined(INTRODUCTION, enough_part(store), element_part(store))
+    return joined(INTRODUCTION, regimes_part(store), enough_part(store), element_part(store))
 
 
 def enough_part(store: Store) -> Part:
@@ -53,13 +55,28 @@ measure on the same mesh, so the mesh is not in it. An error may change its sign
 load after it has been large: so the columns give the load at which it *first* exceeds 1 % and 5 %, interpolated between
 two loads, and the largest error up to the last load, with the load where it is that large. A dash: it never does; "from
 the start": it does so at the first load already. Curves that coincide cover each other.""")
+    return joined(text, enough_picture(store), *blocks, commands(found["command"]))
+
+
+def enough_picture(store: Store) -> Part:
+    """Signed errors over the load, scene by scene."""
     words = "Signed error against the exact measure over the load; rings: where 1 % and 5 % are first passed"
-    shown = picture(
-        "measures-enough.svg",
-        words,
-        errors_over_load(store.analysis("measure_errors"), found, {name: each[1] for name, each in WORDS.items()}),
-    )
-    return joined(text, shown, *blocks, commands(found["command"]))
+    loads = {name: each[1] for name, each in WORDS.items()}
+    drawn = errors_over_load(store.analysis("measure_errors"), store.analysis("measure_limits"), loads)
+    return picture("measures-enough.svg", words, drawn)
+
+
+def regimes_part(store: Store) -> Part:
+    """What to take: errors and cost by regime."""
+    text = prose("""## Which measure to take
+
+Scenes by the way their shells move: shallow ones, a tyre in contact, a ring in contact, and large rotations without
+contact. What each measure keeps and drops, its law under rigid motions and its literature stand on its sheet in the
+catalogue.""")
+    names = ("measures-cost", "tyre-measure", "tyre-measure-saves", "linear-enough", "measure-failures")
+    told = [each.block for each in statements(store) if each.name in names and each.role == "finding"]
+    shown = regimes_table(store)
+    return joined(text, *told, shown) if shown or told else Part("")
 
 
 def _first(load: float) -> str:
@@ -93,7 +110,7 @@ published {fixed(reference, 3)}, which is itself a finite-element result.""")
 CHAPTER = Chapter(
     "measures",
     "Strain measures",
-    "up to which load each is enough.",
+    "exact against classical by regime: up to which load each is enough, and what it costs.",
     measures_page,
     needs=("measure_errors", "measure_limits"),
     always=True,

@@ -133,6 +133,17 @@ def _profiles(store: Store) -> Part:
     return joined(text, picture("tyre-profiles.svg", "Meridian profiles: unloaded, inflated and pressed", drawn))
 
 
+PATCH_WORDS = "Contact pressure over the patch, and its difference from its mirror image, in mm of the outer face"
+
+
+def patch_picture(store: Store) -> Part:
+    """The contact pressure of the paper's tyre over the patch, in millimetres."""
+    cell = store.find(**PAPER)
+    pressures = pressure_map(at_delta(cell.table("contact"), DELTA))
+    patch = figures_patch.pressure_map(pressures, Developed.of(cell.table("profile")))
+    return picture("tyre-pressure-map.svg", PATCH_WORDS, patch)
+
+
 def _pressures(store: Store) -> Part:
     cell = store.find(**PAPER)
     contact = cell.table("contact")
@@ -143,17 +154,12 @@ def _pressures(store: Store) -> Part:
     at_psi, at_phi = abs(float(pressures.index[row])), abs(float(pressures.columns[column]))
     phi, psi = _extent(pressures.notna().any(axis=0)), _extent(pressures.notna().any(axis=1))
     along = figures.pressure_along_psi({"φ = 0": curves})
-    patch = figures_patch.pressure_map(pressures, Developed.of(cell.table("profile")))
     return joined(
         "### Contact pressure",
         picture("tyre-pressure-psi.svg", "Contact pressure along the meridian under three travels", along),
         f"At Δ = {DELTA:g} mm the outermost nodes in contact lie at φ = ±{phi:g} deg and ψ = ±{psi:g} deg; "
         f"the highest pressure is {fixed(highest, 3)} MPa, at |φ| = {at_phi:g} deg and |ψ| = {at_psi:g} deg.",
-        picture(
-            "tyre-pressure-map.svg",
-            "Contact pressure over the patch, and its difference from its mirror image, in mm of the outer face",
-            patch,
-        ),
+        patch_picture(store),
     )
 
 

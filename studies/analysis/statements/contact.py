@@ -24,12 +24,14 @@ def claims(false_success: pd.DataFrame) -> Iterator[Statement]:
         values |= {"ours": float(ours["false"].sum()), "of": float(ours["claimed"].sum())}
         text = (
             'OSQP alone ({version}, its defaults) says "solved" on {claimed:.0f} contact problems; {false:.0f} of '
-            "these answers fail the judge at {bound:.0e}, {own:.0f} even at the tolerance that OSQP was given; the "
+            "these answers fail the judge at {bound:.0e}, {own:.0f} of them also at the tolerance of OSQP itself; the "
             "worst is {error:.0e} off. Of {of:.0f} answers of the algorithms here, which check what a solver returns, "
             "{ours:.0f} are false."
         )
         scope = "a collection of small contact problems; a tighter tolerance of the solver changes the counts"
-        yield Statement("false-solved", "algorithms", text, values, int(false_success["problems"].max()), scope)
+        yield Statement(
+            "false-solved", "algorithms", text, values, int(false_success["problems"].max()), scope, OPENING
+        )
     names = ", ".join(f"`{row['contender']}` {row['false']} of {row['claimed']}" for _, row in wrong.iterrows())
     values = {"names": names or "none", "contenders": float(len(false_success))}
     text = 'False among the answers that were called "solved", of {contenders:.0f} contenders: {names}.'

@@ -124,4 +124,15 @@ def thick(shell_boundaries: pd.DataFrame) -> Iterator[Statement]:
     yield Statement("thick-shells", "shell-limits", text, values, len(usual), scope, OPENING)
 
 
-MAKERS = (benchmarks, convergence, element, locking, rigid_motions, thick)
+def scenes(sheet_parts: pd.DataFrame) -> Iterator[Statement]:
+    """What is solved at all."""
+    names = sheet_parts[sheet_parts["kind"] == "scene"]
+    text = (
+        "Each of {scenes:.0f} scenes has a sheet: geometry, material, supports, load, what is measured, the target "
+        "with its source, and a picture of the deformed shape; the gallery shows them all."
+    )
+    values, scope = {"scenes": float(len(names))}, "the scenes of the catalogue"
+    yield Statement("scenes", "gallery", text, values, len(names), scope)
+
+
+MAKERS = (scenes, benchmarks, convergence, element, locking, rigid_motions, thick)

@@ -7,12 +7,26 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.statements import agreement, contact, cost, laws, shells, trade, tyre
+from studies.analysis.statements import (
+    agreement,
+    algorithms,
+    asked,
+    contact,
+    cost,
+    laws,
+    measures,
+    prices,
+    shells,
+    trade,
+    tyre,
+)
+from studies.analysis.statements.questions import asks, readers
 from studies.analysis.statements.record import Evidence, Maker, Statement, as_tables
 
 MAKERS: Sequence[Maker] = (
     *(*tyre.MAKERS, *shells.MAKERS, *laws.MAKERS),
-    *(*agreement.MAKERS, *contact.MAKERS, *cost.MAKERS, *trade.MAKERS),
+    *(*measures.MAKERS, *algorithms.MAKERS, *prices.MAKERS),
+    *(*agreement.MAKERS, *contact.MAKERS, *cost.MAKERS, *trade.MAKERS, *asked.MAKERS),
 )
 
 
@@ -28,5 +42,7 @@ def statements(store: Path, campaign: str) -> list[Statement]:
 
 
 def statement_tables(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
-    """``statements`` and ``statement_values``, of the tables that are written already."""
-    return as_tables(statements(store, campaign))
+    """``statements``, ``statement_values``, ``asks`` and ``readers``, of the tables that are written already."""
+    found = statements(store, campaign)
+    said = {each.name for each in found}
+    return {**as_tables(found), "asks": asks(said), "readers": readers(said)}

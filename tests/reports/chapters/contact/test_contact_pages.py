@@ -15,7 +15,7 @@ from reports.chapters.contact.agreement import agreement_page
 from reports.chapters.contact.agreement_cases import entries
 from reports.chapters.contact.algorithms import algorithms_page
 from reports.chapters.contact.epsilon import epsilon_page
-from reports.chapters.overview.index import index_page
+from reports.chapters.overview.solved import outcomes_page
 from reports.store.tables import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
@@ -115,10 +115,10 @@ def test_a_refusal_is_told_with_its_reason_on_every_page(own_store: Path) -> Non
             "trial-and-error does not apply: not symmetric",
         ]
     assert "1 of" in agreement_page(store).text
-    index = index_page(store, "").text
-    overview = row(index[index.index("**Cells behind the pages**") :], "| tyre |")
+    outcomes = outcomes_page(store).text
+    overview = row(outcomes[outcomes.index("**Cells behind the pages**") :], "| tyre |")
     assert overview[-2:] == ["1", "0"]
-    assert "does not apply" not in index[: index.index("Why cells were refused")]
+    assert "does not apply" not in outcomes[: outcomes.index("Why cells were refused")]
 
 
 # --- costs ------------------------------------------------------------------------------------------------------

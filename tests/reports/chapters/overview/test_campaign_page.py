@@ -59,19 +59,19 @@ def store(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_completeness_comes_first_and_counts_every_class(store: Path) -> None:
+def test_completeness_comes_last_and_counts_every_class(store: Path) -> None:
     loaded = load_store(store)
     assert completeness_line(loaded) == (
         "made-up: 11 cells planned: 3 converged, 1 wrong, 1 not-converged, 1 cap-hit, 1 time, 1 memory, 1 crash, "
         "1 unsupported, 1 missing"
     )
     text = campaign_page(loaded).text
-    assert text.index("## Completeness") < text.index("## Orders")
+    assert text.index("## Completeness") > text.index("## Orders")
     assert "| cantilever | 11 | 3 | 1 | 1 | 1 | 1 | 1 | 1 | 1 | 1 |" in text
     assert "| cell 512 | time | time because |" in text
     assert "| cantilever | no contact | 1 |" in text
     assert place_of(store)[0] == "made-up"
-    assert list(rendered(loaded)) == ["index.md", "report.html"]
+    assert list(rendered(loaded)) == ["index.md", "glossary.md", "outcomes.md", "report.html"]
 
 
 def test_orders_limits_and_errors_are_those_that_were_put_in(store: Path) -> None:

@@ -49,7 +49,7 @@ def test_the_printed_table_is_told_with_the_numbers_of_its_table(tmp_path: Path)
 
 
 def test_a_store_that_was_not_analysed_says_nothing(tmp_path: Path) -> None:
-    assert statements(Store(tmp_path, CAMPAIGN, ())) == []
+    assert statements(Store(tmp_path, CAMPAIGN, ())) == ()
     assert sentence(Store(tmp_path, CAMPAIGN, ()), "printed-table") == ""
     store = store_of(tmp_path, list(printed(comparison())))
     assert sentence(Store(store.path, "another", ()), "printed-table") == ""

@@ -1,0 +1,140 @@
+"""Ten questions of someone who knows shells but not this suite: each answer stands on page one, or one click away.
+
+And what page one says is what the pages say that it links to.
+"""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+
+from reports.chapters.answers.glossary import WORDS
+from reports.compare import NUMBER
+from reports.contents import CHAPTERS
+from reports.store.statements import Said, statements
+from reports.store.tables import load_store
+from studies.analysis.statements.questions import ASKS, READERS
+
+TEN = {  # question: words that its answer must have
+    "Which strain measure do I need for 20 mm of tyre at 5 %?": r"20 mm of travel of the tyre within 5 %",
+    "What does it save?": r"processor time of the exact (measure|one)",
+    "Which contact algorithm, and when not?": r"Take `[\w-]+`: it solves \d+ % of \d+ contact problems",
+    "How far is the force of the tyre known?": r"in the limit of its grids, known to [\d.]+ %",
+    'Does "solved" of OSQP mean solved?': r'OSQP alone .* "solved" on \d+ contact problems; \d+ of these answers fail',
+    "On which scenes does trial-and-error not end?": r"does not end on \d+ of \d+ problems, on \w+|ends on all \d+",
+    "Is the paper's table reproduced?": r"is not reproduced at the travel that it states",
+    "What does 1 % cost?": r"1\.0 % costs [\d.e+]+ s and \d+ unknowns|1 % costs [\d.]+ to [\d.]+ times",
+    "What is the exact problem of a scene, and where is a picture of it?": r"has a sheet: geometry, material",
+    "How sure is advice?": r"meets the tolerance in \d+ % of \d+ cases",
+}
+ELSEWHERE = {  # rest on tables, or rows of them, that no page test makes up
+    *("scenes", "advice", "another-solver", "another-algorithm", "units", "tyre-measure-saves"),
+}
+BODY = re.compile(r"\]\(([\w-]+\.md)")
+
+
+@pytest.fixture(scope="module")
+def said(store: Path) -> dict[str, Said]:
+    return {each.name: each for each in statements(load_store(store))}
+
+
+def one_click(files: dict[str, str]) -> list[str]:
+    """Page one, and every page that a link on it leads to."""
+    return ["index.md", *dict.fromkeys(BODY.findall(files["index.md"]))]
+
+
+def test_the_ten_questions_are_those_of_the_page() -> None:
+    assert list(TEN) == [question for question, _, _ in READERS]
+
+
+@pytest.mark.parametrize("question", TEN)
+def test_a_reader_finds_the_answer_with_one_click(files: dict[str, str], said: dict[str, Said], question: str) -> None:
+    names = next(names for asked, names, _ in READERS if asked == question)
+    if ELSEWHERE.issuperset(names):
+        pytest.skip("of tables that are not made up here")
+    texts = [said[name].text for name in names if name in said]
+    assert texts, f"nothing made up says {names}"
+    assert re.search(TEN[question], " ".join(texts))
+    there = [page for page in one_click(files) if any(text in files[page] for text in texts)]
+    assert there, f"{question}: on no page one click away"
+
+
+def test_every_page_opens_with_its_answer(files: dict[str, str], said: dict[str, Said]) -> None:
+    """Between its heading and the links to other pages; pages that list things have a text of their own."""
+    lists = {"index.md", "questions.md", "glossary.md", "findings.md", "outcomes.md", "gallery.md"}
+    for each in CHAPTERS:
+        if each.file in files and each.file not in lists and not each.under:
+            opening = files[each.file].split("\n\n[Results](", 1)[0]
+            assert any(one.text in opening for one in said.values() if one.page == each.name), each.file
+
+
+def test_a_number_of_page_one_is_the_same_on_the_page_it_links_to(files: dict[str, str], said: dict[str, Said]) -> None:
+    """Whole sentences: each stands on its own page as it stands on page one, with the same numbers in it."""
+    shown = [one for one in said.values() if one.text in files["index.md"] and f"{one.page}.md" in files]
+    assert len(shown) > 10
+    for one in shown:
+        own = files[f"{one.page}.md"]
+        assert one.text in own or lost(one.text, own) == [], one.name
+
+
+def lost(sentence: str, page: str) -> list[str]:
+    """Numbers of a sentence that no number of a page rounds to."""
+    there = [float(number) for number in NUMBER.findall(page)]
+    return [text for text in NUMBER.findall(sentence) if not any(rounds_to(number, text) for number in there)]
+
+
+def rounds_to(number: float, text: str) -> bool:
+    decimals = len(text.partition(".")[2]) if "e" not in text else None
+    if decimals is None:
+        return f"{number:.0e}" == f"{float(text):.0e}"
+    return abs(abs(number) - abs(float(text))) <= 0.5 * 10.0**-decimals * (1 + 1e-9)
+
+
+def test_a_number_that_differs_is_found() -> None:
+    assert lost("off by 1.4 % of 20 mm", "| 20 | 1.41 |") == []
+    assert lost("off by 1.4 % of 20 mm", "| 20 | 1.46 |") == ["1.4"]
+
+
+def test_asks_say_what_answers_them_or_what_is_missing(said: dict[str, Said]) -> None:
+    for ask in ASKS:
+        assert ask.answers or ask.missing, ask.question
+        assert all(re.fullmatch(r"[\w.-]+/[\w.-]+#\d+", each) or "#" not in each for each in ask.threads.split(", "))
+        assert not ask.answers or ask.command
+    assert sum(bool(ask.answers) for ask in ASKS) >= 12
+    known = {name for ask in ASKS for name in ask.answers} | {name for _, names, _ in READERS for name in names}
+    assert known - set(said) <= ELSEWHERE
+
+
+def test_every_column_of_page_one_is_in_the_glossary_or_plain(files: dict[str, str]) -> None:
+    """Heads of the tables on page one: their nouns are explained, or everyday words."""
+    explained = " ".join([*(word for words in WORDS.values() for word in words), *map(str, PLAIN)]).lower()
+    for line in files["index.md"].splitlines():
+        if line.startswith("| ") and ":--" not in line and line in heads_of(files["index.md"]):
+            for word in re.findall(r"[a-z]{3,}", line.lower()):
+                assert word in explained or word.rstrip("s") in explained, word
+
+
+PLAIN = (
+    "measure",
+    "algorithm",
+    "solved",
+    "share",
+    "over",
+    "the",
+    "default",
+    "most",
+    "within",
+    "why",
+    "solve",
+    "shells",
+)
+PLAIN += ("shallow", "tyre", "large", "rotations", "ring", "contact", "where", "numbers", "made", "unknowns")
+PLAIN += ("nothing", "semismooth", "and", "cells", "commit", "machine")
+
+
+def heads_of(text: str) -> set[str]:
+    lines = text.splitlines()
+    return {line for line, below in pairwise(lines) if below.startswith("| :--")}
