@@ -47,7 +47,7 @@ def regimes_table(store: Store) -> str:
     if not store.has_analysis("regimes"):
         return ""
     data = store.analysis("regimes")
-    data = data[data["scene"].isna() | (data["scene"] == "")]
+    data = data[data["scene"] == ""]
     names = list(dict.fromkeys(data["regime"]))
     measures = [name for name in dict.fromkeys(data["measure"]) if name != EXACT]
     rows = data.set_index(["measure", "regime"])
@@ -80,9 +80,7 @@ def summary_table(store: Store) -> str:
     if not store.has_analysis("contact_summary"):
         return ""
     data = store.analysis("contact_summary")
-    data = data.assign(
-        causes=data["causes"].fillna(""), refusals=data["refusals"].fillna(""), put=data["solved"] + data["failed"]
-    )
+    data = data.assign(put=data["solved"] + data["failed"])
     heads = "algorithm | solved | of | share | failed | refused | seconds over the default | both solve"
     line = "{algorithm:code} | {solved} | {put} | {solved_share:.1%} | {failed} | {refused} | "
     line += "{seconds_ratio:.2f} [{seconds_low:.2f}, {seconds_high:.2f}] | {both}"

@@ -33,17 +33,17 @@ def _matrix(store: Store, axis: str) -> Part:
     """Scene by competitor: solved of those that could be."""
     data = store.analysis("outcomes")
     data = data[data["axis"] == axis]
-    whole, own = data[data["scene"].isna() | (data["scene"] == "")], data[data["scene"].fillna("") != ""]
+    whole, own = data[data["scene"] == ""], data[data["scene"] != ""]
     if own.empty:
         return Part("")
     names = list(dict.fromkeys(whole["name"]))
     rows = [[scene, *_entries(each, names)] for scene, each in own.groupby("scene", sort=False)]
     rows.append(["all", *_entries(whole, names)])
     grid = table("Solved of those that could be solved; r: refused, e: the path ends", ["scene", *names], rows)
-    lost = own[own["cause"].fillna("") != ""].assign(cause=lambda rows: rows["cause"].fillna(""))
+    lost = own[own["cause"] != ""]
     heads, line = f"{AXES[axis]} | scene | failed | path ends | refused | cause", "{name:code} | {scene} | {failed} | "
     why = listing("Causes", lost, heads, line + "{path_ends} | {refused} | {cause}", words=2) if len(lost) else ""
-    lines = list(lost["command"].dropna()) if len(lost) else []
+    lines = [line for line in lost["command"] if line]
     return joined(
         f"## By {AXES[axis]}",
         grid,
