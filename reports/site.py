@@ -19,10 +19,10 @@ from reports.compare import differences, of_the_machine
 from reports.contents import CHAPTERS
 from reports.files import write_texts
 from reports.html.document import REPORT, report_html
-from reports.markdown import Part
+from reports.markdown import Part, joined
 from reports.origin import completeness_line, foot
 from reports.store.reading import StoreError
-from reports.store.statements import of_page
+from reports.store.statements import conclusions, of_page
 from reports.store.tables import Store, load_store
 
 FIGURES = "figures"
@@ -85,7 +85,8 @@ def _made(chapter: Chapter, store: Store) -> Part:
     except KeyError as error:
         tables = ", ".join(chapter.needs) or "its cells"
         raise StoreError(f"{store.path}: {chapter.file} lacks {error}, of {tables}") from error
-    return Part(part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/"), part.pictures)
+    text = part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/")
+    return joined(text, conclusions(store, chapter.name), Part("", part.pictures))
 
 
 def without_links(text: str, absent: Collection[str]) -> str:

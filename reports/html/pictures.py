@@ -58,7 +58,7 @@ class Pictures:
         told = f'class="{self.kinds[name]}" role="img" aria-label="{escape(words)}"'
         svg = self._inlined(name).replace("<svg", f"<svg {told}", 1)
         if name in self.twice:
-            svg = f'{svg[: svg.index(">") + 1]}<use href="#{self.names[name]}"/></svg>'
+            svg = f'{svg[: svg.index(">")].rstrip("/")}><use href="#{self.names[name]}"/></svg>'
         return f"{svg}<figcaption>{escape(words)}</figcaption>"
 
     def _symbol(self, name: str) -> str:

@@ -69,3 +69,12 @@ def sentence(store: Store, name: str) -> str:
 def of_page(store: Store, page: str, role: str = OPENING) -> str:
     """The statements of a page that have a role, each a paragraph."""
     return "\n\n".join(each.block for each in statements(store) if (each.page, each.role) == (page, role))
+
+
+def conclusions(store: Store, page: str) -> str:
+    """All else that is concluded from a page, as the section that it ends with; nothing where there is nothing."""
+    found = [each for each in statements(store) if each.page == page and each.role != OPENING]
+    steady = "\n".join(f"- {each.text}" for each in found if not each.machine)
+    timed = "\n".join(f"- {each.text}" for each in found if each.machine)
+    blocks = ["## Conclusions" if found else "", steady, machine(timed) if timed else ""]
+    return "\n\n".join(filter(None, blocks))

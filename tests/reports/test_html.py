@@ -257,6 +257,8 @@ class Reader(HTMLParser):
         if tag not in ("meta", "link", "br", "hr", "img"):
             self.open.append(tag)
         for name, value in attrs:
+            if tag == "a" and str(value).startswith(document.OUTSIDE):
+                continue  # fetched by who follows it
             if name in ("src", "href", "xlink:href") and not str(value).startswith(("#", "data:")):
                 self.fetched.append(str(value))
 

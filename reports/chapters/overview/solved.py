@@ -11,7 +11,6 @@ from reports.chapters.overview.outcomes import completeness, refusals
 from reports.formats import NOTHING, code
 from reports.markdown import Part, commands, folded, joined, listing, machine, prose, table
 from reports.store.cells import Cell
-from reports.store.statements import sentence
 from reports.store.tables import Store
 
 AXES = {"contact": "contact algorithm", "measure": "strain measure"}
@@ -25,8 +24,7 @@ A failure is a result. A problem is all that was asked but the competitor: scene
 here that were put to two competitors at least. *Refused*: the algorithm says why it does not apply. *Path ends*: the
 equilibrium path itself ends before the load that was asked for, which is no failure of an algorithm.""")
     tables = [_matrix(store, axis) for axis in AXES] if store.has_analysis("outcomes") else []
-    told = [sentence(store, name) for name in ("algorithm-failures", "trial-and-error-ends", "measure-failures")]
-    return joined(text, prose(" ".join(told)), *tables, _completeness(store), *_behind(store))
+    return joined(text, *tables, _completeness(store), *_behind(store))
 
 
 def _matrix(store: Store, axis: str) -> Part:

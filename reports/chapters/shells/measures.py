@@ -9,7 +9,6 @@ from reports.chapters.answers.sections import regimes_table
 from reports.chapters.shells.figures_measures import errors_over_load
 from reports.formats import NOTHING, digits, fixed, percent
 from reports.markdown import Part, commands, joined, listing, picture, prose, table
-from reports.store.statements import statements
 from reports.store.tables import Store
 
 INTRODUCTION = prose("""# Strain measures
@@ -73,10 +72,8 @@ def regimes_part(store: Store) -> Part:
 Scenes by the way their shells move: shallow ones, a tyre in contact, a ring in contact, and large rotations without
 contact. What each measure keeps and drops, its law under rigid motions and its literature stand on its sheet in the
 catalogue.""")
-    names = ("measures-cost", "tyre-measure", "tyre-measure-saves", "linear-enough", "measure-failures")
-    told = [each.block for each in statements(store) if each.name in names and each.role == "finding"]
     shown = regimes_table(store)
-    return joined(text, *told, shown) if shown or told else Part("")
+    return joined(text, shown) if shown else Part("")
 
 
 def _first(load: float) -> str:
