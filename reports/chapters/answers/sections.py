@@ -37,7 +37,7 @@ def _section(title: str, store: Store, names: tuple[str, ...], *parts: str, more
 
 def _strains(store: Store) -> Part:
     regimes = ("measures-shallow", "measures-tyre", "measures-ring", "measures-large")
-    names = (*regimes, "measures-cost", "tyre-measure", "tyre-measure-saves")
+    names = (*regimes, "measures-cost", "equal-error", "tyre-measure", "tyre-measure-saves")
     more = "[More: strain measures](measures.md), [which do not get there](outcomes.md)"
     return _section("Exact or classical strains?", store, names, regimes_table(store), more=more)
 
