@@ -273,7 +273,7 @@ def test_a_picture_of_what_was_measured_may_come_and_go(files: dict[str, str], o
 
 
 def test_words_are_compared(files: dict[str, str], out: Path) -> None:
-    replace_in(out / "index.md", "planned", "foreseen")
+    replace_in(out / "index.md", "Interchangeable", "Exchangeable")
     (found,) = compare_pages(files, out)
     assert found.startswith("index.md:")
 
