@@ -18,6 +18,11 @@ from reports.html.document import REPORT
 from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import analysed
+from studies.analysis.findings.contact_summary import contact_summary
+from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_accuracy
+from studies.analysis.findings.outcomes import outcomes
+from studies.analysis.fronts import fronts
+from studies.analysis.verify import verified
 from studies.store.atomic import write_json, write_table
 from support.sweeps import cells
 
@@ -87,7 +92,10 @@ def all_pages(root: Path, measures: Names, algorithms: Names, draw: bool) -> dic
         ],
         ignore_index=True,
     )
-    for name, table in analysed(sweep).items():
+    scenes = fronts(sweep, verified(sweep))
+    tables = {"equal_accuracy": equal_accuracy(scenes), "cheaper_measures": cheaper_measures(scenes)}
+    tables |= {"outcomes": outcomes(sweep), "contact_summary": contact_summary(sweep)}
+    for name, table in {**analysed(sweep), **tables}.items():
         write_table(root / "tables" / f"{name}.csv", table.assign(campaign="report"))
     for path in (root / "tables" / f"{name}.csv" for name in EXTENDED):
         if path.exists():

@@ -187,7 +187,8 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     assert "| exact trial-and-error plain exact | not converged: cycling |" in files["outcomes.md"]
     assert "| exact trial-and-error plain exact | press at 20: it cycles |" in files["outcomes.md"]
     assert "| cycling: press at 20: it cycles |" in files["tyre.md"]
-    assert not any(re.search(r"\bnan\b", text) for name, text in files.items() if name.endswith(".md"))
+    nans = {name: re.findall(r".*\bnan\b.*", text)[:2] for name, text in files.items() if name.endswith(".md")}
+    assert {name: found for name, found in nans.items() if found} == {}
 
 
 def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Path) -> None:

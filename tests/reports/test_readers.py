@@ -64,7 +64,7 @@ def test_a_reader_finds_the_answer_with_one_click(files: dict[str, str], said: d
 
 def test_every_page_opens_with_its_answer(files: dict[str, str], said: dict[str, Said]) -> None:
     """Between its heading and the links to other pages; pages that list things have a text of their own."""
-    lists = {"index.md", "questions.md", "glossary.md", "findings.md", "outcomes.md", "gallery.md"}
+    lists = {"index.md", "questions.md", "glossary.md", "findings.md", "outcomes.md", "gallery.md", "data.md"}
     for each in CHAPTERS:
         if each.file in files and each.file not in lists and not each.under:
             opening = files[each.file].split("\n\n[Results](", 1)[0]

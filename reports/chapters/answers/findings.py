@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from reports.chapter import Chapter
-from reports.markdown import Part, joined, listing, machine, prose
+from reports.markdown import Part, joined, machine, prose
 from reports.store.statements import TABLES, statements
 from reports.store.tables import Store
 
@@ -21,9 +21,11 @@ its scope; outside of it nothing is said.""")
         own = [each for each in found if each.machine == timed]
         if own:
             title = "Findings that depend on the machine" if timed else "Findings"
-            heads = "finding | page | sentence | problems | holds for"
-            line = "{name} | [{page}]({page}.md) | {text} | {problems} | {scope}"
-            made = listing(title, own, heads, line, words=3)
+            lines = (
+                f"- {each.text} *Rests on {each.problems}; holds for {each.scope}.* [{each.page}]({each.page}.md)"
+                for each in own
+            )
+            made = "\n".join([f"## {title}", "", *lines])
             parts.append(machine(made) if timed else made)
     return joined(text, *parts)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from textwrap import dedent
 
 import numpy as np
 import pandas as pd
@@ -95,6 +96,15 @@ class Catalogue:
 
 
 def about(text: str) -> str:
-    """Paragraphs of a part's own words; what looks like markup is none."""
-    plain = text.replace("<", "&lt;").replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
-    return f"## About\n\n{plain}" if text.strip() else ""
+    """Paragraphs of a part's own words; what is indented is an equation, and what looks like markup is none."""
+    pieces = (_fenced(each) if each.startswith("    ") else _plain(each) for each in text.strip("\n").split("\n\n"))
+    return "\n\n".join(["## About", *pieces]) if text.strip() else ""
+
+
+def _fenced(text: str) -> str:
+    return "\n".join(["```", dedent(text), "```"])
+
+
+def _plain(text: str) -> str:
+    escaped = text.replace("<", "&lt;").replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
+    return escaped.removesuffix(":") if escaped.endswith("::") else escaped

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from reports.chapter import Chapter
 from reports.chapters.contact.agreement_cases import CASE, OF_CASE, Entry, entries, refusals
 from reports.chapters.contact.robustness import robustness
@@ -87,9 +85,11 @@ def _histories(solved: list[Entry]) -> Part:
     first = [entry for entry in exact if entry.case == exact[0].case and not entry.own]
     histories = {entry.contact: entry.cell.table("history") for entry in first}
     load, section = exact[0].case
+    travels = first[0].travels
+    reached = f", to {max(travels):g} mm," if travels else ""
     text = prose(f"""## Iterations of one step
 
-The last step of the path, to {max(first[0].travels, default=math.nan):g} mm, under the {load} load with the section
+The last step of the path{reached} under the {load} load with the section
 `{section}` and the exact condition, a panel an algorithm.""")
     words = "Residual over the iterations of the last step, with the nodes in contact"
     return joined(text, picture("contact-iterations.svg", words, iterations(histories)))

@@ -21,7 +21,7 @@ def outcomes_page(store: Store) -> Part:
     text = prose("""# Solved, failed, refused
 
 A failure is a result. A problem is all that was asked but the competitor: scene, mesh, settings, tolerance; those count
-here that were put to two competitors at least. *Refused*: the algorithm says why it does not apply. *Path ends*: the
+here that were put to two competitors at least. *Refused*: the algorithm says why it cannot solve it. *Path ends*: the
 equilibrium path itself ends before the load that was asked for, which is no failure of an algorithm.""")
     tables = [_matrix(store, axis) for axis in AXES] if store.has_analysis("outcomes") else []
     return joined(text, *tables, _completeness(store), *_behind(store))

@@ -281,11 +281,12 @@ WALL = re.compile(
 
 
 def test_nothing_reads_the_clock_of_the_wall() -> None:
-    """It may be set, by a person or by a server; limits and times are of clocks that only go on."""
+    """It may be set, by a person or by a server; limits and times are of clocks that only go on; results are dated."""
     packages = ("contact", "formulations", "reports", "studies")
     paths = [path for package in packages for path in (ROOT / package).rglob("*.py")]
     assert len(paths) > 200
-    assert [path for path in paths if WALL.search(path.read_text(encoding="utf-8"))] == []
+    dated = ROOT / "studies" / "store" / "provenance.py"
+    assert [path for path in paths if path != dated and WALL.search(path.read_text(encoding="utf-8"))] == []
     assert WALL.search("began = time.time()")
     assert not WALL.search("time.monotonic(), time.process_time(), datetime.date.today()")
 

@@ -21,6 +21,7 @@ from studies.campaigns.file import read
 from studies.campaigns.run import run
 from support.medians import unfounded
 
+ANYWHERE = ("questions.md", "findings.md", "glossary.md", "outcomes.md", "data.md")  # pages of any campaign
 ANALYSIS = {each.file: each for each in (tradeoff.CHAPTER, advice.CHAPTER)}
 
 
@@ -74,7 +75,7 @@ def test_both_pages_are_the_same_again(solved: Path) -> None:
 
 
 def test_both_pages_are_made_with_their_pictures(files: dict[str, str]) -> None:
-    assert {"index.md", *ANALYSIS} == {name for name in files if name.endswith(".md")}
+    assert {"index.md", *ANALYSIS, *ANYWHERE} == {name for name in files if name.endswith(".md")}
     shown = {name for text in files.values() for name in re.findall(r"\]\((figures/\S+\.svg)\)", text)}
     assert shown == {name for name in files if name.endswith(".svg")}
     assert len(shown) == 5
@@ -150,7 +151,7 @@ def test_without_its_tables_there_is_no_page(store: Path) -> None:
     assert set(analysis_pages(load_store(store))) == {"advice.md"}
     shutil.rmtree(store / "tables")
     files = rendered(load_store(store))
-    assert set(files) == {"index.md", "report.html"}
+    assert set(files) == {"index.md", "glossary.md", "outcomes.md", "report.html"}
     assert "tradeoff.md" not in files["index.md"]
 
 
