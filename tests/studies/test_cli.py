@@ -42,7 +42,7 @@ TOP_LEVEL = {
         "notes",
         "path_end",
     ),
-    *("quantities", "steps", "cuts", "counters", "timing_s", "provenance"),
+    *("quantities", "steps", "cuts", "counters", "work", "timing_s", "provenance"),
 }
 STEP = {
     *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm"),
