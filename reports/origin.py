@@ -60,7 +60,7 @@ def origin(store: Store) -> str:
         "machine": _each((_machine(each["machine"]) for each in made), always=True),
         "time on the clock, processor time of all cells [s]": f"{digits(spent['total'], 3)}, {digits(spent['cpu'], 3)}",
     }
-    return "## Machine\n\n" + machine(table("Where the numbers were made", ["", ""], told.items(), words=2))
+    return "## Machine\n\n" + machine(table("Where the numbers were made", ["what", "is"], told.items(), words=2))
 
 
 def _solved(store: Store) -> list[Cell]:

@@ -264,14 +264,16 @@ NAMED = {"button", "link", "searchbox", "combobox", "img", "image", "region", "n
 
 
 def test_whatever_can_be_used_or_seen_has_a_name(browser: Browser) -> None:
-    """As a screen reader has it."""
-    go(browser, "tyre")
-    browser.call("Accessibility.enable")
-    nodes = browser.call("Accessibility.getFullAXTree")["nodes"]
-    browser.call("Accessibility.disable")
-    told = [(each["role"]["value"], each.get("name", {}).get("value", "")) for each in nodes if not each["ignored"]]
-    assert [role for role, name in told if role in NAMED and not name.strip()] == []
-    roles = {role for role, _ in told}
+    """As a screen reader has it, on pages of every kind."""
+    roles = set()
+    for name in ("index", "tyre", "symmetry", "data"):
+        go(browser, name)
+        browser.call("Accessibility.enable")
+        nodes = browser.call("Accessibility.getFullAXTree")["nodes"]
+        browser.call("Accessibility.disable")
+        told = [(each["role"]["value"], each.get("name", {}).get("value", "")) for each in nodes if not each["ignored"]]
+        assert [role for role, words in told if role in NAMED and not words.strip()] == [], name
+        roles |= {role for role, _ in told}
     assert {"button", "link", "combobox", "navigation", "heading", "columnheader"} <= roles
     assert {"img", "image"} & roles
     assert {"banner", "main", "contentinfo"} <= roles

@@ -85,6 +85,7 @@
 
   for (const table of tables) {
     [...table.tHead.rows[0].cells].forEach((head, column) => {
+      if (!head.textContent.trim()) return; // a button without a name is none
       const button = document.createElement("button");
       button.append(...head.childNodes);
       head.scope = "col";
