@@ -64,7 +64,8 @@ NUMERIC = """[...document.querySelectorAll('table:has(tbody)')].flatMap((table, 
     const right = head.className === 'n' && texts.every(text => /^[-+]?[0-9.]+$/.test(text));
     return { at, column, many: right ? new Set(texts).size : 0 };
   })).find(each => each.many > 4)"""
-COLUMN = "[...document.querySelectorAll('table:has(tbody)')[{0}].tBodies[0].rows].map(row => row.cells[{1}].textContent)"
+ROWS = "document.querySelectorAll('table:has(tbody)')[{0}].tBodies[0].rows"
+COLUMN = f"[...{ROWS}].map(row => row.cells[{{1}}].textContent)"
 HEADS = "document.querySelectorAll('table:has(tbody)')[{0}].tHead.rows[0].cells"
 
 
