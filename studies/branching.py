@@ -12,8 +12,9 @@ from typing import Any
 from contact.continuation.branches import Branch, stable_branches
 from contact.solvers.sparse import SingularMatrixError
 from studies.algorithm_settings import configured
+from studies.certificate import certificate
 from studies.request import UsageError
-from studies.solving import Result, certificate
+from studies.result import Result
 from studies.store.atomic import write_by
 
 FORCE = "force_N"

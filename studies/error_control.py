@@ -30,9 +30,10 @@ from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import indicators
 from studies.refinement.trees import Family
 from studies.request import Request
+from studies.result import Result
 from studies.scene import RefinedScene, Scene, ShellSceneModel, UsageError
 from studies.scenes import SCENES
-from studies.solving import Result, solve
+from studies.solving import solve
 from studies.store.tables import Table
 
 SAFETY = 1.5

@@ -17,8 +17,8 @@ from studies.analysis.answers import Answers, number
 from studies.bench.timing_lane import interval, read_times, times_path
 from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
+from studies.result import UNSUPPORTED
 from studies.scenes.element import PRESETS
-from studies.solving import UNSUPPORTED
 from studies.step import Step
 
 MISSING = "missing"
@@ -42,7 +42,7 @@ def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
     "moved" where the cell was timed in vain, nothing where it was not timed.  c.operations: of all kinds.
     request: what was asked, by whose key rows are compared.
-    outcome: a class of :data:`studies.solving.CLASSES`, or "missing".  q: headline quantities and the numbers of the
+    outcome: a class of :data:`studies.result.CLASSES`, or "missing".  q: headline quantities and the numbers of the
     last step.  path_end: kind of what the path of the problem itself ends at, with its parameter and what has found
     it; nothing where it does not end, or a record of old does not say.  Empty text, or NaN, where a scene has no such
     thing. Raises UsageError when the store has no such campaign, or a record that cannot be read.

@@ -15,7 +15,7 @@ import pandas as pd
 
 from studies.analysis.rows import PRICES, mesh_ranks
 from studies.analysis.verify import CLAIMED, family_of, headline, questions
-from studies.solving import UNSUPPORTED
+from studies.result import UNSUPPORTED
 
 WRONG = 0.1  # relative error from which an answer is none
 TIE = 0.05  # of a cost: two that differ by less are equal

@@ -17,9 +17,9 @@ from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from studies.operations import KINDS
+from studies.result import SOLVED
 from studies.scene import has_contact
 from studies.scenes import SCENES
-from studies.solving import SOLVED
 
 LEAST = 0.02  # seconds; below it the clock and the calls decide
 WITHIN = 1.5

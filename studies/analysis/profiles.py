@@ -17,7 +17,7 @@ from studies.analysis.fronts import TIE, counting
 from studies.analysis.rows import PRICES
 from studies.analysis.verify import ELEMENT
 from studies.request import Request
-from studies.solving import SOLVED
+from studies.result import SOLVED
 
 AXES = ("contact", "newton", "measure", "element")  # whose levels compete, where there are two
 SOLVERS = ("contact", "newton")  # they solve the same problem; others are compared by the cost to reach an error

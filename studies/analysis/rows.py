@@ -9,9 +9,9 @@ from typing import Any
 import pandas as pd
 
 from studies.request import Value
+from studies.result import SOLVED
 from studies.scene import Reference
 from studies.scenes import SCENES
-from studies.solving import SOLVED
 
 STEP_KEYS = ("load_fraction", "delta_mm")  # what grows along a path; all else that a reference names is a setting
 REFINED = 1.3  # between two meshes of a ladder at the least, as Roache and ASME V&V 20 ask for: else an order is noise

@@ -16,7 +16,7 @@ from studies.algorithm_settings import own_keys
 from studies.analysis.rows import keys, reference_rows
 from studies.analysis.verify import CLAIMED, limits, siblings
 from studies.request import text_of
-from studies.solving import SOLVED
+from studies.result import SOLVED
 
 FLAG_COLUMNS = ("flag", "scene", "subject", "cases", "of", "size", "cause", "label")
 STANDS_STILL = 0.5  # of the error of the finest mesh: so much must be the wall for the error to count as standing

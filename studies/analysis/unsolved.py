@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from studies.analysis.profiles import NOT_ASKED
-from studies.solving import SOLVED
+from studies.result import SOLVED
 
 COLUMNS = ("scene", "measure", "mesh", "outcome", "path_end", "at", "at_low", "at_high", "found_by", "cells")
 UNSOLVED_COLUMNS = (*COLUMNS, "contacts", "why", "command")

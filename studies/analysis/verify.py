@@ -25,8 +25,8 @@ from studies.algorithm_settings import own_keys
 from studies.analysis.richardson import limit_of
 from studies.analysis.rows import PRICES, STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
+from studies.result import SOLVED, WRONG
 from studies.scenes import SCENES
-from studies.solving import SOLVED, WRONG
 
 CLAIMED = (*SOLVED, WRONG)  # outcomes with a value that somebody might believe
 HOW = (

@@ -22,7 +22,8 @@ from studies.bench.rounds import NO_BAR, PART, Group, Line, in_rounds
 from studies.bench.start import FLOOR, REFUSED, child
 from studies.bench.tangents import at_rest, factorisations, shell_of
 from studies.complete import complete
-from studies.solving import Result, solve
+from studies.result import Result
+from studies.solving import solve
 
 MESH = "42x40"
 SIZES, LARGEST = (MESH, "102x100"), "210x200"  # 10, 60 and 250 thousand unknowns

@@ -25,8 +25,8 @@ from studies.campaigns.plan import plan, solved_rows
 from studies.door.plugins import used
 from studies.pool.process import Child
 from studies.pool.task import Limits, Task
+from studies.result import SOLVED
 from studies.scene import UsageError
-from studies.solving import SOLVED
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
 from studies.store.provenance import provenance

@@ -16,10 +16,10 @@ from studies.door.plugins import used
 from studies.pool.engine import engine as engine_of
 from studies.pool.process import StoreFullError
 from studies.pool.task import Limits, Task
+from studies.result import CLASSES, UNSUPPORTED
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
-from studies.solving import CLASSES, UNSUPPORTED
 from studies.store.atomic import SCHEMA, write_json, write_text
 from studies.store.layout import Archive, DamagedError
 

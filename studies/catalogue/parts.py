@@ -80,8 +80,9 @@ def _conjugate(measure: StrainMeasure) -> str:
     )
     forces += " the work of the very strains above whatever they leave out, and a symmetric D has a symmetric tangent."
     exact = MEASURES["exact"]
-    same = isinstance(measure, QuadraticMeasure) and isinstance(exact, QuadraticMeasure)
-    if same and measure.formulas == exact.formulas:  # type: ignore[attr-defined]
+    both = (measure, exact)
+    formulas = [each.formulas for each in both if isinstance(each, QuadraticMeasure)]
+    if len(formulas) == 2 and formulas[0] == formulas[1]:
         return f"{forces} H are resultants of the second Piola-Kirchhoff stress, conjugate to the strain of Green."
     return f"{forces} They are resultants of the second Piola-Kirchhoff stress only as far as the strains are Green's."
 

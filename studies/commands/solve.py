@@ -14,8 +14,9 @@ from studies.commands import NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.request import Request, UsageError
+from studies.result import UNSTABLE, Result
 from studies.scene import Scene
-from studies.solving import UNSTABLE, Result, solve
+from studies.solving import solve
 from studies.step import Step
 from studies.store.atomic import write_by
 from studies.store.tables import Table

@@ -18,6 +18,7 @@ from studies.complete import complete
 from studies.door import descriptions
 from studies.door.descriptions import Description
 from studies.door.plugins import load_entry_points
+from studies.result import Result
 from studies.scene import UsageError
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 class Run:
     """A solved request; where it did not converge, everything up to the last converged step."""
 
-    result: solving.Result
+    result: Result
 
     @property
     def outcome(self) -> str:

@@ -14,7 +14,8 @@ import pandas as pd
 from contact.catalogue import ALGORITHMS
 from studies.complete import complete
 from studies.request import Request
-from studies.solving import Result, solve
+from studies.result import Result
+from studies.solving import solve
 
 ROUNDS: Mapping[str, int] = {"20x18": 3, "28x26": 3, "42x40": 2, "60x56": 1, "84x80": 1}  # 2, 4, 10, 20, 40 thousand
 SETTINGS = {"delta_mm": "20", "element": "paper"}

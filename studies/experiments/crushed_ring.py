@@ -14,8 +14,9 @@ import pandas as pd
 
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.result import SOLVED
 from studies.scenes.contact.crushed_ring import DATA
-from studies.solving import SOLVED, solve
+from studies.solving import solve
 
 SHELL, SOLID = "crushed-ring", "crushed-ring-solid"
 NO_NU = {"nu": "0", "E_MPa": repr(DATA["E_MPa"] / (1 - DATA["nu"] ** 2))}  # the other way to plane strain

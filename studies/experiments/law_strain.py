@@ -23,6 +23,8 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.complete import complete
+from studies.scenes.contact.crushed_ring_solid import SolidRingModel
+from studies.scenes.tyre.solid import SolidTyreModel
 from studies.walk import walk
 
 NU = 0.45  # of the bodies made here, with Young's modulus 1
@@ -66,13 +68,14 @@ def scene_points(
     """What a scene of a solid reports in one of its stages; raises RuntimeError where a load is not reached."""
     found, request = complete(scene, {**settings, "law": law}, mesh)
     model = found.build(request)
+    assert isinstance(model, SolidTyreModel | SolidRingModel)
     for visited in walk(model.stages(), Semismooth()):
         if not visited.converged:
             raise RuntimeError(f"{scene} with {law}: {visited.said}")
         if visited.stage.name == stage:
             t = visited.point.requested
             value = visited.stage.observe(visited.problem, visited.state, t).quantities[quantity]
-            yield t, value, largest_strain(model.body.discretisation, visited.state.u)  # type: ignore[attr-defined]
+            yield t, value, largest_strain(model.body.discretisation, visited.state.u)
 
 
 def tube(law: str, pressures: tuple[float, ...] = (0.002, 0.005, 0.01, 0.02)) -> Iterator[Point]:

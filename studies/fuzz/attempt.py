@@ -21,8 +21,9 @@ from contact.events import EventKind, events
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
 from studies.fuzz.cases import Asked
 from studies.request import Request
+from studies.result import UNSTABLE, WRONG, Result
 from studies.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
-from studies.solving import UNSTABLE, WRONG, Result, solve
+from studies.solving import solve
 
 MOST = 8_000  # linearisations of one solve
 CONVERGED, REFUSED, ENDED = "converged", "refused", "ended"

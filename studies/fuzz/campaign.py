@@ -20,8 +20,8 @@ from studies.fuzz.record import task_id
 from studies.pool.engine import engine as engine_of
 from studies.pool.process import StoreFullError
 from studies.pool.task import Limits, Task
+from studies.result import CRASH, MEMORY, TIME
 from studies.scene import UsageError
-from studies.solving import CRASH, MEMORY, TIME
 from studies.store.atomic import write_table
 from studies.store.layout import Archive, DamagedError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from studies.fuzz.examine import BROKEN, examine
-from studies.solving import CONVERGED, WRONG
+from studies.result import CONVERGED, WRONG
 from studies.store.atomic import SCHEMA, as_text
 from studies.store.source_hash import sources_hash
 

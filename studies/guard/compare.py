@@ -30,8 +30,8 @@ from studies.guard.baseline import (
     read_bounds,
     record_update,
 )
+from studies.result import CONVERGED, SOLVED
 from studies.scene import UsageError
-from studies.solving import CONVERGED, SOLVED
 from studies.store.atomic import write_table
 
 UNFINISHED = ("missing", "time", "memory", "crash")  # outcomes of the machine, not of the source

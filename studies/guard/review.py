@@ -8,7 +8,7 @@ import pandas as pd
 
 from studies.guard.baseline import OUTCOME, Bound
 from studies.guard.compare import UNFINISHED, Finding, compared, measured, shortened
-from studies.solving import CONVERGED
+from studies.result import CONVERGED
 
 MOST = 20  # rows a table: a comment is read, an archive is not
 VALUES = ("cell", "value", "A", "B", "allowed")

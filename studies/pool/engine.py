@@ -16,8 +16,8 @@ from typing import Any
 
 from studies.pool.process import Children, StoreFullError
 from studies.pool.task import Limits, Task
+from studies.result import CRASH
 from studies.scene import UsageError
-from studies.solving import CRASH
 from studies.store.layout import Archive
 
 MOST = 64

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.result import Result
 from studies.scene import UsageError
-from studies.solving import Result, solve
+from studies.solving import solve
 from studies.store.atomic import SCHEMA, as_text
 
 

@@ -14,8 +14,10 @@ from contact.continuation.critical_points import Ending, PathEnd
 from contact.continuation.load_stepping import PathPoint
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from studies.branching import branches_of
+from studies.certificate import certificate
+from studies.result import CAP_HIT, CONVERGED, NOT_CONVERGED, UNSTABLE, Result
 from studies.scene import Stage
-from studies.solving import CAP_HIT, CONVERGED, NOT_CONVERGED, UNSTABLE, Result, certificate, resolve, solve
+from studies.solving import resolve, solve
 from studies.walk import Visited, walk
 
 KEYS = {"failures", "diagnosis", "kkt", "balances", "rounding", "stability"}

@@ -15,9 +15,9 @@ from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.verify import judge
 from studies import solve
 from studies.algorithm_settings import configured
+from studies.certificate import certificate
 from studies.complete import complete
 from studies.experiments.extremes.maps import CONVERGED, FAILED, UNSTABLE, UNTOUCHED, attempt, chart_of
-from studies.solving import certificate
 from studies.walk import Visited, walk
 
 MAPS = ("length-unit", "stress-unit")

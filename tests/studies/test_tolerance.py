@@ -8,8 +8,9 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.verify import claim, judge
+from studies.result import Result
 from studies.scene import UsageError
-from studies.solving import Result, resolve, solve
+from studies.solving import resolve, solve
 
 LOOSE = 1e-2
 

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from studies.solving import SOLVED
+from studies.result import SOLVED
 
 THEORY: Mapping[str, float] = {  # of bilinear displacements with the strains of the mixed element
     "error_displacement": 2.0,

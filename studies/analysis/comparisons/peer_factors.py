@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pandas as pd
 
@@ -42,12 +43,12 @@ def peer_factors(table: pd.DataFrame) -> pd.DataFrame:
 def _line(own: pd.DataFrame) -> dict[str, object]:
     """What one line needs, and where it ends."""
     finer = own.sort_values("unknowns", ascending=False).to_dict("records")
-    first: dict[str, object] | None = None
+    first: dict[str, Any] | None = None
     for row in finer:
         if not abs(row["error"]) <= row["within"]:
             break
         first = {str(name): value for name, value in row.items()}
-    shares = {f"share_{part}": first[part] / first["seconds"] if first else math.nan for part in PARTS}  # type: ignore[operator]
+    shares = {f"share_{part}": first[part] / first["seconds"] if first else math.nan for part in PARTS}
     needed = {name: (first or NOTHING)[name] for name in NOTHING}
     last = finer[0]
     given = {name: last[name] for name in ("within", "bar", "uncertainty")}

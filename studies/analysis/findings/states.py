@@ -12,7 +12,7 @@ import pandas as pd
 
 from studies.analysis.profiles import problem_of
 from studies.analysis.rows import PRICES
-from studies.solving import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, UNSUPPORTED, WRONG
+from studies.result import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, UNSUPPORTED, WRONG
 
 SOLVED_STATE, PATH_ENDS, FAILED, REFUSED = "solved", "path ends", "failed", "refused"
 STATES = (SOLVED_STATE, PATH_ENDS, FAILED, REFUSED)  # the best first

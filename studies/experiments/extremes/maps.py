@@ -21,12 +21,12 @@ from contact.continuation.load_stepping import SMALLEST
 from contact.problem import Outcome
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
+from studies.certificate import certificate
 from studies.complete import complete
 from studies.experiments.extremes.bisection import BUDGET, Located, distance, locate
 from studies.request import Request
+from studies.result import UNSTABLE as NOT_STABLE
 from studies.scene import SceneModel, UsageError
-from studies.solving import UNSTABLE as NOT_STABLE
-from studies.solving import certificate
 from studies.walk import walk
 
 Point = tuple[int, int]  # row and column of a map

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -54,10 +55,10 @@ def usual_shell(
     area: str = "face",
 ) -> ShellModel:
     """The shell with the element of the scenes under nodal forces (N, 6) and a dead pressure p [MPa] inside."""
-    element = {key: value for key, value in PRESETS["refined"].items() if key != "interpolation"}
+    element: dict[str, Any] = {key: value for key, value in PRESETS["refined"].items() if key != "interpolation"}
     pressure = Pressure(p, area=area) if p else None
     load = None if forces is None else body.reduce(forces)
-    return ShellModel(body, measure, section, pressure=pressure, forces=load, **element)  # type: ignore[arg-type]
+    return ShellModel(body, measure, section, pressure=pressure, forces=load, **element)
 
 
 def solved_shell(shell: ShellModel) -> np.ndarray:

@@ -11,8 +11,9 @@ from contact.problem import Linearisation, Linearise
 from studies.algorithm_settings import configured
 from studies.complete import complete
 from studies.refinement.goal import dual, gradient, on_grid
+from studies.result import Result
 from studies.scene import ArcStage
-from studies.solving import Result, solve
+from studies.solving import solve
 
 SMALL = 1e-5  # of the forces in balance, by which the load is changed
 NARROW = 1e-8  # mm, by which gaps are changed: no node may leave the contact set or join it

@@ -19,7 +19,8 @@ from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import dorfler, indicators
 from studies.refinement.trees import Family
-from studies.solving import Result, solve
+from studies.result import Result
+from studies.solving import solve
 from support.shells import make_shell
 
 IDENTITY = 1e-7  # of J' - J: J' of the dual problem is taken by differences

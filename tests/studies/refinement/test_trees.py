@@ -10,8 +10,9 @@ import pytest
 from studies.complete import complete
 from studies.error_control import coarsest
 from studies.refinement.trees import FLAT, GROWTH, Family, _mirror
+from studies.result import CONVERGED
 from studies.scenes import SCENES
-from studies.solving import CONVERGED, solve
+from studies.solving import solve
 
 CHEAP = {  # a load that a few steps reach
     "hemisphere": {"load_fraction": "0.02"},

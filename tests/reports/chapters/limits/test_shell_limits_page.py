@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import pytest
@@ -33,7 +34,7 @@ def test_without_its_table_there_is_no_page(own_store: Path) -> None:
 def test_the_picture_has_a_line_a_scene_and_both_levels() -> None:
     points = made_up_walls()
     usual = points[points["variant"] == DEFAULT].drop_duplicates("case")
-    figure = errors.__wrapped__(points, usual)  # type: ignore[attr-defined]
+    figure = inspect.unwrap(errors)(points, usual)
     assert isinstance(figure, Figure)
     (axes,) = figure.axes
     bad, better, best, *levels = axes.get_lines()

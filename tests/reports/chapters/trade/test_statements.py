@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import pandas as pd
@@ -61,6 +62,6 @@ def test_what_does_not_hold_is_listed(own_store: Path) -> None:
 
 
 def test_every_decided_limit_is_a_point() -> None:
-    (axes,) = errors_stated.__wrapped__(coverage(wrong=True)).axes
+    (axes,) = inspect.unwrap(errors_stated)(coverage(wrong=True)).axes
     points = [line for line in axes.lines if line.get_linestyle() == "None"]
     assert sum(len(line.get_xdata()) for line in points) == 4

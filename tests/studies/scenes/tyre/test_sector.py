@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from studies.cli import WRONG_USE, main
+from studies.result import Result
 from studies.scene import UsageError
 from studies.scenes.tyre.sector import check_patch, check_reach, with_line_at, within
-from studies.solving import Result, resolve, solve
+from studies.solving import resolve, solve
 
 MESH = "16x48"  # uniform: lines every 7.5 degrees
 CUTS = (45, 60, 90, 135)

@@ -15,9 +15,10 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation
 from formulations.solid_mesh import SolidMesh
 from studies.fields import write_solid_fields
+from studies.result import Result
 from studies.scene import UsageError
 from studies.scenes.data import read_reference
-from studies.solving import Result, resolve, solve
+from studies.solving import resolve, solve
 
 ONE_PERCENT = 0.01
 TO_10 = {"delta_mm": "10"}

@@ -1,0 +1,47 @@
+"""What the judge says of a state, and of the way that led to it, by name and number.
+
+Nothing here knows a scene, and nothing solves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from contact.continuation.stability import stability
+from contact.diagnosis import diagnose
+from contact.newton.step import RESIDUAL_TOLERANCE
+from contact.problem import ContactProblem, ContactSolution
+from contact.swept import Crossing
+from contact.verify import claim, gap_residuals, judge
+
+SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
+
+
+def certificate(
+    problem: ContactProblem,
+    state: ContactSolution,
+    epsilon: float = math.inf,
+    tolerance: float = RESIDUAL_TOLERANCE,
+    passed: Sequence[Crossing] = (),
+) -> dict[str, Any]:
+    """What the judge says of a state, by the law of its epsilon: failures by name, their diagnosis, kkt, balances,
+    scales.
+
+    stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
+    kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
+    judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
+    passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.
+    """
+    verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
+    found = verdict.certificate
+    found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
+    found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
+    found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
+    if passed:
+        found["failures"].append(SWEPT)
+        shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
+        found["diagnosis"].append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
+    found["stability"] = stability(problem, state, epsilon).record
+    return found

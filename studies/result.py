@@ -1,0 +1,147 @@
+"""What a solve has found, its class, and the files that it is written to.
+
+How it is found does not enter here (:mod:`studies.solving`), nor what makes a state wrong (:mod:`studies.certificate`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from contact.continuation.branches import Branch
+from contact.continuation.critical_points import PathEnd
+from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
+from contact.events import EventKind, events
+from contact.interchange.linearised_step import FrozenStep
+from contact.problem import ContactSolution, Outcome
+from contact.swept import between_nodes
+from studies.request import Request
+from studies.scene import SceneModel
+from studies.step import Step
+from studies.store.atomic import write_by, write_json
+from studies.store.provenance import provenance
+from studies.store.tables import Table
+from studies.walk import Visited
+
+HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
+UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
+CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
+TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
+CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
+SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
+
+
+@dataclass
+class Result:
+    """What a solve has found; ``last`` is the last converged state, from which the fields are written.
+
+    model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
+    the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
+    is not stable, but for the points of a traced curve, which is followed through such states on purpose.
+    work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
+    branches, beside: rows and states of the stable branches at the last load, where they were asked for.
+    """
+
+    request: Request
+    model: SceneModel | None = None
+    outcome: Outcome = Outcome.CONVERGED
+    cause: Outcome = Outcome.CONVERGED
+    reason: str = ""
+    unsupported: str = ""
+    unstable: list[str] = field(default_factory=list)
+    branches: list[dict[str, Any]] = field(default_factory=list)
+    beside: list[Branch] = field(default_factory=list)
+    quantities: dict[str, float] = field(default_factory=dict)
+    loads: list[Step] = field(default_factory=list)
+    counters: dict[str, float] = field(default_factory=dict)
+    work: dict[str, int] = field(default_factory=dict)
+    timing: dict[str, float] = field(default_factory=dict)
+    history: list[dict[str, Any]] = field(default_factory=list)
+    tables: dict[str, list[Table]] = field(default_factory=dict)
+    last: ContactSolution | None = None
+    frozen: Callable[[], FrozenStep] | None = None
+    end: Visited | None = None
+
+    def as_json(self) -> dict[str, Any]:
+        """The content of result.json."""
+        request = self.request
+        asked = ("scene", "measure", "contact", "newton", "mesh", "model", "model_reason")
+        return {
+            **{name: getattr(request, name) for name in asked},
+            "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
+            "settings": {**request.settings, "steps": request.steps},
+            "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
+            "class": self.verdict,
+            "path_end": self.path_end,
+            "reason": self.unsupported or self.reason or "; ".join(self.unstable[:1]) or self.outcome.value,
+            "notes": self.notes,
+            "quantities": self.quantities,
+            "steps": self.steps,
+            **({"branches": self.branches} if self.branches else {}),
+            "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
+            "counters": self.counters,
+            "work": self.work,
+            "timing_s": self.timing,
+            "provenance": provenance(),
+        }
+
+    @property
+    def notes(self) -> list[str]:
+        """What an answer does not show by itself: that the foundation is finer than the elements on it."""
+        if self.end is None:
+            return []
+        problem, state = self.end.problem, self.end.point.solution
+        told = between_nodes(problem.standing, problem.weights, state.active)
+        return [told] if told else []
+
+    @property
+    def steps(self) -> list[dict[str, Any]]:
+        """The loads that were reached, flat."""
+        return [step.flat for step in self.loads]
+
+    @property
+    def verdict(self) -> str:
+        """The class of the outcome: what a solve may end in of :data:`CLASSES`."""
+        if self.unsupported:
+            return UNSUPPORTED
+        if self.outcome.converged:
+            if any(step.certificate["failures"] for step in self.loads):
+                return WRONG
+            return UNSTABLE if self.unstable else CONVERGED
+        capped = Outcome.ITERATION_LIMIT in (self.outcome, self.cause)
+        return CAP_HIT if capped and not self.path_end else NOT_CONVERGED
+
+    @property
+    def path_end(self) -> dict[str, Any]:
+        """What the path of the problem itself ends at before the load asked for: stage, kind, parameter, found_by.
+
+        Empty where it does not end, or only the solver knows no further. Found by arc length, which has passed it, or
+        by the tangent of the last states (:mod:`contact.continuation.critical_points`), which only comes near it.
+        """
+        point = None if self.end is None or self.outcome.converged else self.end.point
+        if self.end is None or point is None or point.end is None or point.end.kind is PathEnd.NEITHER:
+            return {}
+        found_by = "arc length" if point.outcome is Outcome.LIMIT_POINT else "the tangent"
+        at = point.reached if point.end.limit is None else point.end.limit
+        return {"stage": self.end.stage.name, "kind": point.end.kind.value, "parameter": at, "found_by": found_by}
+
+    def table(self, name: str) -> Table:
+        """One of the tables, its parts from all loads below one another."""
+        return Table.stacked(self.tables[name])
+
+    def write(self, directory: Path) -> None:
+        """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
+        self.write_artefacts(directory)
+        write_json(directory / "result.json", self.as_json())
+
+    def write_artefacts(self, directory: Path) -> list[str]:
+        """fields.vtu and the tables, each whole or not at all; returns their names."""
+        tables = {name: self.table(name) for name in self.tables}
+        for name, table in {**tables, "history": Table.of_rows(self.history, HISTORY)}.items():
+            table.write(directory / f"{name}.csv")
+        assert self.model is not None  # what was refused has no artefacts
+        state, write_fields = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0), self.model.write_fields
+        write_by(directory / "fields.vtu", lambda path: write_fields(path, state))
+        return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
