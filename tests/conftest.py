@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from support.shells import PATCHES, Patch
+from support.problems.shells import PATCHES, Patch
 
 
 @pytest.fixture

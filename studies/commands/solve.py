@@ -77,7 +77,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _draw(out: Path) -> None:
-    from reports.result_figures import draw_result
+    from reports.figures.result_figures import draw_result
     from reports.store.reading import StoreError
 
     try:

@@ -73,7 +73,7 @@ class Run:
 
     def figures(self) -> list[Figure]:
         """The pictures of ``--plot`` as matplotlib's figures."""
-        from reports.result_figures import figures_of
+        from reports.figures.result_figures import figures_of
 
         with tempfile.TemporaryDirectory() as folder:
             self.write(folder)

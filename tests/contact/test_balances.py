@@ -18,8 +18,8 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from support.differences import fitted_order
-from support.shells import PATCHES, make_shell
+from support.problems.differences import fitted_order
+from support.problems.shells import PATCHES, make_shell
 
 CLOSED = 1e-11  # a balance of forces or energies that is only rounding
 OPEN = 1e-4

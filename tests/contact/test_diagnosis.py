@@ -21,8 +21,8 @@ from contact.verify import judge
 from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
-from support.contact_problems import linear_mechanics
-from support.shells import PATCHES, make_shell
+from support.problems.contact_problems import linear_mechanics
+from support.problems.shells import PATCHES, make_shell
 
 UP = np.array([0.0, 0.0, 1.0])
 EPSILON = 1e4

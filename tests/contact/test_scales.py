@@ -16,7 +16,7 @@ from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactProblem, ContactSolution, Outcome, without_contact
 from contact.scales import Stiffness, length, motion
 from contact.verify import judge
-from support.contact_problems import EXACT, linear_mechanics, random_quadratic
+from support.problems.contact_problems import EXACT, linear_mechanics, random_quadratic
 
 EPS = np.finfo(float).eps
 X, Y, Z = np.eye(3)

@@ -16,8 +16,8 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.scenes.contact.base import outer_face
-from support.contact_problems import EXACT
-from support.shells import make_shell
+from support.problems.contact_problems import EXACT
+from support.problems.shells import make_shell
 
 ROUNDING = 1e-10
 RIM = 0.05  # error of a reaction, in loads of a row of nodes: the rim wanders within its element

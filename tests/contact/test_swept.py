@@ -22,7 +22,7 @@ from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.swept import Standing, between_nodes, crossings, crossings_along
 from contact.verify import judge
 from studies.experiments.obstacle_problems.collection import collection
-from support.falling import UP, Net, falling, passing
+from support.problems.falling import UP, Net, falling, passing
 
 KINDS = ("ball", "drum", "bar")
 EXACT = ("semismooth", "trial-and-error", "lcp")

@@ -16,8 +16,8 @@ from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
-from support.contact_problems import linear_mechanics, random_quadratic
-from support.units import UNITS
+from support.problems.contact_problems import linear_mechanics, random_quadratic
+from support.problems.units import UNITS
 
 M = 6
 SOFT, STIFF = 1e-1, 1e4  # MPa/mm

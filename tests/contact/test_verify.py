@@ -12,7 +12,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution, Outcome, without_contact
 from contact.rounding import rounding_floor
 from contact.verify import Verdict, claim, judge
-from support.contact_problems import Quadratic, linear_mechanics, random_quadratic
+from support.problems.contact_problems import Quadratic, linear_mechanics, random_quadratic
 
 ROUNDING = 1e-12
 

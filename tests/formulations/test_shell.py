@@ -16,8 +16,8 @@ from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.quantities import N_E, N_Q
-from support.differences import central_difference, fitted_order
-from support.shells import PATCHES, make_shell
+from support.problems.differences import central_difference, fitted_order
+from support.problems.shells import PATCHES, make_shell
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
 DIFFERENCE = 1e-10  # relative error of a difference without truncation error

@@ -37,12 +37,12 @@ from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
-from support.answers import write_answers
-from support.made_up import analysed_again, linked
-from support.manufactured import made_up_manufactured, made_up_statements, made_up_touching
-from support.rings import made_up_laws, made_up_ring
-from support.sheets import BUILT, DRAWN, cube_text, sheet_answer
-from support.walls import made_up_walls
+from support.stores.answers import write_answers
+from support.stores.made_up import analysed_again, linked
+from support.stores.manufactured import made_up_manufactured, made_up_statements, made_up_touching
+from support.stores.rings import made_up_laws, made_up_ring
+from support.stores.sheets import BUILT, DRAWN, cube_text, sheet_answer
+from support.stores.walls import made_up_walls
 
 PSI, PHI = np.arange(-60.0, 61.0, 5.0), np.arange(-22.5, 22.6, 2.5)
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}

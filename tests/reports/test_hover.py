@@ -6,8 +6,8 @@ import re
 
 import numpy as np
 
-from reports import hover
-from reports.drawing import canvas, svg, ticks
+from reports.figures import hover
+from reports.figures.drawing import canvas, svg, ticks
 
 
 def drawn(log: bool = False, count: int = 3, label: str = "one") -> str:

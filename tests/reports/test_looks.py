@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 
 from reports.chapter import ALL
 from reports.contents import CHAPTERS
-from reports.drawing import canvas, drawn, legend_above, looks
+from reports.figures.drawing import canvas, drawn, legend_above, looks
 from reports.markdown import table
 from reports.store.tables import load_store
-from support.widths import PAGE, widths
+from support.pages.widths import PAGE, widths
 
 OTHERS = ("index.md", "advice.md", "tradeoff.md")  # made of other stores, or by other rules
 

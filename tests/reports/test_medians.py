@@ -22,8 +22,8 @@ from studies.analysis.fronts import fronts
 from studies.analysis.profiles import PAIR_COLUMNS, profiles
 from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
-from support.medians import bare_columns, unfounded
-from support.sweeps import cells
+from support.pages.medians import bare_columns, unfounded
+from support.stores.sweeps import cells
 
 CAMPAIGN = "made"
 CONTACTS = {"semismooth": 1.0, "lcp": 0.5}

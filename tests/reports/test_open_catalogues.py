@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from reports.contents import CHAPTERS
-from reports.drawing import KNOWN, looks
+from reports.figures.drawing import KNOWN, looks
 from reports.html.document import REPORT
 from reports.site import rendered
 from reports.store.tables import load_store
@@ -24,7 +24,7 @@ from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.fronts import fronts
 from studies.analysis.verify import verified
 from studies.store.atomic import write_json, write_table
-from support.sweeps import cells
+from support.stores.sweeps import cells
 
 MEASURES = tuple(f"made-up-{number}" for number in range(1, 12))
 ALGORITHMS = tuple(f"invented-{number}" for number in range(1, 10))

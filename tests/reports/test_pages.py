@@ -15,10 +15,10 @@ import pytest
 from reports.chapter import INDEX_TITLE, Chapter
 from reports.chapters.tyre.meshes import SOLID
 from reports.contents import CHAPTERS
+from reports.figures.result_figures import draw_result
 from reports.files import as_bytes
 from reports.html.document import REPORT
 from reports.markdown import END_MACHINE, Part
-from reports.result_figures import draw_result
 from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.store.reading import StoreError
 from reports.store.tables import load_store

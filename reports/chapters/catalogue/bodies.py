@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reports.relief import View
+from reports.figures.relief import View
 
 X, DOWN_X, Z = (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)
 VIEWS: Mapping[str, tuple[tuple[float, float, float], float, float]] = {  # by how a scene's name begins

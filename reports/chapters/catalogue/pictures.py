@@ -11,9 +11,9 @@ import pandas as pd
 
 from reports.chapters.catalogue.bodies import FROM_BELOW, Body, view_of
 from reports.chapters.catalogue.symbols import corners_of, legend, plane, symbols
-from reports.drawing import Picture
+from reports.figures.drawing import Picture
+from reports.figures.relief import BANDS, View, Window, outline, palette, png, raster
 from reports.formats import formatted
-from reports.relief import BANDS, View, Window, outline, palette, png, raster
 
 WIDE, HIGH, TOP, FOOT = 470, 330, 24, 64  # points: of a panel, above and below it
 BAR, STEPS = 170, 2  # points: length of the colour bar; and its ticks

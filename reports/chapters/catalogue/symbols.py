@@ -8,8 +8,8 @@ from html import escape
 import numpy as np
 import pandas as pd
 
-from reports.drawing import BLACK, BLUE, GREEN, PURPLE, VERMILION
-from reports.relief import View, Window
+from reports.figures.drawing import BLACK, BLUE, GREEN, PURPLE, VERMILION
+from reports.figures.relief import View, Window
 
 MOST = 36  # of one kind
 LONGEST = 46.0  # points, of an arrow

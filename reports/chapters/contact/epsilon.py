@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.drawing import BLACK, canvas, legend_above, looks, svg
+from reports.figures.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, fixed, scientific, share
 from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose
 from reports.store.tables import Store

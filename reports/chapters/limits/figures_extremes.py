@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import MaxNLocator
 
-from reports.drawing import BLACK, canvas, svg
+from reports.figures.drawing import BLACK, canvas, svg
 
 LOOKS: dict[str, tuple[str, str, str]] = {  # class: colour, hatch, marker of a point that was solved
     "converged": ("#CCE5F2", "", "."),

@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.drawing import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, canvas, legend_above, looks, svg
+from reports.figures.drawing import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION, canvas, legend_above, looks, svg
 
 LOOKS: dict[str, dict[str, Any]] = {  # of the classes
     "exactly zero": {"color": BLUE, "marker": "P"},

@@ -8,7 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.drawing import BLACK, canvas, looks, svg
+from reports.figures.drawing import BLACK, canvas, looks, svg
 from reports.formats import digits, scientific, share
 from reports.markdown import Part, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store

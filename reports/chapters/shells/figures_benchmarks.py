@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, canvas, legend_above, lines, looks, svg, ticks
+from reports.figures.drawing import BLACK, canvas, legend_above, lines, looks, svg, ticks
 
 
 @svg

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from reports.drawing import BLACK, BLUE, GREY, LINES, MARKERS, ORANGE, canvas, look, svg
+from reports.figures.drawing import BLACK, BLUE, GREY, LINES, MARKERS, ORANGE, canvas, look, svg
 from reports.formats import fixed, quantity
 
 SMALLEST = 1e-6  # relative error, below which a point is drawn there

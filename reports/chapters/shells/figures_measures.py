@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from reports.drawing import BLACK, GREY, canvas, legend_above, looks, svg
+from reports.figures.drawing import BLACK, GREY, canvas, legend_above, looks, svg
 
 LEVELS, LINEAR = (1.0, 5.0), 1.0  # per cent: levels, and up to where the axis is linear
 TICKS = (0, 1, 5, 20, 100, 500, 2000)  # per cent, and their negatives

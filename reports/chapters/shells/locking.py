@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from reports.chapter import Chapter
-from reports.drawing import BLACK, canvas, lines, looks, svg
+from reports.figures.drawing import BLACK, canvas, lines, looks, svg
 from reports.formats import NOTHING, code, fixed, scientific, share
 from reports.markdown import Part, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from reports.chapter import Chapter
-from reports.drawing import BLACK, canvas, looks, svg
+from reports.figures.drawing import BLACK, canvas, looks, svg
 from reports.formats import NOTHING, code, fixed, scientific
 from reports.markdown import Part, folded, joined, listing, picture, prose, table
 from reports.store.tables import Store

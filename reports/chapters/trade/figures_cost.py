@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, canvas, legend_above, looks, svg
+from reports.figures.drawing import BLACK, canvas, legend_above, looks, svg
 
 LEAST = 1e-5  # below it an error is chance
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from reports.drawing import BLACK, GREY, Look, canvas, looks, svg
+from reports.figures.drawing import BLACK, GREY, Look, canvas, looks, svg
 
 PANELS = 3  # beside one another
 FIXED = ("contact", "newton", "element", "model", "tolerance")  # one of each along a line

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import PercentFormatter
 
-from reports.drawing import BLACK, BLUE, GREY, VERMILION, canvas, looks, svg, ticks
+from reports.figures.drawing import BLACK, BLUE, GREY, VERMILION, canvas, looks, svg, ticks
 
 DEAR = 1.5  # times the least cost: what advice aims to stay below
 WORST = 0.1  # relative error from which an answer is wrong

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, canvas, lines, svg
+from reports.figures.drawing import BLACK, canvas, lines, svg
 from reports.formats import fixed, number, share
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose
 from reports.store.tables import Store

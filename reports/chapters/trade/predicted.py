@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, BLUE, canvas, svg
+from reports.figures.drawing import BLACK, BLUE, canvas, svg
 from reports.formats import fixed, share
 from reports.markdown import Part, joined, listing, machine, picture, prose
 from reports.store.tables import Store

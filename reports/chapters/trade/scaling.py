@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, canvas, legend_above, lines, svg
+from reports.figures.drawing import BLACK, canvas, legend_above, lines, svg
 from reports.formats import NOTHING, fixed, interval, scientific
 from reports.markdown import Part, commands, joined, machine, picture, prose, table
 from reports.store.tables import Store

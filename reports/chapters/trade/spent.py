@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import canvas, legend_above, looks, svg
+from reports.figures.drawing import canvas, legend_above, looks, svg
 from reports.formats import fixed, formatted, share
 from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, canvas, legend_above, looks, svg
+from reports.figures.drawing import BLACK, canvas, legend_above, looks, svg
 from reports.formats import fixed, share
 from reports.markdown import Part, commands, joined, listing, picture, prose
 from reports.store.tables import Store

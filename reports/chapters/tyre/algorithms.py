@@ -10,8 +10,8 @@ import pandas as pd
 from reports.chapters.tyre import figures
 from reports.chapters.tyre.cells import ALGORITHMS, BASE, CONSISTENT, DELTA, SLOWEST, SOFT, change, nodes_unlike
 from reports.chapters.tyre.printed_pressures import HALF
+from reports.figures.maps import at_delta, pressure_map
 from reports.formats import NOTHING, digits, fixed, percent, scientific
-from reports.maps import at_delta, pressure_map
 from reports.markdown import Part, commands, fold, folded, joined, listing, machine, picture, prose, table
 from reports.store.cells import Cell
 from reports.store.tables import Store

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from reports.maps import at_delta, different_nodes
+from reports.figures.maps import at_delta, different_nodes
 from reports.store.cells import Cell
 
 Asked = dict[str, Any]

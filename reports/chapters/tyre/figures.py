@@ -14,8 +14,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.interpolate import PchipInterpolator
 
-from reports.drawing import BLACK, GREY, VERMILION, canvas, legend_above, lines, look, looks, svg
-from reports.maps import SHOWN_PSI, at_delta
+from reports.figures.drawing import BLACK, GREY, VERMILION, canvas, legend_above, lines, look, looks, svg
+from reports.figures.maps import SHOWN_PSI, at_delta
 
 TRAVEL, FORCE = "travel of the plane Δ [mm]", "force P [N]"
 

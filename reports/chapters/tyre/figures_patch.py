@@ -13,8 +13,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, VERMILION, canvas, svg
-from reports.maps import ANGLE_DECIMALS, Developed
+from reports.figures.drawing import BLACK, VERMILION, canvas, svg
+from reports.figures.maps import ANGLE_DECIMALS, Developed
 
 SHOWN_PHI = 30.0  # degrees to either side of the first touch
 ROOM = 1.25  # what is shown, over the size of the patch

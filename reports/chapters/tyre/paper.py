@@ -8,8 +8,8 @@ import numpy as np
 
 from reports.chapters.tyre import figures, figures_patch
 from reports.chapters.tyre.cells import CURVES, DELTA, EVERY_MEASURE, FOLLOWER, ISOTROPIC, LINEAR, PAPER
+from reports.figures.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.formats import fixed
-from reports.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
 from reports.store.cells import Cell
 from reports.store.tables import Store

@@ -10,8 +10,8 @@ import pandas as pd
 
 from reports.chapters.tyre import figures_patch
 from reports.chapters.tyre.cells import DELTA, PAPER
+from reports.figures.maps import at_delta
 from reports.formats import fixed, scientific, share
-from reports.maps import at_delta
 from reports.markdown import Part, commands, folded, joined, listing, picture, prose, table
 from reports.store.cells import Cell
 from reports.store.tables import Store

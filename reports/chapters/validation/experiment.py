@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.chapters.validation.law_part import law_part
-from reports.drawing import BLACK, COLOURS, canvas, looks, svg
+from reports.figures.drawing import BLACK, COLOURS, canvas, looks, svg
 from reports.formats import digits, fixed, percent, share
 from reports.markdown import Part, commands, filled, joined, listing, picture, prose, table
 from reports.store.tables import Store

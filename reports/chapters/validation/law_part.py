@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.drawing import BLACK, canvas, looks, svg
+from reports.figures.drawing import BLACK, canvas, looks, svg
 from reports.formats import digits, share
 from reports.markdown import Part, joined, listing, picture, prose
 from reports.store.tables import Store

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
-from reports.drawing import BLACK, canvas, legend_above, lines, svg, ticks
+from reports.figures.drawing import BLACK, canvas, legend_above, lines, svg, ticks
 from reports.formats import fixed
 from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from contact.problem import Outcome
 from contact.verify import judge
-from support.contact_problems import applicable, dual_by_nnls, manufactured, random_quadratic, solve_from_rest
-from support.differences import fitted_order
+from support.problems.contact_problems import applicable, dual_by_nnls, manufactured, random_quadratic, solve_from_rest
+from support.problems.differences import fitted_order
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 FINE = 1e-8  # a tenth of the smallest pressure that has to be seen; the residual is known to 1e-9

@@ -15,7 +15,7 @@ from contact.catalogue import ALGORITHMS
 from contact.obstacles.foundation import Candidates, RigidPlane, against_plane
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
-from support.contact_problems import (
+from support.problems.contact_problems import (
     Quadratic,
     applicable,
     dual_by_nnls,

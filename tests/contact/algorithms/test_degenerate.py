@@ -18,7 +18,7 @@ from contact.problem import ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import LcpError, active_set, by_nnls, lemke
 from contact.solvers.qp_backends import BACKENDS, Programme, ask, missing
 from contact.verify import judge
-from support.contact_problems import (
+from support.problems.contact_problems import (
     OPEN,
     PRESSED,
     TOUCHING,

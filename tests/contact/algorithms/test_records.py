@@ -13,7 +13,7 @@ from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
-from support.contact_problems import EXACT, Quadratic, applicable, random_quadratic, solve_from_rest
+from support.problems.contact_problems import EXACT, Quadratic, applicable, random_quadratic, solve_from_rest
 
 ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
 ROUNDING = 1e-10

@@ -15,7 +15,7 @@ from contact.events import EventKind, events
 from contact.obstacles.foundation import Candidates, RigidPlane, against
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.solving import resolve, solve
-from support.contact_problems import linear_mechanics
+from support.problems.contact_problems import linear_mechanics
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

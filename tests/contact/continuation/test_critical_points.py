@@ -14,7 +14,7 @@ from contact.continuation.critical_points import MODES, PathEnd, spectrum, why_i
 from contact.continuation.load_stepping import follow
 from contact.events import EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
-from support.contact_problems import Quadratic, random_quadratic
+from support.problems.contact_problems import Quadratic, random_quadratic
 
 EXACT = 1e-9
 LIMIT = 1e-4  # of the interval, on the limit extrapolated from states within a hundredth of it

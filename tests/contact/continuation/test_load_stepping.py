@@ -15,7 +15,7 @@ from contact.continuation.critical_points import PathEnd
 from contact.continuation.load_stepping import BRIEF, EASY_ITERATIONS, SMALLEST, WORTH, follow
 from contact.events import EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome, without_contact
-from support.contact_problems import Quadratic
+from support.problems.contact_problems import Quadratic
 
 EXACT = 1e-9
 

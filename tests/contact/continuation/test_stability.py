@@ -13,7 +13,7 @@ from scipy.linalg import null_space
 from contact.catalogue import ALGORITHMS
 from contact.continuation.stability import NOT_COUNTED, STABLE, UNSTABLE, stability
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
-from support.contact_problems import Quadratic, random_quadratic
+from support.problems.contact_problems import Quadratic, random_quadratic
 
 EPSILONS = (math.inf, 1e4, 3.0, 1e-3)
 

@@ -18,8 +18,8 @@ from contact.obstacles.foundation import Candidates, against
 from contact.problem import ContactSolution, Outcome
 from contact.solvers.sparse import asymmetry
 from contact.verify import judge
-from support.contact_problems import dual_by_nnls, linear_mechanics, random_quadratic
-from support.differences import central_difference
+from support.problems.contact_problems import dual_by_nnls, linear_mechanics, random_quadratic
+from support.problems.differences import central_difference
 
 ROUNDING = 1e-12
 ORACLE = 1e-7

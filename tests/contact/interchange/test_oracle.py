@@ -13,7 +13,7 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.interchange.oracle import OracleError, confirm, minimise, positive_definite, refusal
-from support.contact_problems import Quadratic, dual_by_nnls, random_quadratic
+from support.problems.contact_problems import Quadratic, dual_by_nnls, random_quadratic
 
 EXACT = 1e-9  # of quantities of the order one
 KINDS = ("obstacle", "definite", "inclined")

@@ -16,7 +16,7 @@ from contact.solvers import lcp_pivoting
 from contact.solvers.sparse import AUTO, SingularMatrixError, factorise, response, response_flops
 from studies.complete import complete
 from studies.solving import solve
-from support.contact_problems import Quadratic, dense_step, random_quadratic
+from support.problems.contact_problems import Quadratic, dense_step, random_quadratic
 
 DENSE = 1e-9
 SAME = 1e-10  # force and pressures of a tyre, condensed and in full

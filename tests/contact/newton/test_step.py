@@ -9,7 +9,7 @@ import pytest
 
 from contact.newton.step import NewtonRun
 from contact.solvers.sparse import SingularMatrixError
-from support.contact_problems import Quadratic, dense_step, random_quadratic
+from support.problems.contact_problems import Quadratic, dense_step, random_quadratic
 
 DENSE = 1e-9
 EPSILONS = (1e-2, 1e4, 1e14, math.inf)

@@ -15,7 +15,7 @@ from contact.obstacles.drum_sphere import Drum
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Linearisation, Outcome
 from contact.verify import judge
-from support.contact_problems import linear_mechanics
+from support.problems.contact_problems import linear_mechanics
 
 
 class Rope:

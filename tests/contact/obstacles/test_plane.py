@@ -9,7 +9,7 @@ import pytest
 from scipy import sparse
 
 from contact.obstacles.foundation import Candidates, RigidPlane, against_plane
-from support.contact_problems import linear_mechanics
+from support.problems.contact_problems import linear_mechanics
 
 ROUNDING = 1e-13
 NORMALS = [np.array([1.0, 0, 0]), np.array([0, 0.6, -0.8]), np.array([2, 3, 6]) / 7]

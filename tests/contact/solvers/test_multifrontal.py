@@ -26,7 +26,7 @@ from contact.solvers.sparse import (
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from support.shells import PATCHES, SKEW_LAMINATE
+from support.problems.shells import PATCHES, SKEW_LAMINATE
 
 ROUNDING = 1e-12
 

@@ -17,7 +17,7 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from support.shells import make_shell, newton, nodal_components
+from support.problems.shells import make_shell, newton, nodal_components
 
 ROUNDING = 1e-12  # relative
 CLOSED = 1e-9  # relative error of a solution that the element can represent

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from formulations.conditions.dof_map import DofMap
-from support.shells import make_shell
+from support.problems.shells import make_shell
 
 ROUNDING = 1e-12  # relative
 

@@ -14,8 +14,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS
 from formulations.strains.quantities import N_E
-from support.differences import fitted_order, rotation
-from support.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
+from support.problems.differences import fitted_order, rotation
+from support.problems.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
 ELEMENT_ERROR = (1.8, 2.3)  # order of the element's own error under rigid motion

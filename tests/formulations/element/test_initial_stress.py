@@ -12,8 +12,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.quantities import N_E
-from support.differences import rotation
-from support.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
+from support.problems.differences import rotation
+from support.problems.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative to the largest entry of the quantity
 DEFLECTION = 5e-4  # of the tensioned strip, see its test

@@ -13,7 +13,7 @@ from formulations.geometry.grid import Grid, graded_lines
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.strains.quantities import N_E
-from support.shells import SKEW_LAMINATE, make_shell
+from support.problems.shells import SKEW_LAMINATE, make_shell
 
 E, NU, H = 210.0, 0.3, 0.25
 PATCH = 1e-10  # relative error of a patch test: rounding times the condition number

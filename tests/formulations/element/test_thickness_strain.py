@@ -24,7 +24,7 @@ from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
-from support.shells import newton
+from support.problems.shells import newton
 
 E, H = 1e6, 1e-3  # MPa, mm; nu = 0, the element is 1 mm long
 MOMENTS = np.array([-0.3, -0.2, -0.1, 0.1, 0.2, 0.3])  # M l/D

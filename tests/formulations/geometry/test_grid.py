@@ -12,8 +12,8 @@ from formulations.discretisation import Discretisation
 from formulations.geometry.grid import CORNERS, Grid, graded_lines
 from formulations.geometry.surfaces import Plate, cylinder, sphere, torus
 from formulations.section.laminate import Laminate, Ply
-from support.differences import fitted_order
-from support.shells import SKEW_LAMINATE, make_shell, nodal_components
+from support.problems.differences import fitted_order
+from support.problems.shells import SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-13  # relative
 SLOPE = (1.9, 2.1)  # of the error of the areas: one point per element

@@ -16,7 +16,7 @@ from formulations.geometry.nested_dissection import dissection
 from studies.scenes.tyre.model import TyreModel
 from studies.scenes.tyre.scene import Tyre
 from studies.solving import resolve
-from support.shells import make_shell
+from support.problems.shells import make_shell
 
 ROUNDING = 1e-9  # relative: what another order of elimination leaves of a solution
 MOST_FILL = 1.15  # of minimum degree's, where the two are close

@@ -25,7 +25,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.fields import write_fields
 from studies.scenes.contact.base import outer_face
-from support.shells import PATCHES, SKEW_LAMINATE, Patch, make_shell
+from support.problems.shells import PATCHES, SKEW_LAMINATE, Patch, make_shell
 
 ISO = "isoparametric"
 SAME = 1e-12  # of a solution: the same sums in another order

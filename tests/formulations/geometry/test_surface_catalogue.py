@@ -25,7 +25,7 @@ from formulations.geometry.surfaces import (
     through_points,
     torus,
 )
-from support.differences import fitted_order
+from support.problems.differences import fitted_order
 
 SYMBOLIC = 1e-12  # two evaluations of the same formula, lengths about 1
 ORDER = 0.15  # half-width around the expected order of an interpolation

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from support.differences import central_difference
+from support.problems.differences import central_difference
 
 STEP = 0.015  # of the 8th-order differences: truncation and rounding both below 1e-12 where lengths are about 1
 DERIVATIVE = 1e-11  # numerical against closed derivatives, all lengths are about 1

@@ -12,8 +12,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Laminate, Ply
-from support.differences import central_difference, fitted_order
-from support.shells import SKEW_LAMINATE, make_shell
+from support.problems.differences import central_difference, fitted_order
+from support.problems.shells import SKEW_LAMINATE, make_shell
 
 ROUNDING = 1e-12  # relative
 DIFFERENCE = 1e-9  # of the 8th-order difference of a smooth function

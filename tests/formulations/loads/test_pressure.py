@@ -13,8 +13,8 @@ from formulations.geometry.grid import Grid
 from formulations.geometry.surfaces import Plate, cylinder, sphere
 from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
-from support.differences import fitted_order, rotation
-from support.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
+from support.problems.differences import fitted_order, rotation
+from support.problems.shells import PATCHES, SKEW_LAMINATE, make_shell, nodal_components
 
 ROUNDING = 1e-12  # relative
 SECOND_ORDER = (1.8, 2.3)

@@ -15,8 +15,8 @@ from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.section.monoclinic import MonoclinicPly
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
-from support.differences import rotation
-from support.shells import SKEW_LAMINATE, make_shell
+from support.problems.differences import rotation
+from support.problems.shells import SKEW_LAMINATE, make_shell
 
 ROUNDING = 1e-12  # relative
 EXTRAPOLATED = 2e-4  # of a value of second order extrapolated from 8 x 8 and 16 x 16 elements, 1.9 and 0.4 % off

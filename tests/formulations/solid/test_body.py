@@ -10,7 +10,7 @@ from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid_mesh import SolidMesh
-from support.differences import fitted_order, rotation
+from support.problems.differences import fitted_order, rotation
 
 ROUNDING = 1e-11
 SKEW = Laminate(

@@ -15,7 +15,7 @@ from formulations.section.laminate import Laminate, Ply
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS, VOIGT, Hencky, Law, NeoHooke, StVenantKirchhoff, lame_constants, tensor
 from formulations.solid_mesh import SolidMesh
-from support.differences import central_difference, fitted_order, rotation
+from support.problems.differences import central_difference, fitted_order, rotation
 
 E, NU = 4.07, 0.48
 PLY = Ply.isotropic(E, NU, 1.0)

@@ -32,8 +32,8 @@ from formulations.strains.quantities import (
     gradient_coefficients,
     shear_row_factors,
 )
-from support.differences import central_difference, fitted_order, rotation
-from support.shells import PATCHES
+from support.problems.differences import central_difference, fitted_order, rotation
+from support.problems.shells import PATCHES
 
 STEP = 0.015  # of the 8th-order differences, see the tests of the surfaces
 RIGID = 1e-12  # the acceptance of THEORY for the exact measure

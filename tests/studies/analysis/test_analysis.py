@@ -23,7 +23,7 @@ from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
 from studies.complete import complete
 from studies.scene import UsageError
-from support.sweeps import EXACT, SIZES, cells
+from support.stores.sweeps import EXACT, SIZES, cells
 
 
 def test_two_spellings_of_one_request_are_one_ladder() -> None:

@@ -10,7 +10,7 @@ from studies.analysis.comparisons.error_budget import PARTS, axial_states, error
 from studies.experiments.crushed_ring import crushed_ring_study
 from studies.scenes.contact.crushed_ring import FILE, READING
 from studies.scenes.data import read_reference
-from support.rings import FACTORS, LEFT, SLOPES, made_up_ring
+from support.stores.rings import FACTORS, LEFT, SLOPES, made_up_ring
 
 TABLE = read_reference(FILE)
 END = TABLE.iloc[-1]

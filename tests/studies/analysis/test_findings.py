@@ -17,7 +17,7 @@ from studies.analysis.findings.regimes import REGIMES, regimes
 from studies.analysis.fronts import fronts
 from studies.analysis.verify import verified
 from studies.scenes import SCENES
-from support.sweeps import cells
+from support.stores.sweeps import cells
 
 CONTACTS = {"semismooth": 1.0, "lcp": 0.5, "qp": 2.0}
 NO_CURVES = pd.DataFrame(columns=["scene", "measure", "load", "error"])

@@ -19,7 +19,7 @@ from studies.analysis.rows import PRICES
 from studies.analysis.verify import verified
 from studies.operations import KINDS
 from studies.scene import UsageError
-from support.sweeps import cells
+from support.stores.sweeps import cells
 
 ROOT = Path(__file__).parents[3]
 WHOLE = {"dofs", "seconds", "operations"}

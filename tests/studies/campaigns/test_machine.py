@@ -27,7 +27,7 @@ from studies.pool.process import Child
 from studies.pool.task import Limits, Task
 from studies.store import layout as archive
 from studies.store.atomic import PART
-from support.small_campaign import again, content, small
+from support.stores.small_campaign import again, content, small
 
 ROOT = Path(__file__).parents[3]
 KILLS, CELLS = 50, 6

@@ -18,7 +18,7 @@ from studies.cli import main
 from studies.pool.task import Limits
 from studies.scene import UsageError
 from studies.store.layout import Archive
-from support.small_campaign import SMALL, again, content, small
+from support.stores.small_campaign import SMALL, again, content, small
 
 PLANTED = '''
 import os, signal, time

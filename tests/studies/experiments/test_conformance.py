@@ -23,7 +23,7 @@ from formulations.strains.measure import EXACT_LAW, StrainMeasure
 from formulations.strains.quantities import FULL
 from studies.experiments.conformance import claims_objectivity, conformance
 from studies.experiments.specimens import ELEMENTS, Element, layup
-from support.differences import fitted_order, rotation
+from support.problems.differences import fitted_order, rotation
 
 PAIRS = [(m, e) for m in MEASURES for e in ELEMENTS if e.suits(MEASURES[m])]
 OTHER = Element("isoparametric", "balanced", "relaxed")  # in every option

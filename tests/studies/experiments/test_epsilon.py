@@ -10,7 +10,7 @@ from scipy import sparse
 from contact.problem import ContactSolution, Outcome
 from studies.campaigns.cell import Cell
 from studies.experiments import epsilon as study
-from support.contact_problems import Quadratic, dual_by_nnls, random_quadratic
+from support.problems.contact_problems import Quadratic, dual_by_nnls, random_quadratic
 
 
 @pytest.fixture(scope="module")

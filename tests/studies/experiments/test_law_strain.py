@@ -10,7 +10,7 @@ import pytest
 
 from studies.analysis.comparisons.law_strain import law_offsets, law_rules
 from studies.experiments.law_strain import BENDING, MEMBRANE, NU, SPECIMENS, Specimen, law_strain_study, strip, tube
-from support.differences import fitted_order
+from support.problems.differences import fitted_order
 
 ELASTICA = {0.5: 0.16189, 1.0: 0.301721, 2.0: 0.493457}  # deflection over length by P L^2/(E I)
 

@@ -21,7 +21,7 @@ from studies.refinement.indicators import dorfler, indicators
 from studies.refinement.trees import Family
 from studies.result import Result
 from studies.solving import solve
-from support.shells import make_shell
+from support.problems.shells import make_shell
 
 IDENTITY = 1e-7  # of J' - J: J' of the dual problem is taken by differences
 E, H = 1000.0, 0.1  # MPa, mm

@@ -13,7 +13,7 @@ from studies.scenes.closed_forms.beams_on_planes import flattened_ring, lifted_s
 from studies.scenes.contact.strip import contact_edge
 from studies.scenes.data import read_reference
 from studies.solving import resolve, solve
-from support.differences import fitted_order
+from support.problems.differences import fitted_order
 
 DIGITS = 6e-7  # of the tables, relative: they have eight
 GAP = 1e-12  # mm

@@ -25,7 +25,7 @@ from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.data import DATA, read_reference
 from studies.scenes.statics import point_rise
 from studies.solving import resolve, solve
-from support.differences import fitted_order
+from support.problems.differences import fitted_order
 
 PUBLISHED = 0.005  # extrapolated against published, unless a line says otherwise
 SAME = 1e-6  # two ways to the same number; the condition of thin shells eats the rest of the digits

@@ -13,7 +13,7 @@ from contact.problem import Outcome
 from studies.result import Result
 from studies.scenes import SCENES
 from studies.solving import resolve, solve
-from support.curves import distances
+from support.problems.curves import distances
 
 AT_QUARTERS = 1e-2  # of a published displacement, on 32x32
 CURVE = 1e-2  # largest distance of a published point from our curve, in units of the ranges of load and displacement

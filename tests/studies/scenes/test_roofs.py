@@ -25,7 +25,7 @@ from studies.scenes import SCENES
 from studies.scenes.benchmarks.roofs import HALF_ANGLE, HALF_LENGTH, P_MAX, RADIUS, Roof, published_limit
 from studies.scenes.data import read_reference
 from studies.solving import resolve, solve
-from support.curves import distances
+from support.problems.curves import distances
 
 ROOF = 1e-2  # of the load at a limit point
 CURVE = 1.2e-2  # largest distance of a published point from our curve, in units of the ranges of load and displacement

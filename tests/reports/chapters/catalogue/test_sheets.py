@@ -16,7 +16,7 @@ from reports.markdown import Part
 from reports.store.tables import load_store
 from studies.scenes import SCENES
 from studies.store.atomic import write_table
-from support.sheets import BUILT, DRAWN
+from support.stores.sheets import BUILT, DRAWN
 
 PARTS = {
     **{f"sheets/scene-{name}.md": name for name in SCENES},

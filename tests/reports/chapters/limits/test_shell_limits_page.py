@@ -12,7 +12,7 @@ from reports.chapters.limits.shell_limits import errors, limits_page
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
 from studies.experiments.shell_limits.ladder import DEFAULT
-from support.walls import made_up_walls
+from support.stores.walls import made_up_walls
 
 
 def test_the_page_begins_with_the_first_and_the_last_boundary(store: Path) -> None:

@@ -15,7 +15,7 @@ from reports.store.tables import load_store
 from studies.campaigns.cell import Cell
 from studies.campaigns.plan import Row
 from studies.store.atomic import SCHEMA, write_json, write_text
-from support.made_up import analysed_again
+from support.stores.made_up import analysed_again
 
 REQUEST = {"scene": "cantilever", "measure": "exact", "contact": "semismooth", "newton": "mixed", "model": "full"}
 KKT = {"equilibrium": 1e-12, "penetration": 0.0, "tension": 0.0, "complementarity": 0.0}

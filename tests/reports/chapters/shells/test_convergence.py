@@ -20,7 +20,7 @@ from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, conve
 from studies.analysis.verify import verified
 from studies.campaigns.ladder_cells import LADDERS
 from studies.store.atomic import write_json
-from support.made_up import analysed_again
+from support.stores.made_up import analysed_again
 
 WOBBLE = (0.3, -0.2, 0.1, 0.05)
 

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from reports.chapters.shells.solid_part import solid_part
-from reports.result_figures import draw_result
+from reports.figures.result_figures import draw_result
 from reports.store.cells import load_cell
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
@@ -23,7 +23,7 @@ from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_text
-from support.made_up import analysed_again
+from support.stores.made_up import analysed_again
 
 FORCE = {5.0: 200.0, 10.0: 500.0, 15.0: 900.0, 20.0: 1300.0}  # limits of the solid [N]
 GROWTH = {"inner": 4.6, "outer": 4.3}  # mm

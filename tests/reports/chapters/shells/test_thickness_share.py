@@ -13,7 +13,7 @@ import pytest
 from reports.chapters.shells.thickness_share import SHARES, said, thickness_share_part
 from reports.store.tables import load_store
 from studies.store.atomic import write_json
-from support.made_up import analysed_again
+from support.stores.made_up import analysed_again
 
 
 def scene(

@@ -19,7 +19,7 @@ from reports.store.tables import Store, load_store
 from studies.analysis.everything import analyse
 from studies.campaigns.file import read
 from studies.campaigns.run import run
-from support.medians import unfounded
+from support.pages.medians import unfounded
 
 ANYWHERE = ("questions.md", "findings.md", "glossary.md", "outcomes.md", "data.md")  # pages of any campaign
 ANALYSIS = {each.file: each for each in (tradeoff.CHAPTER, advice.CHAPTER)}

@@ -16,7 +16,7 @@ from reports.chapters.trade.scaling import STEP
 from reports.store.tables import load_store
 from studies.campaigns.report_cells import MODELS
 from studies.store.atomic import write_json, write_table
-from support.made_up import analysed_again
+from support.stores.made_up import analysed_again
 
 
 def place(root: Path, label: str) -> Path:

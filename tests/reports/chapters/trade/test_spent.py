@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from reports.chapters.trade.spent import parts_of, said_of_bars, said_of_parts, spent_part, time_by_parts
-from reports.drawing import drawn
+from reports.figures.drawing import drawn
 from reports.store.tables import load_store
 from studies.bench.rounds import BROKEN, COLUMNS, HOLDS, NO_BAR, Group, Line, in_rounds
 from studies.store.atomic import write_table

@@ -10,7 +10,7 @@ import pandas as pd
 from reports.chapters.trade.statements import errors_stated, statements_part
 from reports.store.tables import load_store
 from studies.store.atomic import write_table
-from support.made_up import analysed_again
+from support.stores.made_up import analysed_again
 
 
 def coverage(wrong: bool) -> pd.DataFrame:

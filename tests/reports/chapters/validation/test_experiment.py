@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from reports.chapters.validation.experiment import CHAPTER, experiment_page
-from reports.drawing import drawn
+from reports.figures.drawing import drawn
 from reports.markdown import Part
 from reports.store.tables import load_store
 

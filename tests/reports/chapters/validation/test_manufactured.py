@@ -9,8 +9,8 @@ import pandas as pd
 from reports.chapters.validation.manufactured import CHAPTER, manufactured_page
 from reports.store.tables import load_store
 from studies.store.atomic import write_table
-from support.made_up import analysed_again
-from support.manufactured import made_up_manufactured, made_up_statements
+from support.stores.made_up import analysed_again
+from support.stores.manufactured import made_up_manufactured, made_up_statements
 
 
 def page(store: Path, **tables: pd.DataFrame) -> str:

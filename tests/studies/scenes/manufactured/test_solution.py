@@ -14,7 +14,7 @@ from studies.scenes.manufactured.patches import PIECES, TurnedWaves, faces, wall
 from studies.scenes.manufactured.solution import Exact
 from studies.scenes.manufactured.spectral import Chebyshev, Patch
 from studies.scenes.manufactured.touching import OntoBall, Touching
-from support.differences import central_difference
+from support.problems.differences import central_difference
 
 POINTS = np.array([[0.2, 0.7], [0.55, 0.31], [0.9, 0.05]])  # shares of the sides
 

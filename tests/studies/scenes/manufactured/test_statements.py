@@ -18,7 +18,7 @@ from studies.scenes.manufactured.statements import (
     work_gradient,
     wrong_coefficients,
 )
-from support.differences import rotation
+from support.problems.differences import rotation
 
 QUADRATIC = [name for name, measure in MEASURES.items() if isinstance(measure, QuadraticMeasure)]
 

@@ -11,7 +11,7 @@ from studies.result import Result
 from studies.scene import UsageError
 from studies.scenes.tyre.foundation import PARAMETERS
 from studies.solving import resolve, solve
-from support.differences import fitted_order
+from support.problems.differences import fitted_order
 
 FIRST_ORDER = 0.02  # half-width of the interval around the exponent -1 of force difference over radius
 MIRROR = 0.02  # relative difference of what a drum takes and a hollow one adds

@@ -10,7 +10,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import EASY_ITERATIONS, WORTH
 from contact.problem import Outcome
-from reports.result_figures import draw_result
+from reports.figures.result_figures import draw_result
 from studies.result import Result
 from studies.scene import UsageError
 from studies.solving import resolve, solve

@@ -16,7 +16,7 @@ from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, against, travelling
 from contact.problem import ContactProblem, ContactSolution, Linearise, linear_mechanics
 from contact.swept import FREE, SLID, TOUCHING
-from support.profiles import rounded_height
+from support.problems.profiles import rounded_height
 
 UP, DOWN = np.array([0.0, 0.0, 1.0]), np.array([0.0, 0.0, -1.0])
 CLOSE = 1e-6  # to a limit of the rule: not to be decided

@@ -18,7 +18,7 @@ import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.hover import with_values
+from reports.figures.hover import with_values
 
 P = ParamSpec("P")
 Picture = Callable[[], str]  # draws itself as SVG text when it is asked for

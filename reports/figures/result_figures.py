@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.tyre import figures as figures_tyre
 from reports.chapters.tyre import figures_patch
-from reports.drawing import Picture, drawn
+from reports.figures.drawing import Picture, drawn
+from reports.figures.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.files import write_texts
-from reports.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.store.cells import TYRES, Cell, load_cell
 
 UNITS = ("mm", "MPa", "N", "deg")

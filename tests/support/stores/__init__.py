@@ -1,0 +1,1 @@
+"""Stores whose tables are made up, for what reads them: nothing is solved."""
