@@ -45,6 +45,7 @@ def listed(*arguments: str, cwd: Path = TESTS.parent) -> list[str]:
     return [line for line in after if line.partition(": ")[0].count("::")]
 
 
+@pytest.mark.slow
 def test_a_planted_parameter_is_found(tmp_path: Path) -> None:
     (tmp_path / "test_planted.py").write_text(PLANTED, encoding="utf-8")
     assert listed("--import-mode=importlib", "test_planted.py", cwd=tmp_path) == ["test_planted.py::test_friction: mu"]

@@ -12,6 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from reports.store.cells import CELL_KEYS, Cell, planned_cell
@@ -126,6 +127,13 @@ class Store:
         for column in WORDS.intersection(found.columns):
             found[column] = found[column].astype(object).where(found[column].notna(), "")
         return found
+
+    def rows(self, table: str, /, **where: str) -> pd.DataFrame:
+        """The rows of a table with these words; no rows where it is not there, or is another campaign's."""
+        if not self.has_analysis(table):
+            return pd.DataFrame()
+        found = self.analysis(table)
+        return found[np.logical_and.reduce([found[key].fillna("") == value for key, value in where.items()])]
 
     def rules(self) -> Mapping[str, float]:
         """The thresholds by which the analysis judges, by name."""

@@ -38,7 +38,7 @@ from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
 from support.stores.answers import write_answers
-from support.stores.made_up import analysed_again, linked
+from support.stores.made_up import analysed_again, linked, said_again
 from support.stores.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.stores.rings import made_up_laws, made_up_ring
 from support.stores.sheets import BUILT, DRAWN, cube_text, sheet_answer
@@ -455,6 +455,7 @@ def _fill(root: Path) -> None:
     analysed_again(root)
     models = [built(name) for name in BUILT]
     written(root, "report", catalogue_tables(root, "report", pd.read_csv(root / "tables/convergence.csv"), models))
+    said_again(root)  # of these tables, too
 
 
 def without_svg(patch: pytest.MonkeyPatch) -> None:

@@ -66,29 +66,36 @@ def test_pages_say_what_their_medians_rest_on(store: Store) -> None:
     assert any("[" in line for line in texts[1].splitlines() if line.startswith("| `lcp` |")), "there is a median"
 
 
-def test_failures_stand_in_the_table_of_scenes(store: Store) -> None:
-    text = solved_and_failed(store).text
-    assert "| `heavy-strip` | 4/4 | **3/4** |" in text
-    assert "| all | 8/8 | **7/8** |" in text
-    assert "| `heavy-strip` | `lcp` | 4 | 3 | 75 % | 0 | 1 | 0 | 1 iteration limit |" in text
+LINES = {
+    "failures stand in the table of scenes": (
+        solved_and_failed,
+        "| `heavy-strip` | 4/4 | **3/4** |",
+        "| all | 8/8 | **7/8** |",
+        "| `heavy-strip` | `lcp` | 4 | 3 | 75 % | 0 | 1 | 0 | 1 iteration limit |",
+    ),
+    "a cost is that of what both solve": (
+        contacts_part,
+        "| `lcp` | 8 | 87.5 % of 8 | 0 | `heavy-strip` 1/4 | 7 (2) | 0.50 [0.50, 0.50] | 0.50 [0.50, 0.50] |",
+    ),
+    "equal measures are no cheaper": (
+        measures_part,
+        "| `sanders` | classical nonlinear | 100 % of 5 | 5 (1) | 1.00 [–, –] | 1.00 [–, –] | 0, 0, 0 |",
+        "| `linear` | linear | 0 % of 5 | 0 (0) | – | – | 0, 0, 0 |",
+        "No measure is cheaper than `exact` for any of them.",
+    ),
+    "seconds above the diagonal, operations below": (
+        profiles_part,
+        "| `semismooth` |  | 2.00 (7) |",
+        "| `lcp` | 0.50 (7) |  |",
+    ),
+}
 
 
-def test_a_cost_is_that_of_what_both_solve(store: Store) -> None:
-    text = contacts_part(store).text
-    assert "| `lcp` | 8 | 87.5 % of 8 | 0 | `heavy-strip` 1/4 | 7 (2) | 0.50 [0.50, 0.50] | 0.50 [0.50, 0.50] |" in text
-
-
-def test_equal_measures_are_no_cheaper(store: Store) -> None:
-    text = measures_part(store).text
-    assert "| `sanders` | classical nonlinear | 100 % of 5 | 5 (1) | 1.00 [–, –] | 1.00 [–, –] | 0, 0, 0 |" in text
-    assert "| `linear` | linear | 0 % of 5 | 0 (0) | – | – | 0, 0, 0 |" in text
-    assert "No measure is cheaper than `exact` for any of them." in text
-
-
-def test_a_matrix_has_seconds_above_and_operations_below_its_diagonal(store: Store) -> None:
-    text = profiles_part(store).text
-    assert "| `semismooth` |  | 2.00 (7) |" in text
-    assert "| `lcp` | 0.50 (7) |  |" in text
+@pytest.mark.parametrize("what", LINES)
+def test_pages_say_of_the_sweep(store: Store, what: str) -> None:
+    part, *lines = LINES[what]
+    text = part(store).text
+    assert [line for line in lines if line not in text] == []
 
 
 def test_too_few_problems_make_no_ranking_on_a_page(tmp_path: Path) -> None:

@@ -106,8 +106,9 @@ def all_pages(root: Path, measures: Names, algorithms: Names, draw: bool) -> dic
     return rendered(load_store(root), draw=draw)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
-@pytest.mark.parametrize(("all_of_them", "draw"), [(False, False), pytest.param(True, True, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(("all_of_them", "draw"), [(False, False), (True, True)])
 def test_every_page_takes_made_up_measures_and_algorithms(all_of_them: bool, draw: bool, own_store: Path) -> None:
     """None is dropped: each is on the pages of its kind, by name."""
     measures, algorithms = (names if all_of_them else names[:2] for names in (MEASURES, ALGORITHMS))

@@ -137,6 +137,7 @@ def test_a_page_has_one_name(files: dict[str, str]) -> None:
     assert len(set(titles)) == len(titles)
 
 
+@pytest.mark.slow
 def test_a_page_from_outside_is_one_entry_of_the_list(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = "# My page\n\nText.\n\n![x](figures/x.svg)"
     own = Chapter("mine", "My page", "what a stranger asks.", lambda store: Part(text), needs=("cycles",))
@@ -170,6 +171,7 @@ def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(f
     assert shown == {name for name in files if name.endswith(".svg")}
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("undrawn")
 def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     """All fail but the one without which there is no page; what was never reached is not in the store."""
@@ -292,6 +294,7 @@ def test_comparing_no_page_at_all_is_a_difference(files: dict[str, str], tmp_pat
     assert f"{tmp_path}: no page to compare" in compare_pages(files, tmp_path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("label", "count"), [("exact semismooth mixed exact", 4), ("hemisphere 16", 1)])
 def test_pictures_of_one_result(own_store: Path, label: str, count: int) -> None:
     directory = as_solved(next(cell for cell in load_store(own_store).cells if cell.label == label).directory)

@@ -103,6 +103,7 @@ def free_eigenvalues(problem: ContactProblem, state: ContactSolution, epsilon: f
     return np.linalg.eigvalsh(K + epsilon * G.T @ np.diag(problem.weights[state.active]) @ G)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("contact", "epsilon", "measure", "mesh", "negative"),
     [
@@ -131,6 +132,7 @@ def test_an_unstable_equilibrium_is_a_class_of_its_own() -> None:
     assert len(found.unstable) == 2
 
 
+@pytest.mark.slow
 def test_points_of_a_traced_curve_say_their_count_and_are_no_such_class() -> None:
     """The roof snaps: its curve passes unstable points on purpose, from the limit point to the other."""
     found = solve(*resolve("roof-b", {}, "4x4"))
@@ -173,6 +175,7 @@ def test_qp_ends_at_the_limit_point_that_the_others_end_at() -> None:
     assert ends[0]["parameter"] == pytest.approx(ends[1]["parameter"], rel=1e-8)
 
 
+@pytest.mark.slow
 def test_a_stepper_that_jumps_through_the_foundation_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A ball of 0.05 mm that comes by 1 mm: behind the panel, where nothing touches and all residuals are zero."""
     asked = resolve("panel", {"foundation": "ball", "ball_mm": "0.05", "delta_mm": "1"}, "4x4")

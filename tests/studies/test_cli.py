@@ -102,6 +102,7 @@ def test_a_stable_state_has_no_branch(tmp_path: Path, capsys) -> None:
     assert "branches" not in json.loads((tmp_path / "result.json").read_text())
 
 
+@pytest.mark.slow
 def test_a_traced_curve_has_no_branch_to_leave(tmp_path: Path, capsys) -> None:
     assert main(["solve", "roof-b", "--mesh", "4x4", "--branch", "--out", str(tmp_path)]) == 2
     assert "traced curve" in capsys.readouterr().err
@@ -282,7 +283,7 @@ MORE_PICTURES = ("roof-d", "4x4", ""), ("strip-contact", "4x1", "")
 @pytest.mark.parametrize(
     ("scene", "mesh", "travel", "pictures"),
     [
-        ("tyre", "12x12", "5", 4),
+        pytest.param("tyre", "12x12", "5", 4, marks=pytest.mark.slow),
         ("tyre", "12x12", "0", 1),
         *(pytest.param(*each, 1, marks=pytest.mark.slow) for each in MORE_PICTURES),
     ],

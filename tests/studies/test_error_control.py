@@ -60,12 +60,13 @@ def test_a_wrong_error_is_refused(text: str) -> None:
         parse_error(text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("scene", "settings", "quantity"),
     [
-        pytest.param("scordelis-lo", {}, "edge_deflection_mm", marks=pytest.mark.slow),
-        pytest.param("pagano", {"S": "10"}, "w_bar", marks=pytest.mark.slow),
-        pytest.param("strip-contact", {}, "half_force", marks=pytest.mark.slow),
+        ("scordelis-lo", {}, "edge_deflection_mm"),
+        ("pagano", {"S": "10"}, "w_bar"),
+        ("strip-contact", {}, "half_force"),
         ("cantilever", {}, "tip_shortening_mm"),
     ],
 )

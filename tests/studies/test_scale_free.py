@@ -154,6 +154,7 @@ def test_a_tyre_is_pressed_under_any_pressure_down_to_none(p0, contact) -> None:
     assert not math.isclose(force_on_tyre(contact, "1e-4"), force_on_tyre(contact, "0"), rel_tol=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", ["0.492501", "0.496838"])
 def test_what_rounding_leaves_is_not_called_converged_unless_it_is_known_to_move_nothing(nu: str) -> None:
     """Nearly incompressible, 2e6 times thinner than its radius: four times beyond where the last digits decide."""

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import pandas as pd
 
@@ -50,16 +52,24 @@ def regimes_table(store: Store) -> str:
     data = data[data["scene"] == ""]
     names = list(dict.fromkeys(data["regime"]))
     measures = [name for name in dict.fromkeys(data["measure"]) if name != EXACT]
-    rows = data.set_index(["measure", "regime"])
-    lines, times = [], []
-    for name in measures:
-        own = [rows.loc[(name, regime)] if (name, regime) in rows.index else None for regime in names]
-        lines.append([code(name), *(NOTHING if each is None else formatted(each["error"], "+.1%") for each in own)])
-        times.append([code(name), *(NOTHING if each is None else _ratio(each) for each in own)])
+    crossed = partial(_crossed, data, ("measure", "regime"), measures, names)
     header = ["measure", *names]
+    lines = crossed(lambda row: formatted(row["error"], "+.1%"))
     first = table("Largest error against the exact measure, on the same mesh", header, lines)
-    second = table("Processor time over that of the exact measure (problems that both solve; solved)", header, times)
+    title = "Processor time over that of the exact measure (problems that both solve; solved)"
+    second = table(title, header, crossed(_ratio))
     return f"{first}\n\n{machine(second)}"
+
+
+def _crossed(
+    data: pd.DataFrame, keys: tuple[str, str], down: list[str], across: list[Any], shown: Callable[[pd.Series], str]
+) -> list[list[str]]:
+    """A line for each name ``down``: what is shown of its row for each value ``across``, a dash where it has none."""
+    rows = {tuple(row[key] for key in keys): row for _, row in data.iterrows()}
+    return [
+        [code(name), *(shown(rows[name, value]) if (name, value) in rows else NOTHING for value in across)]
+        for name in down
+    ]
 
 
 def _ratio(row: pd.Series) -> str:
@@ -100,11 +110,7 @@ def sizes_table(store: Store) -> str:
         return ""
     data = store.table("contact_sizes")
     sizes = sorted(data["unknowns"].unique())
-    rows = data.set_index(["algorithm", "unknowns"])
-    lines = []
-    for name in dict.fromkeys(data["algorithm"]):
-        own = [rows.loc[(name, size)] if (name, size) in rows.index else None for size in sizes]
-        lines.append([code(name), *(NOTHING if each is None else _sized(each) for each in own)])
+    lines = _crossed(data, ("algorithm", "unknowns"), list(dict.fromkeys(data["algorithm"])), sizes, _sized)
     title = "The tyre pressed to 20 mm: seconds, and over the default in brackets, by unknowns"
     return machine(table(title, ["algorithm", *(f"{size:.0f}" for size in sizes)], lines))
 

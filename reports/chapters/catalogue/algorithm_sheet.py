@@ -38,10 +38,7 @@ def algorithm_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
 
 
 def _summary(store: Store, name: str) -> pd.Series | None:
-    if not store.has_analysis("contact_summary"):
-        return None
-    found = store.analysis("contact_summary")
-    own = found[found["algorithm"] == name]
+    own = store.rows("contact_summary", algorithm=name)
     return None if own.empty else own.iloc[0]
 
 
@@ -76,29 +73,21 @@ def _ratio(summary: pd.Series, cost: str) -> str:
 
 
 def _sizes(store: Store, name: str) -> str:
-    if not store.has_table("contact_sizes"):
-        return ""
-    found = store.table("contact_sizes")
-    own = found[found["algorithm"] == name]
+    own = store.rows("contact_sizes", algorithm=name)
     return "" if own.empty else machine(listing("The tyre by size", own, SIZE_HEADS, SIZE_LINE))
 
 
 def _outcomes(store: Store, name: str) -> str:
-    if not store.has_analysis("outcomes"):
-        return ""
-    found = store.analysis("outcomes")
-    own = found[(found["axis"] == "contact") & (found["name"] == name) & (found["scene"].fillna("") != "")]
+    own = store.rows("outcomes", axis="contact", name=name)
     if own.empty:
         return ""
+    own = own[own["scene"].fillna("") != ""]
     shown = listing("Outcomes by scene", own.assign(cause=own["cause"].fillna("")), OUTCOME_HEADS, OUTCOME_LINE)
     return f"## What it solves and refuses\n\n{shown}"
 
 
 def _limits(store: Store, name: str) -> str:
-    if not store.has_table("extremes_limits"):
-        return ""
-    found = store.table("extremes_limits")
-    own = found[(found["part"] == "algorithm") & (found["name"] == name)]
+    own = store.rows("extremes_limits", part="algorithm", name=name)
     if own.empty:
         return ""
     own = own.assign(kind=own["kind"].fillna(""), reason=[_short(each) for each in own["reason"].fillna("")])

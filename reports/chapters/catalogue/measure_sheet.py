@@ -43,8 +43,8 @@ def measure_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
 
 def _first(store: Store, name: str) -> str:
     """Where it is worst, in one sentence."""
-    found = _own(store, name)
-    known = found[found["error"].notna()] if len(found) else found
+    found = store.rows("regimes", measure=name, scene="")
+    known = found if found.empty else found[found["error"].notna()]
     if known.empty:
         return ""
     each = [f"{row['regime']} {percent(row['error'], 1)}" for _, row in known.iterrows()]
@@ -66,16 +66,8 @@ def _laws(catalogue: Catalogue, name: str) -> str:
     return f"{prose(LAWS)}\n\n" + table("Laws", ["motion", "strain", "at 0.1, zeta = 1.05"], rows, words=2)
 
 
-def _own(store: Store, name: str) -> pd.DataFrame:
-    """Its regimes, of all scenes together."""
-    if not store.has_analysis("regimes"):
-        return pd.DataFrame()
-    found = store.analysis("regimes")
-    return found[(found["measure"] == name) & (found["scene"].fillna("") == "")]
-
-
 def _regimes(store: Store, name: str) -> Part | str:
-    own = _own(store, name)
+    own = store.rows("regimes", measure=name, scene="")  # of all scenes together
     if own.empty:
         return ""
     where = [_where(row) for _, row in own.iterrows()]
@@ -95,10 +87,7 @@ def _where(row: pd.Series) -> str:
 
 
 def _curves(store: Store, name: str) -> str:
-    if not store.has_analysis("measure_limits"):
-        return ""
-    limits = store.analysis("measure_limits")
-    own = limits[limits["measure"] == name]
+    own = store.rows("measure_limits", measure=name)
     if own.empty:
         return ""
     told = "Loads at which the error first exceeds 1 and 5 % of the exact answer; a dash where it never does."

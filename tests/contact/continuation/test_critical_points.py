@@ -144,6 +144,7 @@ def test_a_limit_point_is_told_from_a_bifurcation_just_before_it() -> None:
     assert "1 eigenvalue is negative, none at 0: it has passed branches" in found.sentence
 
 
+@pytest.mark.slow
 def test_a_chain_that_can_carry_no_more_ends_at_its_limit() -> None:
     """Followed by the program: w - w^2/2 carries at most 1/2, and a spring c = 1/2 gives way at w = 1 + c."""
 

@@ -174,6 +174,7 @@ def test_a_path_that_has_ended_is_given_up_within_twenty_good_steps(tracking, co
     assert (Outcome.GIVEN_UP.value in events(last)[-1][1]) == (cost > EASY_ITERATIONS)
 
 
+@pytest.mark.slow
 def test_a_dear_path_that_has_not_ended_is_not_given_up(tracking) -> None:
     """Steps of a hundredth of the target, each of them twelve factorisations: it goes on as long as it arrives."""
     (point,) = run(tracking, Choosy(reach=0.01, factorisations=12), [1.0])

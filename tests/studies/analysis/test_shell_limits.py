@@ -157,6 +157,7 @@ def test_advice_of_a_fresh_installation_knows_the_limit(tmp_path, capsys: pytest
     assert capsys.readouterr().out == ""
 
 
+@pytest.mark.slow
 def test_what_is_shipped_is_what_the_experiment_finds() -> None:
     _compare(tuple(replace(case, ratios=(0.2,)) for case in CASES if case.name in CHEAP))
 

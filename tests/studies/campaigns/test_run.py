@@ -161,6 +161,7 @@ def test_a_store_of_another_schema_is_refused_and_not_touched(
     assert content(own) == before
 
 
+@pytest.mark.slow
 def test_two_runs_of_one_store_are_one_and_a_refusal(
     solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -201,6 +202,7 @@ def test_resume_only_goes_on(own: Path, tmp_path: Path) -> None:
 # --- engines ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_side_by_side_it_is_the_same_store(solved: Path, tmp_path: Path) -> None:
     again(tmp_path, tmp_path / "store", engine="local:2")
     assert content(tmp_path / "store") == content(solved)

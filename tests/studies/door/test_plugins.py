@@ -117,6 +117,7 @@ def test_the_plugin_is_short() -> None:
     assert sum(len(path.read_text().splitlines()) for path in PLUGIN.iterdir() if path.is_file()) < 120
 
 
+@pytest.mark.slow
 def test_a_file_solves_with_parameters_of_its_own(tmp_path: Path) -> None:
     own = ["--measure", "no-drilling", "--contact", "stiffening", "--set", "first=50", "--set", "rounds=1"]
     code, _, errors = footprint("solve", "pressed-arch", *own, "--out", tmp_path, *USE)

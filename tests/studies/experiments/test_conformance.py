@@ -89,6 +89,7 @@ class Wrong:
     contract: Callable = EXACT.contract
 
 
+@pytest.mark.slow
 def test_a_false_claim_is_found() -> None:
     assert failed(replace(SANDERS, rigid_body_law=EXACT_LAW)) == {RIGID, TURN}
     assert failed(replace(LINEAR, rigid_body_law=EXACT_LAW), Element("isoparametric")) == {RIGID, TURN, TURN_TORUS}
@@ -99,6 +100,7 @@ def test_a_false_confession_is_found() -> None:
     assert failed(replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)) == {RIGID, TURN}
 
 
+@pytest.mark.slow
 def test_a_wrong_gradient_is_found() -> None:
     def gradient(q: np.ndarray) -> np.ndarray:
         return EXACT.gradient(q) * (1 + 0.01 * np.arange(11)[:, None])

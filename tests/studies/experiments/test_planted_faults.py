@@ -23,6 +23,7 @@ def test_a_fault_leaves_nothing_behind() -> None:
     assert Sphere.curvature is curvature
 
 
+@pytest.mark.slow
 def test_a_wrong_area_is_found_soon() -> None:
     found = found_after(too_large, EARLY)
     assert 0 < found["cases"] <= EARLY

@@ -34,6 +34,7 @@ def test_drawn_matrices_keep_their_laws(seed: int) -> None:
     matrices.check(seed)  # raises Broken
 
 
+@pytest.mark.slow
 @settings(derandomize=True, max_examples=4, deadline=None, database=None)
 @given(SEEDS)
 def test_drawn_panels_keep_their_laws(seed: int) -> None:

@@ -60,6 +60,7 @@ def test_a_baseline_is_made_recorded_and_kept(gate: list[str], capsys: pytest.Ca
     ]
 
 
+@pytest.mark.slow
 def test_a_campaign_solved_afresh_passes(solved: Path, gate: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--campaign", str(solved / "small.toml"), "--baseline", gate[-1]]) == 0
     assert "nothing is worse" in capsys.readouterr().out

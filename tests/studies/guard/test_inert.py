@@ -25,6 +25,7 @@ def found(*names: str) -> set[tuple[str, str]]:
     return set(zip(rows["scene"], rows["setting"], strict=True))
 
 
+@pytest.mark.slow
 def test_settings_of_some_scenes_all_have_an_effect() -> None:
     assert found(*QUICK) == {("cantilever", "membrane")}
 

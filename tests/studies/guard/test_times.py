@@ -26,7 +26,8 @@ def night(
     return pd.DataFrame(rows)
 
 
-@pytest.mark.parametrize("nights", [1, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("nights", [1, 5])
 def test_nights_of_the_same_raise_no_alarm(nights: int, rng: np.random.Generator) -> None:
     for noise in (0.002, 0.01, 0.05, 0.3):
         for _ in range(nights):

@@ -55,6 +55,7 @@ def test_shell_is_within_a_percent_and_a_half_of_the_solid_of_its_law() -> None:
     assert forces("crushed-ring", "1x64", **END)[-1] == pytest.approx(TABLE["svk_N"].iloc[-1], rel=0.015)
 
 
+@pytest.mark.slow
 def test_shell_with_equivalent_constants_is_the_published_one() -> None:
     """nu = 0 with E/(1 - nu^2), the plane-strain modulus: another way to plane strain, with another wall normal."""
     plane = {"nu": "0", "E_MPa": repr(4.07 / (1 - 0.48**2))}

@@ -107,8 +107,9 @@ def _hexahedra(t: float, n: int) -> float:
     return float(np.mean([u[node, 0] for node in faces]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", FAMILIES)
-@pytest.mark.parametrize("t", [pytest.param(0.01, marks=pytest.mark.slow), 0.001])
+@pytest.mark.parametrize("t", [0.01, 0.001])
 def test_element_meets_the_printed_values_of_thin_shells(t: float, family: str) -> None:
     assert waist(t, 32, family) == pytest.approx(MINDLIN[t], rel=MUST)
 

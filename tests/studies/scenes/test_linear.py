@@ -287,6 +287,7 @@ def test_thickness_strain_matters_only_where_it_is_nonlinear(scene: str, quantit
     assert nodal == pytest.approx(projected, rel=SAME)
 
 
+@pytest.mark.slow
 def test_relaxed_membrane_has_the_same_limit() -> None:
     differences = [
         abs(

@@ -138,6 +138,7 @@ def test_hemisphere_is_pulled_as_published() -> None:
             assert CLOSE < inward <= 9e-3
 
 
+@pytest.mark.slow
 def test_nodal_thickness_strain_pays_on_the_hemisphere() -> None:
     inward = reference("hemisphere", "read", 1.0, "inward_mm")
     projected, nodal = (
@@ -206,6 +207,7 @@ def test_pressurised_sphere_is_the_membrane() -> None:
             assert at(run("pressurised-sphere", mesh), fraction, *UNIFORM) == pytest.approx(exact, rel=1e-3)  # h/R
 
 
+@pytest.mark.slow
 def test_sphere_as_thin_as_double_precision_allows_and_thinner() -> None:
     """Rounding leaves 2e-5 of the load at h/R = 1e-6, where it moves nothing; ten times thinner it is too much."""
     thin = run("pressurised-sphere", "4x4", h_mm="1e-4")

@@ -84,6 +84,7 @@ def test_a_curve_that_does_not_arrive_is_written_and_exits_3(tmp_path: Path, mon
     assert len(result["steps"]) == 3
 
 
+@pytest.mark.slow
 def test_a_curve_is_written_point_by_point(tmp_path: Path) -> None:
     assert main([*ROOF_A, str(tmp_path)]) == 0
     result = json.loads((tmp_path / "result.json").read_text())

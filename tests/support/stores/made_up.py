@@ -16,6 +16,11 @@ from studies.analysis.statements.tables import statement_tables
 def analysed_again(store: Path, campaign: str = "report") -> None:
     """Write the tables of comparisons and of statements, as ``footprint analyse`` does."""
     written(store, campaign, compared(store, campaign, collect(store, campaign)))
+    said_again(store, campaign)
+
+
+def said_again(store: Path, campaign: str = "report") -> None:
+    """Write the tables of statements."""
     written(store, campaign, statement_tables(store, campaign))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from reports.chapters.limits.extremes import LOOKS, cause, extremes_page, faults, outcome_map
 from reports.store.tables import load_store
@@ -91,6 +92,7 @@ def test_every_class_has_a_look_of_its_own() -> None:
     assert len({*zip(hatches, markers, strict=True)}) >= len(LOOKS) - 1  # both kinds of convergence differ by hatch
 
 
+@pytest.mark.slow
 def test_a_map_is_drawn_the_same_twice(store: Path) -> None:
     loaded = load_store(store)
     points, maps = loaded.table("extremes"), loaded.table("extremes_maps")

@@ -148,6 +148,7 @@ def test_cancellation_at_the_equator_by_hand() -> None:
     assert cancellation(settings | {"nu": 0.0}) == 1.0
 
 
+@pytest.mark.slow
 def test_a_solved_solid_is_drawn_as_a_tyre(tmp_path: Path) -> None:
     from studies.solving import solve
 

@@ -119,6 +119,7 @@ def test_advice(files: dict[str, str]) -> None:
     assert "nan" not in text
 
 
+@pytest.mark.slow
 def test_what_depends_on_the_clock_is_not_compared(store: Path, files: dict[str, str], tmp_path: Path) -> None:
     """Other times, other fronts and other advice: the pages still agree, and their words have changed."""
     write_texts(tmp_path / "pages", files)

@@ -136,6 +136,7 @@ def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:
     assert "A step with 100,000 unknowns takes 0.1 s and 1.0 GiB" in said
 
 
+@pytest.mark.slow
 def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
     assert "with the extra peers" in cost_page(load_store(own_store)).text
     shell = ("hemisphere", "footprint", "default", "16x16", 1665, 8.1, 8, 0.2, 0.02, 0.1, 0.04, 3, 1.0)

@@ -54,12 +54,14 @@ def healthy() -> pd.DataFrame:
     return symmetry_table({name: MEASURES[name] for name in ("exact", "donnell")}, {"semismooth": Semismooth})
 
 
+@pytest.mark.slow
 def test_the_healthy_break_nothing_by_accident(healthy) -> None:
     assert not broken(healthy)
     assert by_design(healthy) == {name: BY_DESIGN[name] for name in ("exact", "donnell")}
     assert not (healthy["class"] == REFUSED).any()
 
 
+@pytest.mark.slow
 def test_classes_are_told_apart(healthy) -> None:
     again = healthy[healthy["check"] == "solved a second time"]
     assert (again["class"] == ZERO).all()
@@ -89,6 +91,7 @@ def test_yardsticks() -> None:
 # --- what is planted ------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_an_axis_that_is_treated_otherwise_is_found() -> None:
     """Sanders' rotation about the normal in E11 and not in E22: no other check but that of the axes can tell."""
     terms = {**VON_KARMAN_TERMS, "E11": {**VON_KARMAN_TERMS["E11"], **DRILLING}}
@@ -155,6 +158,7 @@ def test_an_order_that_matters_is_found_by_renumbering() -> None:
     assert found.loc[RENUMBERED, "deviation"] > 1e3 * found.loc[RENUMBERED, "tolerance"]
 
 
+@pytest.mark.slow
 def test_a_false_confession_is_an_accident() -> None:
     found = symmetry_table({"exact": replace(EXACT, rigid_body_law=SANDERS.rigid_body_law)}, {"lcp": Lcp})
     assert broken(found) == MOTIONS

@@ -70,6 +70,7 @@ def test_contact_has_its_orders() -> None:
     assert found["edge_elements"].max() < 0.6
 
 
+@pytest.mark.slow
 def test_contact_converges() -> None:
     """The judge agrees, and errors fall."""
     found = {}
@@ -83,6 +84,7 @@ def test_contact_converges() -> None:
     assert fine["error_edge"] < 0.5 * coarse["error_edge"]
 
 
+@pytest.mark.slow
 def test_a_planted_coefficient_stops_the_convergence_and_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     """1 % on the drilling terms of Sanders' E22."""
     sanders = MEASURES["sanders"]

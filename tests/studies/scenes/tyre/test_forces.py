@@ -200,6 +200,7 @@ def test_every_algorithm_finds_the_same_set_and_force(load: str, section: str) -
             assert forces[0] == pytest.approx(forces[1], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_epsilon_differs_from_the_exact_multiplier_by_parts_in_a_million() -> None:
     exact, regular = (run({**TO_20, "epsilon": epsilon}, "20x20") for epsilon in ("inf", "1e4"))
     difference = abs(regular.steps[-1]["force_N"] / exact.steps[-1]["force_N"] - 1)
@@ -254,6 +255,7 @@ def isotropic(request: pytest.FixtureRequest) -> Result:
     return run(ISOTROPIC, mesh=request.param)
 
 
+@pytest.mark.slow
 def test_isotropic_tyre_force_against_3d_solids(isotropic: Result) -> None:
     reference = read_reference("isotropic_tyre_3d_solid.csv").set_index("delta_mm")["force_N_ngsolve"]
     for step in isotropic.steps:

@@ -31,6 +31,7 @@ def forces(found: Result) -> np.ndarray:
     return np.array([step["force_N"] for step in found.steps])
 
 
+@pytest.mark.slow
 def test_forces_grow_from_sphere_to_hollow_drum() -> None:
     order = [forces(pressed(name)) for name in ("sphere", "drum", "plane", "hollow-drum")]
     for less, more in pairwise(order):
@@ -49,6 +50,7 @@ def test_large_drums_become_the_plane() -> None:
     np.testing.assert_allclose(inside, outside, rtol=MIRROR)
 
 
+@pytest.mark.slow
 def test_a_high_and_wide_cleat_is_a_plane() -> None:
     """Its top is all that the tyre sees, to the last digit but rounding."""
     wide = pressed("cleat", cleat_top_mm="2000", cleat_height_mm="500")

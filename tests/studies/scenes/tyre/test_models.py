@@ -52,7 +52,7 @@ def assert_same(part: Result, full: Result) -> None:
     "settings",
     [
         {},
-        {"load": "follower", "section": "nonsymmetric", "pressure_area": "face"},
+        pytest.param({"load": "follower", "section": "nonsymmetric", "pressure_area": "face"}, marks=pytest.mark.slow),
         pytest.param({"element": "paper", "coupling": "consistent"}, marks=pytest.mark.slow),
         pytest.param({"gamma_deg": "30", "epsilon": "1e4", "interpolation": "isoparametric"}, marks=pytest.mark.slow),
         *(pytest.param({"foundation": f}, marks=pytest.mark.slow) for f in PARAMETERS if f != "plane"),
