@@ -8,6 +8,7 @@ All samples are kept, those of discarded blocks apart.
 from __future__ import annotations
 
 import json
+import math
 import statistics
 from collections import defaultdict
 from collections.abc import Callable, Sequence
@@ -110,9 +111,11 @@ def time_campaign(
     blocks: int = BLOCKS,
     rounds: int = ROUNDS,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+    longest: float = math.inf,
 ) -> pd.DataFrame:
     """Time the cells of a campaign that the store knows to be converged, keep all samples, and return the table.
 
+    longest: processor time [s] of a solve beyond which a cell keeps its single time, which varies least.
     Raises UsageError when there is none, and when a cell does not end as it did.
     """
     archive = Archive(store)
@@ -120,8 +123,10 @@ def time_campaign(
     rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(wanted)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
+    right = {label: record for label, record in right.items() if record["timing_s"]["cpu"] <= longest}
     if not right:
-        raise UsageError(f"{store} has no converged cell of {campaign.name!r} to time: footprint run comes first")
+        within = f" within {longest:g} s" if longest < math.inf else ""
+        raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time{within}: footprint run comes first")
     child = Child()
 
     def ask(task: Task) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from reports.chapter import Chapter, relative
 from reports.chapters.catalogue.algorithm_sheet import algorithm_sheet
 from reports.chapters.catalogue.measure_sheet import measure_sheet
 from reports.chapters.catalogue.pictures import thumbnails
-from reports.chapters.catalogue.scene_sheet import filmstrip_of, scene_sheet
+from reports.chapters.catalogue.scene_sheet import pressed, scene_sheet
 from reports.chapters.catalogue.words import NEEDS, Catalogue, Sheet
 from reports.markdown import Part, joined, picture, prose, table
 from reports.store.tables import Store
@@ -39,7 +39,7 @@ displacement from zero (dark) to its largest value (light), small motions magnif
     return joined(
         prose(head),
         *shown,
-        filmstrip_of(catalogue),
+        pressed(catalogue),
         *(f"## {title}\n\n{_listed(title, parts)}" for title, parts in lists),
     )
 

@@ -30,7 +30,7 @@ def scene_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
         about(sheet.about),
         _facts(catalogue, name),
         _targets(own, answer),
-        filmstrip_of(catalogue) if name == "tyre" else "",
+        pressed(catalogue) if name == "tyre" else "",
         catalogue.settings("scene", name),
     )
 
@@ -102,10 +102,13 @@ def _known(uncertainty: float) -> str:
     return f"{100 * uncertainty:.2g} %" if 0 < uncertainty < 1e-4 else share(uncertainty, 2)
 
 
-def filmstrip_of(catalogue: Catalogue) -> Part | str:
-    """The tyre at growing travel, nothing without its cells."""
-    frames = catalogue.frames
-    if not frames:
-        return ""
+def filmstrip_of(catalogue: Catalogue) -> Part | None:
+    """The tyre at growing travel; None without its cells."""
     words = "The tyre pressed, from below: contact pressure at growing travel"
-    return joined("## The tyre pressed", picture("tyre-filmstrip.svg", words, filmstrip(frames)))
+    return picture("tyre-filmstrip.svg", words, filmstrip(catalogue.frames)) if catalogue.frames else None
+
+
+def pressed(catalogue: Catalogue) -> Part | str:
+    """The same under a heading, nothing without its cells."""
+    strip = filmstrip_of(catalogue)
+    return "" if strip is None else joined("## The tyre pressed", strip)

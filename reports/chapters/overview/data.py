@@ -90,8 +90,8 @@ def _citing() -> str:
 
 The data, the pages and the program are under the MIT licence: free to use, change and pass on, with its notice. To cite
 them, name *The Footprint authors, Footprint: a verification and benchmark suite for shell strain measures and contact
-algorithms*, its version and the commit that stands at the foot of every page; `CITATION.cff` has it for reference
-managers.""")
+algorithms*, its version and the commit that stands at the foot of every page; `.github/CITATION.cff` has it for
+reference managers.""")
 
 
 CHAPTER = Chapter(

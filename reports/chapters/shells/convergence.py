@@ -107,7 +107,7 @@ def _outside(data: pd.DataFrame) -> str:
         first, values = own.iloc[0], own["value"].to_numpy(float)
         apart = share(np.ptp(values[-3:]) / abs(values[-1]), 2)
         orders = " and ".join(fixed(order, 2) for order in own["order"].iloc[2:])
-        cause = "the cause is not known" if pd.isna(first["cause"]) else first["cause"]
+        cause = first["cause"] or "the cause is not known"
         lines.append(
             f"- {first['ladder']}, {quantity(first['quantity'])}: {cause} (orders {orders}; the last three "
             f"meshes are {apart} apart)."

@@ -40,18 +40,14 @@ def manufactured_page(store: Store) -> Part:
 
 def _introduction(store: Store, found: pd.DataFrame) -> str:
     far, theory = found[~found["near"]], store.rules()["theory_displacement"]
-    low, high = found["order_displacement"].min(), found["order_displacement"].max()
     outside = "none lies" if far.empty else f"{len(far)} lie"
     return prose(f"""# Manufactured solutions
-
-In {len(found)} cases ({found["measure"].nunique()} measures, {found["surface"].nunique()} surfaces; what is varied
-stands in the table) the error of the displacement falls with an order between {fixed(low, 3)} and {fixed(high, 3)};
-theory says {theory:g}, and {outside} further from it than {store.rules()["near_order"]:g}.
 
 A motion of both faces is given: a piece of a surface is stretched, bent into waves and turned. What a measure states,
 written in vectors and not as its table of coefficients, makes strains of it, the law of the section resultants, and
 the balance of forces the body forces and edge loads under which that motion is the exact solution. So the error of a
-mesh is known in every norm: no reference has to be believed, and nothing is extrapolated.""")
+mesh is known in every norm: no reference has to be believed, and nothing is extrapolated. Of the orders of the
+displacement {outside} further from {theory:g} than {store.rules()["near_order"]:g}.""")
 
 
 def _statements(store: Store) -> str:

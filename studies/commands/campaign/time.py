@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 import sys
 from pathlib import Path
@@ -22,6 +23,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_store(parser)
     parser.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
     parser.add_argument("--front", action="store_true", help="only cells on the fronts of seconds, which analyse found")
+    parser.add_argument("--longest", type=float, default=math.inf, metavar="S", help="only solves within S seconds")
     parser.add_argument("--blocks", type=int, default=2, help="fresh processes, default 2")
     parser.add_argument("--rounds", type=int, default=4, help="interleaved rounds of a block, default 4")
 
@@ -50,7 +52,7 @@ def run(options: argparse.Namespace) -> int:
         return bool(only.search(label)) and (front is None or label in front)
 
     with progress_bar(campaign.name) as advance:
-        table = time_campaign(campaign, options.store, wanted, blocks, rounds, advance)
+        table = time_campaign(campaign, options.store, wanted, blocks, rounds, advance, options.longest)
     print(table.to_string(index=False, float_format=lambda x: f"{x:.4g}"))
     if (table["samples"] == 0).any():
         print("footprint: the machine was too busy: the canary moved in every block", file=sys.stderr)

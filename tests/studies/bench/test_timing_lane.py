@@ -121,6 +121,7 @@ def test_the_cells_of_the_fronts_can_be_timed_alone(tmp_path: Path, monkeypatch:
     timed = ["time", str(path), "--store", str(store), "--front", "--blocks", "1", "--rounds", "1"]
     assert main(timed) == 2  # there are no fronts yet
     analyse(store, "four")
+    assert main([*timed, "--longest", "1e-9"]) == 2  # no solve is as short
     before = collect(store, "four").set_index("label")["t.seconds"]
     monkeypatch.setattr("studies.bench.timing_lane.DRIFT", -1.0)
     assert main(timed) == 1

@@ -61,7 +61,7 @@ def test_what_is_committed_stays_small() -> None:
 
 def test_the_citation_names_the_version_of_the_project() -> None:
     project = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    cited = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    cited = (ROOT / ".github" / "CITATION.cff").read_text(encoding="utf-8")
     version = re.search(r'^version = "(.*)"$', project, re.MULTILINE)[1]
     assert f"\nversion: {version}\n" in cited
     assert "\nlicense: MIT\n" in cited
