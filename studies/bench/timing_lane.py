@@ -1,8 +1,9 @@
 """The timing lane: cells that are known to be right, one at a time, in interleaved rounds, with a canary beside them.
 
-A block is a fresh process: every cell once, cold, then rounds over all cells. Before and after it a fixed workload is
-timed, the canary; when that has moved, so has the machine, and the block is discarded and repeated, not for ever.
-All samples are kept, those of discarded blocks apart.
+A block is a fresh process: some cells once, cold, then rounds over them. Before and after it a fixed workload is timed,
+the canary; when that has moved, so has the machine, and the block is discarded and repeated, not for ever. So many
+cells share a block that a machine may be expected to stand still that long. All samples are kept, those of discarded
+blocks apart.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import json
 import math
 import statistics
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -34,6 +35,7 @@ from studies.store.provenance import provenance
 
 DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
 REPEATS = 3  # of a block that was discarded
+SHARE = 10.0  # seconds of the solves that share a block, which takes five to ten times as long
 BLOCKS, ROUNDS = 2, 4  # eight samples of each cell: the first number that a rank test over many cells can use
 CONFIDENCE = 0.95
 COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "operations")
@@ -61,23 +63,37 @@ class Stopwatch:
     cell: Callable[[str], float]
 
 
+def shares(seconds: Mapping[str, float]) -> list[list[str]]:
+    """Cells in their order, with what share a block: at most SHARE of these seconds, or a cell alone."""
+    found: list[list[str]] = []
+    spent = math.inf
+    for label, own in seconds.items():
+        if spent + own > SHARE:
+            found.append([])
+            spent = 0.0
+        found[-1].append(label)
+        spent += own
+    return found
+
+
 def sample(
-    labels: Sequence[str],
+    shared: Sequence[Sequence[str]],
     watch: Stopwatch,
     blocks: int = BLOCKS,
     rounds: int = ROUNDS,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
 ) -> Samples:
-    """Interleaved rounds, in blocks that count only when the canary has stood still."""
+    """Interleaved rounds of the cells that share a block, which counts only when the canary has stood still."""
     found, quiet = Samples(), float("inf")
-    for block in range(blocks):
+    planned = [(f"block {block + 1}", labels) for block in range(blocks) for labels in shared]
+    for done, (name, labels) in enumerate(planned):
         for _ in range(1 + REPEATS):
             watch.block()
             before = watch.canary()
             cold = {label: watch.cell(label) for label in labels}
             warm: dict[str, list[float]] = {label: [] for label in labels}
             for turn in range(rounds):
-                progress(block * rounds + turn, blocks * rounds, f"block {block + 1}, round {turn + 1}")
+                progress(done * rounds + turn, len(planned) * rounds, f"{name}, round {turn + 1}")
                 for label in labels:
                     warm[label].append(watch.cell(label))
             after = watch.canary()
@@ -89,7 +105,7 @@ def sample(
                 (found.warm if counts else found.discarded)[label] += warm[label]
             if counts:
                 break
-    progress(blocks * rounds, blocks * rounds, "done")
+    progress(len(planned) * rounds, len(planned) * rounds, "done")
     return found
 
 
@@ -141,16 +157,18 @@ def time_campaign(
 
     try:
         watch = Stopwatch(child.end, lambda: float(ask(Task("canary", "canary"))["seconds"]), cell)
-        found = sample(list(right), watch, blocks, rounds, progress)
+        shared = shares({label: record["timing_s"]["cpu"] for label, record in right.items()})
+        found = sample(shared, watch, blocks, rounds, progress)
     finally:
         child.end()
     with archive.claimed():
-        _keep(archive, campaign.name, {label: rows[label][0] for label in right}, found)
+        _keep(archive, campaign.name, {label: rows[label][0] for label in right}, found, rounds)
     return summary(archive.root, campaign.name)
 
 
-def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples) -> None:
+def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples, rounds: int) -> None:
     told = {"schema": SCHEMA, "campaign": name, "provenance": provenance(), "canaries": found.canaries}
+    told["rounds"] = rounds
     cells = [
         {"label": label, "id": cell_id}
         | {kind: getattr(found, kind).get(label, []) for kind in ("warm", "cold", "discarded")}
@@ -165,11 +183,11 @@ def times_path(store: Path, campaign: str) -> Path:
 
 
 def read_times(store: Path, campaign: str) -> dict[str, Any]:
-    """What was kept of a campaign: canaries, and the samples of the cells; raises UsageError where nothing was."""
+    """What was kept of a campaign: canaries, the rounds of a block, samples; raises UsageError where nothing was."""
     path = times_path(store, campaign)
     try:
         found = json.loads(path.read_text(encoding="utf-8"))
-        return {key: found[key] for key in ("canaries", "cells")}
+        return {key: found[key] for key in ("canaries", "rounds", "cells")}
     except FileNotFoundError:
         raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them") from None
     except (OSError, ValueError, KeyError, TypeError) as error:

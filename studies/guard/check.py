@@ -100,9 +100,8 @@ def _sides(before: Path, now: Path, campaign: str) -> tuple[pd.DataFrame, pd.Dat
 def samples_of(store: Path, campaign: str) -> pd.DataFrame:
     """Raw warm times of the timing lane, a row a sample: label, seconds, block; raises UsageError without any."""
     found = read_times(store, name_of(campaign))
-    blocks = sum(bool(pair[2]) for pair in found["canaries"])
     rows = [
-        (cell["label"], seconds, i * blocks // len(cell["warm"]))
+        (cell["label"], seconds, i // found["rounds"])
         for cell in found["cells"]
         for i, seconds in enumerate(cell["warm"])
     ]

@@ -13,7 +13,7 @@ from studies.analysis.collect import collect
 from studies.analysis.everything import analyse
 from studies.bench.canary import canary
 from studies.bench.overhead import harness, lines
-from studies.bench.timing_lane import REPEATS, Stopwatch, interval, sample, summary, time_campaign
+from studies.bench.timing_lane import REPEATS, SHARE, Stopwatch, interval, sample, shares, summary, time_campaign
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.cli import main
@@ -45,7 +45,7 @@ class Machine:
 
 def test_rounds_are_interleaved_and_every_block_is_a_fresh_process_between_canaries() -> None:
     machine = Machine(1.0, 1.01, 1.02, 1.0)
-    found = sample(LABELS, machine.watch(), blocks=2, rounds=3)
+    found = sample([LABELS], machine.watch(), blocks=2, rounds=3)
     assert machine.notes == 2 * "|!abcabcabcabc!"
     assert all(len(found.warm[label]) == 6 and len(found.cold[label]) == 2 for label in LABELS)
     assert found.discarded == {}
@@ -55,14 +55,26 @@ def test_rounds_are_interleaved_and_every_block_is_a_fresh_process_between_canar
 @pytest.mark.parametrize("moved", [(1.0, 1.06), (1.06, 1.0), (1.06, 1.06)])
 def test_a_block_whose_canary_has_moved_is_discarded_and_repeated(moved: tuple[float, float]) -> None:
     machine = Machine(1.0, 1.0, *moved, 1.0, 1.0)
-    found = sample(LABELS, machine.watch(), blocks=2, rounds=2)
+    found = sample([LABELS], machine.watch(), blocks=2, rounds=2)
     assert [counts for *_, counts in found.canaries] == [True, False, True]
     assert all(len(found.warm[label]) == 4 and len(found.discarded[label]) == 2 for label in LABELS)
 
 
+def test_long_solves_have_blocks_of_their_own_so_that_little_is_discarded() -> None:
+    """The second block moves: only its cells are timed again."""
+    parts = shares({"a": 0.4 * SHARE, "b": 0.5 * SHARE, "c": 2 * SHARE})
+    assert parts == [["a", "b"], ["c"]]
+    machine = Machine(1.0, 1.0, 1.0, 1.1, 1.0, 1.0)
+    found = sample(parts, machine.watch(), blocks=1, rounds=2)
+    assert machine.notes == "|!ababab!|!ccc!|!ccc!"
+    assert {label: len(times) for label, times in found.warm.items()} == {"a": 2, "b": 2, "c": 2}
+    assert {label: len(times) for label, times in found.discarded.items()} == {"c": 2}
+    assert shares({}) == []
+
+
 def test_repeating_has_an_end() -> None:
     machine = Machine(1.0, *(2.0 for _ in range(20)))
-    found = sample(LABELS, machine.watch(), blocks=1, rounds=1)
+    found = sample([LABELS], machine.watch(), blocks=1, rounds=1)
     assert len(found.canaries) == 1 + REPEATS
     assert found.warm == {}
     assert len(found.discarded["a"]) == 1 + REPEATS

@@ -126,7 +126,7 @@ def lane(store: Path, factors: dict[str, float], seed: int, canary: float = 0.03
         for label in labels
     ]
     canaries = [[canary, canary, True], [2 * canary, canary, False], [canary, canary, True]]
-    write_json(store / "timing" / "small.json", {"canaries": canaries, "cells": cells})
+    write_json(store / "timing" / "small.json", {"canaries": canaries, "rounds": 6, "cells": cells})
 
 
 def test_times_of_two_stores(solved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
