@@ -1,6 +1,6 @@
 "use strict";
 (() => {
-  const tables = [...document.querySelectorAll("main table")];
+  const tables = [...document.querySelectorAll("main table:has(tbody)")];
 
   // a click on the head of a column sorts by it, a second one the other way round; what is no number goes last
   const number = (text) => {
@@ -92,7 +92,7 @@
       head.append(button);
       button.addEventListener("click", () => sort(table, column, head));
     });
-    if (table.tBodies[0] && table.tBodies[0].rows.length >= ROWS) tools(table);
+    if (table.tBodies[0].rows.length >= ROWS) tools(table);
   }
   addEventListener("page", (event) => { bar(); fitAll(event.detail); });
   addEventListener("resize", () => { bar(); fitAll(document.querySelector(".shown") || document); });
