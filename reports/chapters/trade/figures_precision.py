@@ -1,4 +1,4 @@
-"""Pictures of error over cost: a line a measure from the coarsest mesh to the finest, in seconds and in unknowns."""
+"""Pictures of error over cost, in seconds and in unknowns: every answer, and a line a measure through its best ones."""
 
 from __future__ import annotations
 
@@ -30,9 +30,10 @@ def usual(rows: pd.DataFrame) -> pd.DataFrame:
 
 @svg
 def work_precision(fronts: pd.DataFrame, cost: str) -> Figure:
-    """Error over cost, a panel a scene, a line a measure from coarse to fine, by the configuration asked most often.
+    """Error over cost, a panel a scene, the measures in the configuration asked most often, on all grids.
 
-    Every answer of it is drawn, a wrong one, too; grey: below what the reference is known to.
+    Every answer of it is a mark, a wrong one, too; the line of a measure joins those that nothing cheaper of its own
+    comes below. Grey: below what the reference is known to.
     """
     scenes = {str(scene): usual(own) for scene, own in fronts.groupby("scene", sort=False)}
     shown = {scene: own for scene, own in scenes.items() if own["mesh"].nunique() > 1}
@@ -52,9 +53,11 @@ def work_precision(fronts: pd.DataFrame, cost: str) -> Figure:
 def _scene(axes: Axes, scene: str, rows: pd.DataFrame, cost: str, drawn: Mapping[str, Look]) -> None:
     known = float(rows["uncertainty"].median())
     error = np.maximum(rows["error"], rows["uncertainty"])
-    points = rows.assign(shown=error, price=rows[f"cost.{cost}"].astype(float)).sort_values("cost.dofs", kind="stable")
+    points = rows.assign(shown=error, price=rows[f"cost.{cost}"].astype(float)).sort_values("price", kind="stable")
     for name, own in points.groupby("measure", sort=False):
-        axes.plot(own["price"], own["shown"], **drawn[str(name)].whole, linewidth=1.1, markersize=4, alpha=0.9)
+        look, best = drawn[str(name)].whole, own[own["shown"] < own["shown"].cummin().shift(fill_value=np.inf)]
+        axes.plot(own["price"], own["shown"], **{**look, "linestyle": ""}, markersize=3, alpha=0.4)
+        axes.plot(best["price"], best["shown"], **look, linewidth=1.1, markersize=4, alpha=0.9)
     axes.set(xscale="log", yscale="log")
     for low, high, widen in ((*axes.get_xlim(), axes.set_xlim), (*axes.get_ylim(), axes.set_ylim)):
         room = max(1.0, (LEAST_SPAN * low / high) ** 0.5)

@@ -75,7 +75,9 @@ front.""")
     listed = folded("The fronts as a table", listing("Fronts per scene", front, heads, line, words=3))
     found = machine(f"{len(front)} cells are on the front of their scene.", listed, commands(front["command"]))
     drawn = (
-        picture(f"tradeoff-{name}.svg", f"Verified error over {words}, a line a measure", work_precision(data, cost))
+        picture(
+            f"tradeoff-{name}.svg", f"Error over {words}: all answers, and a line a measure", work_precision(data, cost)
+        )
         for name, words, cost in (("precision", "processor time", COST), ("unknowns", "unknowns", "dofs"))
     )
     return joined(text, *drawn, found, _families(store))
