@@ -95,7 +95,7 @@ def summary_table(store: Store) -> str:
     line = "{algorithm:code} | {solved} | {put} | {solved_share:.1%} | {failed} | {refused} | "
     line += "{seconds_ratio:.2f} [{seconds_low:.2f}, {seconds_high:.2f}] | {both}"
     made = machine(listing("Contact algorithms: solved share, and time in the median", data, heads, line))
-    why = data[(data["causes"] != "") | (data["refusals"] != "")]
+    why = data[(data["causes"] != "") | (data["refusals"] != "")].sort_values("algorithm")  # whatever the machine
     if why.empty:
         return made
     told = listing(

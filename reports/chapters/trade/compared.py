@@ -93,7 +93,8 @@ these problems are small: over the size of the problem the ratios change.""")
     ]
     heads = ["algorithm", "put", "solves", "refused", "fails most", "both (scenes)", "seconds", "operations"]
     shown = table("Solved, and the cost over the default where both solve", heads, rows)
-    refusals = filled("- `{algorithm}` refuses: {refusals}", data[data["refusals"] != ""])
+    refused = data[data["refusals"] != ""].sort_values("algorithm")  # in one order, whatever the machine
+    refusals = filled("- `{algorithm}` refuses: {refusals}", refused)
     return joined(text, machine(shown), "\n".join(refusals))
 
 
