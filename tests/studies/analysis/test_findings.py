@@ -33,7 +33,7 @@ def contact() -> pd.DataFrame:
         ],
         ignore_index=True,
     ).assign(path_end="", reason="")
-    table["c.operations"] = 10 * table["c.flops"] if "c.flops" in table else 10 * table["c.operations"]
+    table["c.operations"] *= 10
     lost = (table["scene"] == "heavy-strip") & (table["contact"] == "lcp") & (table["n1"] > 8)
     table.loc[lost, "outcome"] = "cap-hit"
     refused = (table["scene"] == "strip-contact") & (table["contact"] == "qp") & (table["n1"] == 8)
