@@ -88,8 +88,16 @@ def test_an_adapted_mesh_follows_the_travel_also_where_the_path_is_an_arc() -> N
 
 @pytest.mark.slow
 def test_parameters_of_algorithms_without_effect_are_known() -> None:
-    """A pressed node has no gap and an open one no pressure, so semismooth's c decides nothing; and qp ends exactly."""
+    """A pressed node has no gap and an open one no pressure, so semismooth's c decides nothing.
+
+    qp ends exactly, and so does every method of lcp: their eps and method change what is spent and not what is found.
+    """
     rows = algorithm_effects()
     assert set(rows["contact"]) == set(ALGORITHMS)
-    idle = rows["effect"].str.startswith((NONE, REFUSED)).groupby([rows["contact"], rows["setting"]]).all()
-    assert {key for key, none in idle.items() if none} == {("semismooth", "c"), ("qp", "eps"), ("lcp", "method")}
+
+    def only(*effects: str) -> set[tuple[str, str]]:
+        idle = rows["effect"].str.startswith((*effects, REFUSED)).groupby([rows["contact"], rows["setting"]]).all()
+        return {key for key, none in idle.items() if none}
+
+    assert only(NONE) == {("semismooth", "c")}
+    assert only(NONE, "work") >= {("semismooth", "c"), ("qp", "eps"), ("lcp", "method")}
