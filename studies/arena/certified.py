@@ -1,0 +1,115 @@
+"""The answer to a frozen step, found by one way and confirmed by another that shares no line with it.
+
+The first is an algorithm of ours before the judge. The second solves the equations on the set that was found, by
+SciPy alone with residuals in extended precision, and asks every sign; where the step is a convex programme, an
+interior-point solver has to press the same candidates, from no set at all.
+No collection and no file format may enter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from contact.catalogue import ALGORITHMS
+from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.oracle import OracleError, confirm, refusal
+from contact.problem import ContactSolution
+from contact.verify import judge
+
+TRIED = ("semismooth", "lcp")  # the first whose answer the judge takes
+REFINEMENTS = 5
+SIGN = 1e-9  # of the largest force or gap: what lies closer to zero touches without pressure
+SAME = 1e-8  # of the largest force and displacement: two answers that are one
+
+
+class NotCertifiedError(ArithmeticError):
+    """The step has no answer that both ways agree on; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class Certified:
+    """du (n,) and pressure (m,); who found it, and who confirmed it.
+
+    pressed, touching: candidates that carry force; that are closed without, to SIGN.
+    """
+
+    du: np.ndarray
+    pressure: np.ndarray
+    found_by: str
+    confirmed_by: tuple[str, ...]
+    pressed: int
+    touching: int
+
+
+def certify(step: FrozenStep) -> Certified:
+    """Find and confirm the answer; raises NotCertifiedError."""
+    name, du, pressure = _found(step)
+    own, forces = exact_on(step, pressure > 0)
+    nodal = _nodal(step, pressure)
+    for what, one, other in (("displacements", du, own), ("forces", nodal, forces)):
+        apart = float(np.max(np.abs(one - other), initial=0.0))
+        if not apart <= SAME * float(np.max(np.abs(other), initial=np.finfo(float).tiny)):
+            raise NotCertifiedError(f"{what} of {name} are {apart:.1e} off the equations on its set")
+    gap = step.gap + step.G @ own
+    most, size = float(np.max(np.abs(forces), initial=0.0)), float(np.max(np.abs(step.G @ own), initial=0.0))
+    size = max(size, float(np.max(np.abs(step.gap), initial=0.0)))
+    if np.any(forces < -SIGN * most) or np.any(gap < -SIGN * size):
+        raise NotCertifiedError(f"a force or a gap of {name} has the wrong sign")
+    closed, carries = np.abs(gap) <= SIGN * size, forces > SIGN * most
+    told = ["equations on the set, extended precision"]
+    if refusal(step) is None:
+        try:
+            third = confirm(step, du, pressure)
+        except OracleError:
+            pass  # it reaches thin shells to 1e-6 of the forces only: the equations on the set stand without it
+        else:
+            if not np.array_equal(_nodal(step, third.pressure) > SIGN * most, carries):
+                raise NotCertifiedError(f"the interior point presses other candidates than {name}")
+            told.append("convex programme, interior point")
+    return Certified(du, pressure, name, tuple(told), int(carries.sum()), int((closed & ~carries).sum()))
+
+
+def _found(step: FrozenStep) -> tuple[str, np.ndarray, np.ndarray]:
+    """The first algorithm whose answer the judge takes: its name, du and pressure."""
+    reasons = []
+    for name in TRIED:
+        problem, algorithm = step.problem(), ALGORITHMS[name]()
+        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+        wrong = judge(problem, found.u, found.pressure).failures()
+        if found.outcome.converged and not wrong:
+            return name, found.u, found.pressure
+        reasons.append(f"{name}: {found.outcome.value if not found.outcome.converged else ', '.join(wrong)}")
+    raise NotCertifiedError("; ".join(reasons))
+
+
+def exact_on(step: FrozenStep, pressed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """du (n,) and nodal forces (m,) with K du + r = G^T f and closed gaps on the set (m,) bool, none elsewhere.
+
+    The saddle-point system by SuperLU, refined by residuals in extended precision. With consistent coupling, W p, the
+    forces of all candidates come from the pressures of the set. Raises NotCertifiedError where it is singular.
+    """
+    n, nodes = len(step.r), np.flatnonzero(pressed)
+    W = sparse.diags_array(step.weights, format="csc") if step.coupling is None else sparse.csc_matrix(step.coupling)
+    push = sparse.csc_matrix(step.G.T @ W)[:, nodes]
+    unit = float(np.max(np.abs(step.K.diagonal()), initial=0.0) / max(np.max(np.abs(push.data), initial=0.0), 1e-300))
+    A = sparse.csc_matrix(sparse.block_array([[step.K, -unit * push], [step.G[nodes], None]]))
+    b = np.concatenate([-step.r, -step.gap[nodes]])
+    long = sparse.csr_matrix((A.data, A.indices, A.indptr), shape=A.shape[::-1]).T.astype(np.longdouble)
+    try:
+        factor = splu(A)
+    except RuntimeError as error:
+        raise NotCertifiedError(f"the equations on the set are singular: {error}") from None
+    x = np.zeros(len(b), dtype=np.longdouble)
+    for _ in range(REFINEMENTS):
+        x = x + factor.solve((b - long @ x).astype(float))
+    pressure = np.zeros(len(pressed))
+    pressure[nodes] = unit * x[n:].astype(float)
+    return x[:n].astype(float), np.asarray(W @ pressure)
+
+
+def _nodal(step: FrozenStep, pressure: np.ndarray) -> np.ndarray:
+    return np.asarray(step.weights * pressure if step.coupling is None else step.coupling @ pressure)
