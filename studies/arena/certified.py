@@ -8,7 +8,7 @@ No collection and no file format may enter here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -16,7 +16,7 @@ from scipy.sparse.linalg import splu
 
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep
-from contact.interchange.oracle import OracleError, confirm, refusal
+from contact.interchange.oracle import OracleError, minimise, refusal
 from contact.problem import ContactSolution
 from contact.verify import judge
 
@@ -32,58 +32,68 @@ class NotCertifiedError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class Certified:
-    """du (n,) and pressure (m,); who found it, and who confirmed it.
+    """du (n,) and pressure (m,), found by an algorithm that the judge takes at its word, on a set that is confirmed.
 
-    pressed, touching: candidates that carry force; that are closed without, to SIGN.
+    confirmed_by: the ways.  pressed, touching: candidates that carry force; that are closed without, to SIGN.
     """
 
     du: np.ndarray
     pressure: np.ndarray
     found_by: str
-    confirmed_by: tuple[str, ...]
-    pressed: int
-    touching: int
+    pressed: np.ndarray
+    touching: np.ndarray
+    confirmed_by: tuple[str, ...] = ()
 
 
-def certify(step: FrozenStep) -> Certified:
-    """Find and confirm the answer; raises NotCertifiedError."""
-    name, du, pressure = _found(step)
-    own, forces = exact_on(step, pressure > 0)
-    nodal = _nodal(step, pressure)
-    for what, one, other in (("displacements", du, own), ("forces", nodal, forces)):
-        apart = float(np.max(np.abs(one - other), initial=0.0))
-        if not apart <= SAME * float(np.max(np.abs(other), initial=np.finfo(float).tiny)):
-            raise NotCertifiedError(f"{what} of {name} are {apart:.1e} off the equations on its set")
-    gap = step.gap + step.G @ own
-    most, size = float(np.max(np.abs(forces), initial=0.0)), float(np.max(np.abs(step.G @ own), initial=0.0))
-    size = max(size, float(np.max(np.abs(step.gap), initial=0.0)))
-    if np.any(forces < -SIGN * most) or np.any(gap < -SIGN * size):
-        raise NotCertifiedError(f"a force or a gap of {name} has the wrong sign")
-    closed, carries = np.abs(gap) <= SIGN * size, forces > SIGN * most
-    told = ["equations on the set, extended precision"]
-    if refusal(step) is None:
-        try:
-            third = confirm(step, du, pressure)
-        except OracleError:
-            pass  # it reaches thin shells to 1e-6 of the forces only: the equations on the set stand without it
-        else:
-            if not np.array_equal(_nodal(step, third.pressure) > SIGN * most, carries):
-                raise NotCertifiedError(f"the interior point presses other candidates than {name}")
-            told.append("convex programme, interior point")
-    return Certified(du, pressure, name, tuple(told), int(carries.sum()), int((closed & ~carries).sum()))
-
-
-def _found(step: FrozenStep) -> tuple[str, np.ndarray, np.ndarray]:
-    """The first algorithm whose answer the judge takes: its name, du and pressure."""
+def find(step: FrozenStep) -> Certified:
+    """The answer by the first algorithm whose answer the judge takes; raises NotCertifiedError where none has one."""
     reasons = []
     for name in TRIED:
         problem, algorithm = step.problem(), ALGORITHMS[name]()
         found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
         wrong = judge(problem, found.u, found.pressure).failures()
         if found.outcome.converged and not wrong:
-            return name, found.u, found.pressure
+            gap = step.gap + step.G @ found.u
+            return Certified(found.u, found.pressure, name, *_states(step, _nodal(step, found.pressure), gap))
         reasons.append(f"{name}: {found.outcome.value if not found.outcome.converged else ', '.join(wrong)}")
     raise NotCertifiedError("; ".join(reasons))
+
+
+def confirm(step: FrozenStep, answer: Certified) -> Certified:
+    """The answer with the ways that confirm it; raises NotCertifiedError where one contradicts."""
+    du, forces = exact_on(step, answer.pressure > 0)
+    for what, one, other in (
+        ("displacements", answer.du, du),
+        ("forces", _nodal(step, answer.pressure), forces),
+    ):
+        apart, size = float(np.max(np.abs(one - other), initial=0.0)), float(np.max(np.abs(other), initial=0.0))
+        if not apart <= SAME * size:
+            raise NotCertifiedError(f"{what} of {answer.found_by} are {apart:.1e} off the equations, of {size:.1e}")
+    gap = step.gap + step.G @ du
+    if np.any(forces < -SIGN * np.max(forces, initial=0.0)) or np.any(gap < -SIGN * _large(step, gap)):
+        raise NotCertifiedError(f"a force or a gap on the set of {answer.found_by} has the wrong sign")
+    told = ["equations on the set in extended precision"]
+    if refusal(step) is None:
+        try:
+            pressure = minimise(step)[1]
+        except OracleError:
+            pass  # it knows the forces of thin shells to 1e-6 only, which may leave a set without an answer
+        else:
+            if not np.array_equal(_states(step, _nodal(step, pressure), gap)[0], answer.pressed):
+                raise NotCertifiedError(f"the interior point presses other candidates than {answer.found_by}")
+            told.append("convex programme by an interior point")
+    return replace(answer, confirmed_by=tuple(told))
+
+
+def _states(step: FrozenStep, forces: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Candidates (m,) that carry force, and that touch without."""
+    pressed = forces > SIGN * np.max(np.abs(forces), initial=0.0)
+    return pressed, ~pressed & (np.abs(gap) <= SIGN * _large(step, gap))
+
+
+def _large(step: FrozenStep, gap: np.ndarray) -> float:
+    """A large gap: before or after the step."""
+    return float(max(np.max(np.abs(step.gap), initial=0.0), np.max(np.abs(gap), initial=0.0)))
 
 
 def exact_on(step: FrozenStep, pressed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -24,7 +24,7 @@ import pandas as pd
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena import paths as listed
-from studies.arena.certified import Certified, NotCertifiedError, certify
+from studies.arena.certified import Certified, confirm, find
 from studies.arena.newton_path import Met, newton_path
 from studies.arena.traits import Traits, traits
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
@@ -64,7 +64,7 @@ class Taken:
         step, forces = self.candidate.step, self.candidate.step.problem().nodal_forces(self.answer.pressure)
         told = {"name": self.candidate.name, "family": self.candidate.family, "adds": self.adds, **self.traits.told}
         told |= {"force_N": float(forces.sum()), "displacement_mm": float(np.max(np.abs(self.answer.du), initial=0.0))}
-        told |= {"confirmed_by": " and ".join((self.answer.found_by, *self.answer.confirmed_by))}
+        told |= {"found_by": self.answer.found_by, "confirmed_by": " and ".join(self.answer.confirmed_by)}
         return {**told, **dict(zip(SUMS, sums(step), strict=True)), **self.candidate.origin}
 
     def write(self, path: Path) -> None:
@@ -149,18 +149,19 @@ def chosen(
         size = 12.0 * (candidate.step.K.nnz + candidate.step.G.nnz)
         if size > MOST or spent + size > largest or not len(candidate.step.gap):
             continue
-        try:
-            answer = certify(candidate.step)
-        except (NotCertifiedError, ArithmeticError):
-            continue
-        found_traits = traits(candidate.step, answer)
         before = seen.setdefault(candidate.family, set())
-        if found_traits.classes in before:
+        try:
+            found_first = find(candidate.step)
+            own = traits(candidate.step, found_first)
+            if own.classes in before:
+                continue
+            answer = confirm(candidate.step, found_first)
+        except ArithmeticError:  # NotCertifiedError, and what a singular step raises
             continue
-        adds = _news(found_traits.classes, before)
-        before.add(found_traits.classes)
+        adds = _news(own.classes, before)
+        before.add(own.classes)
         spent += size
-        yield Taken(candidate, answer, found_traits, adds)
+        yield Taken(candidate, answer, own, adds)
 
 
 def _news(classes: tuple[object, ...], before: set[tuple[object, ...]]) -> str:

@@ -70,8 +70,8 @@ def traits(step: FrozenStep, answer: Certified) -> Traits:
         kind(step),
         "lumped" if step.coupling is None else "consistent",
         condition(step.K),
-        answer.pressed,
-        answer.touching,
+        int(answer.pressed.sum()),
+        int(answer.touching.sum()),
     )
 
 
