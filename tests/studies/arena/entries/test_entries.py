@@ -1,0 +1,342 @@
+"""The algorithms that enter through the open door: independent answers, the closed form of a membrane, shells."""
+
+from __future__ import annotations
+
+import ast
+import math
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.events import EventKind, events
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.solvers.lcp_pivoting import lemke
+from contact.verify import judge
+from studies.cli import main
+from studies.complete import complete
+from studies.door import plugins
+from studies.experiments.obstacle_problems.membrane import membrane_table
+from studies.walk import Visited, walk
+from support.problems.contact_problems import (
+    Quadratic,
+    definite,
+    dual_by_nnls,
+    manufactured,
+    random_quadratic,
+    solve_from_rest,
+)
+
+ROOT = Path(__file__).parents[4]
+FILES = {name: ROOT / f"studies/arena/entries/{name}.py" for name in ("barrier", "interior_point", "proximal")}
+NAMES = ("barrier", "interior-point", "proximal")
+EXACT_ONLY = ("barrier", "proximal")  # epsilon must be infinite
+SPENT = {
+    "barrier": "barrier_iterations",
+    "interior-point": "interior_point_iterations",
+    "proximal": "proximal_iterations",
+}
+ORACLE = 1e-7  # agreement with the independent solutions, all quantities are of the order one
+SAME = 1e-9
+FORCES = 1e-8  # relative
+PRINTED_RADIUS = 0.348982574111686  # of contact, MFEM's example 36
+GROWTH = 1.3  # of the iterations from 28x26 to 84x80
+
+each = pytest.mark.parametrize("name", NAMES)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def modules() -> Iterator[Mapping[str, ModuleType]]:
+    """The files by the open door; catalogues, modules and the search path are put back for all other tests."""
+    before, path = dict(ALGORITHMS), [*sys.path]
+    for file in FILES.values():
+        plugins.load_file(file)
+    yield {name: sys.modules[name] for name in FILES}
+    ALGORITHMS.clear()
+    ALGORITHMS.update(before)
+    sys.path[:] = path
+    for name in FILES:
+        del sys.modules[name]
+
+
+def test_nothing_of_the_suite_imports_them() -> None:
+    found = []
+    for file in (
+        path for package in ("contact", "formulations", "studies", "reports") for path in (ROOT / package).rglob("*.py")
+    ):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            names = [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
+            if isinstance(node, ast.ImportFrom):
+                names += [str(node.module), *(f"{node.module}.{name}" for name in names)]
+            found += [file for name in names if name.startswith("studies.arena.entries") or name in FILES]
+    assert found == []
+
+
+# --- independent answers ------------------------------------------------------------------------------------------
+
+
+@each
+@pytest.mark.parametrize("kind", ["obstacle", "definite", "inclined"])
+def test_solution_is_that_of_nnls(name: str, kind: str) -> None:
+    for seed in range(4):
+        data = random_quadratic(np.random.default_rng(seed), kind)
+        solution = solve_from_rest(name, data.problem(), len(data.f))
+        assert solution.outcome is Outcome.CONVERGED
+        u, pressure = dual_by_nnls(data, math.inf)
+        np.testing.assert_allclose(solution.u, u, rtol=0, atol=ORACLE)
+        np.testing.assert_allclose(solution.pressure, pressure, rtol=0, atol=ORACLE)
+        np.testing.assert_array_equal(solution.active, pressure > 10 * ORACLE)
+        assert judge(data.problem(), solution.u, solution.pressure).failures() == []
+
+
+def test_interior_point_keeps_the_law_of_a_finite_epsilon() -> None:
+    for seed in range(4):
+        data = random_quadratic(np.random.default_rng(seed), "inclined")
+        solution = solve_from_rest("interior-point", data.problem(), len(data.f), 1e4)
+        np.testing.assert_allclose(solution.pressure, dual_by_nnls(data, 1e4)[1], rtol=0, atol=ORACLE)
+
+
+@each
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_a_built_in_answer_of_any_size(name: str, size: float) -> None:
+    """Open, pressed, and just touching candidates; what touches without pressure may be in the set or not."""
+    states = np.arange(9) % 3
+    data, u, pressure = manufactured(np.random.default_rng(7), "inclined", states)
+    scaled = Quadratic(data.K, size * data.f, data.G, size * data.g0, data.w)
+    solution = solve_from_rest(name, scaled.problem(), len(data.f))
+    assert solution.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(solution.u, size * u, rtol=0, atol=ORACLE * size)
+    np.testing.assert_allclose(solution.pressure, size * pressure, rtol=0, atol=ORACLE * size)
+
+
+@each
+def test_exact_steps_correct_a_set_that_is_read_off_too_early(name: str) -> None:
+    """However little has been done on the way, the answer is the same."""
+    hasty = {"barrier": {"crossover": 1.0}, "interior-point": {"complementarity": 0.1}, "proximal": {"crossover": 1.0}}
+    data = random_quadratic(np.random.default_rng(1), "definite", 40)
+    solution = solve_from_rest(name, data.problem(), len(data.f), **hasty[name])
+    np.testing.assert_allclose(solution.pressure, dual_by_nnls(data, math.inf)[1], rtol=0, atol=ORACLE)
+
+
+def test_the_path_ends_at_the_answer_of_lemke(modules: Mapping[str, ModuleType]) -> None:
+    """Monotone matrices, symmetric or not; where there is no solution the path has no end, and says so."""
+    path, rng = modules["interior_point"].central_path, np.random.default_rng(5)
+    for turned in (0.0, 1.0):
+        M = definite(rng, 30)
+        skew = rng.normal(size=M.shape)
+        M, q = M + turned * (skew - skew.T), rng.normal(size=30)
+        found = path(M, q, 1e-10)
+        assert found.ended
+        assert found.iterations <= 25
+        np.testing.assert_array_equal(found.z > found.w, lemke(M, q).z > 0)
+    for a in (-1.0, -3.0):
+        assert not path(np.array([[a]]), -np.ones(1)).ended
+
+
+def test_the_clamped_barrier_is_that_of_ipc(modules: Mapping[str, ModuleType]) -> None:
+    """-x b'(x) of b = -(x - 1)^2 ln x by central differences; nothing from x = 1 on."""
+    x, h = np.linspace(0.05, 0.95, 19), 1e-6
+
+    def b(x: np.ndarray) -> np.ndarray:
+        return -((x - 1) ** 2) * np.log(x)
+
+    clamped = modules["barrier"].clamped
+    np.testing.assert_allclose(clamped(x), -x * (b(x + h) - b(x - h)) / (2 * h), rtol=0, atol=1e-8)
+    assert clamped(np.array([0.0]))[0] == 1
+    assert not clamped(np.array([1.0, 2.0])).any()
+
+
+def test_the_filter_keeps_gaps_open() -> None:
+    """All states on the way of the barrier, from open gaps on: none deeper than the foundation stands back."""
+    data = random_quadratic(np.random.default_rng(3), "definite", 20)
+    data = Quadratic(data.K, 5 * data.f, data.G, np.abs(data.g0) + 0.1, data.w)
+    problem, seen = data.problem(), list[np.ndarray]()
+    spied = replace(problem, linearise=lambda u, memory: seen.append(u) or problem.linearise(u, memory))
+    solution = solve_from_rest("barrier", spied, len(data.f), reach=1e-3)
+    free = problem.gap(np.linalg.solve(data.K, data.f))
+    assert np.min(free) < 0 < solution.active.sum()
+    on_the_way = seen[: int(solution.counters["barrier_iterations"]) + 1]
+    assert len(on_the_way) > 3
+    assert min(np.min(problem.gap(u)) for u in on_the_way) > 1e-3 * np.min(free)
+
+
+# --- protocol -----------------------------------------------------------------------------------------------------
+
+
+@each
+def test_counters_and_history_are_those_of_the_run(name: str) -> None:
+    data = random_quadratic(np.random.default_rng(3), "obstacle")
+    problem, calls = data.problem(), list[np.ndarray]()
+    counted = replace(problem, linearise=lambda u, memory: calls.append(u) or problem.linearise(u, memory))
+    solution = solve_from_rest(name, counted, len(data.f))
+    counters = solution.counters
+    assert counters["assemblies"] == len(calls) == len(solution.history) == counters["newton_iterations"] + 1
+    assert counters["factorisations"] >= counters["newton_iterations"] > 0
+    assert counters[SPENT[name]] > 0
+    assert sum(row["added"] - row["removed"] for row in solution.history) == solution.active.sum()
+    assert solution.history[-1]["contact_nodes"] == solution.active.sum()
+
+
+@each
+def test_restarting_from_the_answer_takes_no_step(name: str) -> None:
+    data = random_quadratic(np.random.default_rng(3), "inclined")
+    first = solve_from_rest(name, data.problem(), len(data.f))
+    again = ALGORITHMS[name]().solve(data.problem(), first)
+    assert again.counters["newton_iterations"] <= 1  # where rounding has pushed a closed gap to -1e-17
+    assert again.counters[SPENT[name]] == 0
+    np.testing.assert_allclose(again.u, first.u, rtol=0, atol=1e-10)
+
+
+@each
+def test_failure_is_a_value(name: str) -> None:
+    data = random_quadratic(np.random.default_rng(0), "obstacle")
+    assert solve_from_rest(name, data.problem(), len(data.f), max_iterations=0).outcome is Outcome.ITERATION_LIMIT
+    nan = Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    assert solve_from_rest(name, nan.problem(), 2).outcome is Outcome.DIVERGED
+    loose = Quadratic(np.zeros((2, 2)), np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    assert solve_from_rest(name, loose.problem(), 2).outcome is Outcome.SINGULAR
+
+
+@pytest.mark.parametrize("name", EXACT_ONLY)
+def test_exact_steps_alone_are_told(name: str) -> None:
+    """A body that nothing holds has no stiffness to begin with."""
+    loose = Quadratic(np.zeros((2, 2)), np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2))
+    told = events(solve_from_rest(name, loose.problem(), 2).history, EventKind.SUBSTITUTE)
+    assert [str(event).startswith("exact steps alone: ") for event in told] == [True]
+
+
+@each
+def test_no_candidate_is_plain_newton(name: str) -> None:
+    data = Quadratic(np.eye(2), np.array([1.0, 0.5]), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
+    solution = solve_from_rest(name, data.problem(), 2)
+    assert solution.outcome is Outcome.CONVERGED
+    np.testing.assert_allclose(solution.u, data.f, rtol=0, atol=1e-12)
+    assert solution.counters[SPENT[name]] == 0
+
+
+@pytest.mark.parametrize("name", EXACT_ONLY)
+def test_a_finite_epsilon_is_refused(name: str) -> None:
+    problem = random_quadratic(np.random.default_rng(0), "definite").problem()
+    assert "epsilon must be infinite" in ALGORITHMS[name](epsilon=1e4).supports(problem)
+
+
+def test_consistent_coupling_is_refused_by_the_interior_point_alone() -> None:
+    data = random_quadratic(np.random.default_rng(0), "definite")
+    coupled: ContactProblem = data.problem(np.diag(data.w) + 0.1)
+    assert "needs lumped coupling" in ALGORITHMS["interior-point"]().supports(coupled)
+    for name in EXACT_ONLY:
+        solution = solve_from_rest(name, coupled, len(data.f))
+        assert judge(coupled, solution.u, solution.pressure).failures() == []
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value", "says"),
+    [
+        ("barrier", "reach", 0.0, "reach = 0.0 must be a number in [1e-06, 10]"),
+        ("barrier", "reduction", 1.0, "reduction = 1.0 must be a number in [0.001, 0.9]"),
+        ("interior-point", "boundary", 1.0, "boundary = 1.0 must be a number in [0.5, 0.99999]"),
+        ("proximal", "alpha", math.nan, "alpha = nan must be a number in [0.001, 1000]"),
+        ("proximal", "growth", 0.5, "growth = 0.5 must be a number in [1, 100]"),
+        ("proximal", "epsilon", -1.0, "epsilon = -1.0 must be a number in (0, inf]"),
+    ],
+)
+def test_a_parameter_out_of_its_range(name: str, key: str, value: float, says: str) -> None:
+    with pytest.raises(ValueError, match="must be") as raised:
+        ALGORITHMS[name](**{key: value})
+    assert str(raised.value) == says
+
+
+# --- the membrane over a sphere -----------------------------------------------------------------------------------
+
+
+def test_all_find_the_membrane_of_semismooth() -> None:
+    table = membrane_table({"P1": (2,), "Q1": (2,), "Q2": (1,)}, ("semismooth", *NAMES))
+    assert (table["outcome"] == "converged").all()
+    assert table["apart"].max() < SAME
+    assert (table.groupby("element")["contact_nodes"].nunique() == 1).all()
+    assert table["radius_by_force"].to_numpy() == pytest.approx(PRINTED_RADIUS, rel=0.01)
+
+
+@pytest.mark.slow
+def test_the_radius_of_mfem_s_example_is_met_with_the_order_of_the_elements() -> None:
+    """Proximal steps: the number printed there, nearer on each finer mesh, and hardly more iterations."""
+    table = membrane_table({"P1": (2, 3, 4, 5), "Q2": (1, 2, 3, 4)}, ("semismooth", "proximal"))
+    assert table["apart"].max() < SAME
+    found = table[table["algorithm"] == "proximal"]
+    for element, order in (("P1", 0.95), ("Q2", 1.4)):
+        rows = found[found["element"] == element]
+        assert rows["order_h1"].iloc[0] > order
+        assert rows["radius_by_force"].iloc[-1] == pytest.approx(PRINTED_RADIUS, rel=3e-4)
+
+
+# --- shells -------------------------------------------------------------------------------------------------------
+
+SMALL = [
+    ("strip-contact", "16x1", {"load_fraction": "5"}),
+    ("heavy-strip", "16x1", {"load_fraction": "1"}),
+    ("panel", "6x6", {}),
+    ("panel", "6x6", {"foundation": "ball"}),
+]
+MORE = [
+    ("strip-contact", "32x1", {}),
+    ("heavy-strip", "32x1", {"load_fraction": "1,2"}),
+    ("plate-contact", "32x1", {}),
+    ("ring", "1x32", {}),
+    ("crushed-ring", "1x64", {}),
+    ("manufactured-contact", "8x8", {"tolerance": "1e-11"}),  # its forces are fifty times as wrong as its balance
+    ("tyre", "12x12", {"delta_mm": "5,10,15,20"}),
+    ("tyre", "14x14", {"delta_mm": "20"}),
+    ("tyre", "14x12", {"delta_mm": "20", "load": "follower"}),
+    ("tyre", "12x12", {"delta_mm": "10", "section": "nonsymmetric"}),
+]
+
+
+def visited(name: str, scene: str, mesh: str, settings: Mapping[str, str]) -> list[Visited]:
+    built, request = complete(scene, settings, mesh)
+    algorithm = ALGORITHMS[name](tolerance=request.settings["tolerance"])
+    return list(walk(built.build(request).stages(), algorithm))
+
+
+@each
+@pytest.mark.parametrize(
+    ("scene", "mesh", "settings"),
+    [*SMALL, *(pytest.param(*case, marks=pytest.mark.slow) for case in MORE)],
+    ids=lambda value: "-".join(value.values()) if isinstance(value, dict) else value,
+)
+def test_sets_and_forces_are_those_of_semismooth(name: str, scene: str, mesh: str, settings: dict[str, str]) -> None:
+    expected, found = visited("semismooth", scene, mesh, settings), visited(name, scene, mesh, settings)
+    assert len(found) == len(expected)
+    for one, other in zip(found, expected, strict=True):
+        assert one.converged
+        assert other.converged
+        np.testing.assert_array_equal(one.state.active, other.state.active)
+        solution: ContactSolution = one.point.solution
+        force, right = (x.problem.nodal_forces(x.point.solution.pressure) for x in (one, other))
+        assert np.linalg.norm(force - right) <= FORCES * np.linalg.norm(right)
+        assert judge(one.problem, solution.u, solution.pressure).failures() == []
+    assert sum(each.point.solution.counters[SPENT[name]] for each in found) >= (scene != "panel")
+
+
+@pytest.mark.slow
+@each
+def test_iterations_hardly_grow_with_the_mesh_of_the_tyre(name: str) -> None:
+    """Of the pressing alone; without contact all algorithms are the same Newton."""
+    spent = []
+    for mesh in ("28x26", "84x80"):
+        *_, pressed = visited(name, "tyre", mesh, {"delta_mm": "20"})
+        assert pressed.converged
+        spent.append(pressed.point.solution.counters["newton_iterations"])
+    assert spent[1] <= GROWTH * spent[0]
+
+
+def test_a_command_takes_one_in(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    use = ["--use", str(FILES["proximal"]), "--contact", "proximal", "--mesh", "16x1", "--out", str(tmp_path)]
+    assert main(["solve", "strip-contact", *use, "--set", "growth=4"]) == 0
+    assert (tmp_path / "result.json").exists()
+    assert main(["solve", "strip-contact", *use, "--set", "growth=0"]) == 2
+    assert "growth = '0' must be a number in [1, 100]" in capsys.readouterr().err
