@@ -54,7 +54,7 @@ class Proximal(NewtonAlgorithm):
     name: ClassVar[str] = "proximal"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
-        Parameter("alpha", "first proximal step, over that at which pressures change it by 1", low=1e-3, high=1e3),
+        Parameter("alpha", "first proximal step, times stiffness per area and depth", low=1e-3, high=1e3),
         Parameter("growth", "of the proximal step from one to the next", low=1, high=100),
         Parameter("crossover", "largest pressure times gap at which the set is read off", low=1e-12, high=1),
     )
