@@ -1,0 +1,130 @@
+"""What a solver table says: shares, false claims, means with the failures in them, profiles, and whether ranks repeat.
+
+An answer is a solution when it is claimed and is as accurate as asked. Everything else is a failure: what is not
+claimed, what is claimed falsely, what was killed, and what the solver refuses among problems of a kind that it takes.
+Sources: Dolan, Moré, Math. Program. 91 (2002) 201-213 (performance profiles); Moré, Wild, SIAM J. Optim. 20 (2009)
+172-191 (data profiles); Achterberg, Constraint integer programming (2007), appendix A.3 (shifted geometric means).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.profiles import within
+
+SHIFT_S = 0.01  # what a small problem takes: times far below it, mostly calls of Python, count as equal
+FACTORS = (1.0, 2.0, 5.0, 10.0, 100.0)  # of the time of the quickest
+BUDGETS = (1.0, 3.0, 10.0, 30.0, 100.0, 1000.0)  # factorisations of K
+SIZES = {"small": (0, 1_000), "medium": (1_000, 10_000), "large": (10_000, np.inf)}  # unknowns
+SUMMARY_COLUMNS = (
+    *("tolerance", "kind", "size", "solver", "problems", "refused", "claimed", "solved", "solved_share", "false"),
+    *("false_own", "worst_claim", "mean_s", "failed_at_limit", "memory_MB", "iterations", "why_not"),
+)
+PROFILE_COLUMNS = ("tolerance", "kind", "size", "solver", "problems", "of", "at", "share")
+ALL = "all"
+Shares = Callable[[pd.DataFrame, pd.Series], pd.DataFrame]  # times and unit of the problems -> point x solver
+
+
+def summary(table: pd.DataFrame, limit_s: float) -> pd.DataFrame:
+    """One row a solver and tolerance, for each kind and size and for all sizes of a kind: SUMMARY_COLUMNS.
+
+    refused: not asked, for the reason ``why_not``, the commonest.  false: claims less accurate than asked; false_own:
+    those that do not even keep the solver's own criterion.  worst_claim: accuracy of the worst claim over the
+    tolerance.  mean_s: see :func:`shifted_mean`, with the limit for each of ``failed_at_limit``.  memory_MB,
+    iterations: medians of what was asked.
+    """
+    return pd.DataFrame(
+        [(*place, *_summed(own, limit_s)) for place, own in _groups(table)], columns=list(SUMMARY_COLUMNS)
+    )
+
+
+def _summed(own: pd.DataFrame, limit_s: float) -> tuple[object, ...]:
+    asked, solved = own["asked"].astype(bool), solves(own)
+    claims = own[own["claimed"].astype(bool)]
+    worst = float((claims["accuracy"] / claims["tolerance"]).max()) if len(claims) else np.nan
+    own_false = int((claims["kept"] == False).sum())  # noqa: E712  None where a solver has no criterion of its own
+    reasons = own.loc[~asked, "reason"].mode()
+    return (
+        *(len(own), int((~asked).sum()), len(claims), int(solved.sum()), float(solved.mean())),
+        *(int(own["false"].sum()), own_false, worst, shifted_mean(priced(own, limit_s)), int((~solved).sum())),
+        *(own.loc[asked, "memory_MB"].astype(float).median(), own.loc[asked, "iterations"].astype(float).median()),
+        reasons.iloc[0] if len(reasons) else "",
+    )
+
+
+def solves(table: pd.DataFrame) -> pd.Series:
+    """Which rows are solutions: claimed, and as accurate as asked."""
+    return table["claimed"].astype(bool) & ~table["false"].astype(bool)
+
+
+def priced(table: pd.DataFrame, limit_s: float) -> np.ndarray:
+    """Seconds of each row, the limit for a failure."""
+    return np.where(solves(table), np.minimum(table["seconds"].astype(float), limit_s), limit_s)
+
+
+def shifted_mean(seconds: Iterable[float], shift: float = SHIFT_S) -> float:
+    """exp(mean log(t + s)) - s [s]."""
+    return float(np.exp(np.mean(np.log(np.asarray(list(seconds)) + shift))) - shift)
+
+
+def performance_profiles(table: pd.DataFrame, factors: Sequence[float] = FACTORS) -> pd.DataFrame:
+    """Share of the problems that a solver solves in at most so many times what the quickest takes: PROFILE_COLUMNS."""
+    return _profiles(table, "the quickest", lambda times, unit: within(times, tuple(factors)), factors)
+
+
+def data_profiles(table: pd.DataFrame, budgets: Sequence[float] = BUDGETS) -> pd.DataFrame:
+    """Share of the problems solved within so many times what a factorisation of their K takes: PROFILE_COLUMNS."""
+
+    def shares(times: pd.DataFrame, unit: pd.Series) -> pd.DataFrame:
+        return pd.DataFrame([(times.div(unit, axis=0) <= budget).mean() for budget in budgets])
+
+    return _profiles(table, "a factorisation", shares, budgets)
+
+
+def _profiles(table: pd.DataFrame, of: str, shares: Shares, points: Sequence[float]) -> pd.DataFrame:
+    """Of times (problems, solvers), infinite for failures: problems that nobody solves count, for everybody alike."""
+    priced_rows = table.assign(cost=table["seconds"].astype(float).where(solves(table), np.inf))
+    rows: list[tuple[object, ...]] = []
+    for place, own in _groups(priced_rows, by_solver=False):
+        times = own.pivot_table(index="problem", columns="solver", values="cost", sort=False)
+        unit = own.groupby("problem")["factorisation_s"].first()
+        found = shares(times, unit)
+        rows += [
+            (*place, name, len(times), of, point, float(share))
+            for name in times
+            for point, share in zip(points, found[name], strict=True)
+        ]
+    return pd.DataFrame(rows, columns=list(PROFILE_COLUMNS))
+
+
+def _groups(table: pd.DataFrame, *, by_solver: bool = True) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
+    """Rows by tolerance, kind and size, and solver: all sizes of a kind, then each; solvers in their order."""
+    for (tolerance, kind), rows in table.groupby(["tolerance", "kind"], sort=False):
+        sizes = {name: rows[(rows["unknowns"] >= low) & (rows["unknowns"] < up)] for name, (low, up) in SIZES.items()}
+        for size, own in {ALL: rows, **sizes}.items():
+            if not by_solver and len(own):
+                yield (tolerance, kind, size), own
+            elif by_solver:
+                for solver, mine in own.groupby("solver", sort=False):
+                    yield (tolerance, kind, size, solver), mine
+
+
+def ranking(table: pd.DataFrame, limit_s: float) -> pd.Series:
+    """Rank of each solver by its shifted mean, 1 the best, ties in the middle; by tolerance, kind and solver.
+
+    Only solvers that were asked: what is not installed, or refuses a whole kind, has no rank in it.
+    """
+    whole = summary(table, limit_s)
+    whole = whole[(whole["size"] == ALL) & (whole["refused"] < whole["problems"])]
+    places = whole.set_index(["tolerance", "kind", "solver"])["mean_s"]
+    return places.groupby(level=["tolerance", "kind"]).rank()
+
+
+def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) -> pd.Series:
+    """Spearman's of the rankings of two runs, by tolerance and kind; NaN where fewer than two solvers are ranked."""
+    both = pd.concat({"first": ranking(first, limit_s), "second": ranking(second, limit_s)}, axis=1)
+    groups = both.groupby(level=["tolerance", "kind"])
+    return pd.Series({place: own.rank().corr().iloc[0, 1] for place, own in groups}, name="rank_correlation")

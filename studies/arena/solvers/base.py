@@ -1,0 +1,77 @@
+"""What every solver of the arena offers: whether it is there, whether it applies, and an answer with its time."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import time
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.interchange.linearised_step import FrozenStep
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What a solver says: du (n,) [mm], pressure (m,) [MPa], and whether it claims that they are the solution.
+
+    iterations: in its own count, NaN where it keeps none.  seconds: of the processor, from the step to the answer, with
+    whatever has to be set up.  reason: its own words, or why there is no answer.
+    """
+
+    du: np.ndarray
+    pressure: np.ndarray
+    claimed: bool
+    iterations: float = np.nan
+    seconds: float = np.nan
+    reason: str = ""
+
+    @classmethod
+    def none(cls, step: FrozenStep, reason: str) -> Answer:
+        """No answer."""
+        return cls(np.full_like(step.r, np.nan), np.full_like(step.gap, np.nan), False, reason=reason)
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A solver by its name; ``module`` is what it imports, ``install`` what pip is told where that is missing."""
+
+    name: str
+    module: str = ""
+    install: str = ""
+
+    def missing(self) -> str | None:
+        """None, or the line that says how to get it."""
+        if not self.module or importlib.util.find_spec(self.module) is not None:
+            return None
+        return f"not installed: pip install {self.install or self.module}"
+
+    def applies(self, step: FrozenStep) -> str | None:
+        """None, or why it is not made for such a problem."""
+        return None
+
+    def prepare(self, step: FrozenStep) -> None:
+        """What is not timed: imports, and whatever a warm start sets out from."""
+        if self.module:
+            importlib.import_module(self.module)
+
+    def answer(self, step: FrozenStep, tolerance: float) -> Answer:
+        """The answer, without its time."""
+        raise NotImplementedError
+
+    def keeps(self, step: FrozenStep, answer: Answer, tolerance: float) -> bool | None:
+        """Whether an answer keeps the tolerance by the solver's own criterion; None where it has none of its own."""
+        return None
+
+    def solve(self, step: FrozenStep, tolerance: float) -> Answer:
+        """The answer; whatever compiled code raises is no claim. Raises MemoryError."""
+        self.prepare(step)
+        begun = time.process_time()
+        try:
+            found = self.answer(step, tolerance)
+        except (KeyboardInterrupt, SystemExit, MemoryError):
+            raise
+        except BaseException as error:  # a panic of Rust is not even an Exception
+            found = Answer.none(step, " ".join(f"{type(error).__name__}: {error}".split()))
+        return replace(found, seconds=time.process_time() - begun)

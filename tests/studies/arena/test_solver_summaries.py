@@ -1,0 +1,116 @@
+"""Shares, means and profiles of a table that fits on a sheet of paper, against values worked out there."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.arena.solver_summaries import (
+    data_profiles,
+    performance_profiles,
+    rank_correlation,
+    ranking,
+    shifted_mean,
+    summary,
+)
+
+LIMIT_S = 100.0
+# seconds of three solvers on four problems; None: not claimed, negative: claimed falsely in so many seconds
+SECONDS = {"A": (1.0, 2.0, 3.0, 4.0), "B": (2.0, 1.0, None, 8.0), "C": (10.0, -0.5, -0.5, None)}
+FACTORISATION_S = (0.5, 1.0, 1.0, 2.0)
+UNKNOWNS = (100, 200, 2_000, 20_000)
+
+
+def made_up(seconds: dict[str, tuple[float | None, ...]] = SECONDS) -> pd.DataFrame:
+    rows = []
+    for solver, times in seconds.items():
+        for i, each in enumerate(times):
+            claimed = each is not None
+            wrong = claimed and each < 0
+            about = {"problem": f"p{i}", "kind": "convex", "unknowns": UNKNOWNS[i], "tolerance": 1e-6}
+            about |= {"claimed": claimed, "false": wrong, "accuracy": 1e-2 if wrong else 1e-7, "asked": True}
+            about |= {"kept": None if solver == "A" else not wrong, "seconds": abs(each) if claimed else np.nan}
+            about |= {"factorisation_s": FACTORISATION_S[i], "memory_MB": 1.0, "iterations": 1, "reason": ""}
+            rows.append({"solver": solver, **about})
+    return pd.DataFrame(rows)
+
+
+def at(found: pd.DataFrame, solver: str, size: str = "all") -> pd.DataFrame:
+    return found[(found["solver"] == solver) & (found["size"] == size)]
+
+
+def test_shares_false_claims_and_failures() -> None:
+    found = summary(made_up(), LIMIT_S)
+    columns = ["problems", "claimed", "solved", "solved_share", "false", "false_own", "failed_at_limit"]
+    assert at(found, "A")[columns].to_numpy().tolist() == [[4, 4, 4, 1.0, 0, 0, 0]]
+    assert at(found, "B")[columns].to_numpy().tolist() == [[4, 3, 3, 0.75, 0, 0, 1]]
+    assert at(found, "C")[columns].to_numpy().tolist() == [[4, 3, 1, 0.25, 2, 2, 3]]
+    assert at(found, "C")["worst_claim"].item() == pytest.approx(1e4)
+    assert at(found, "B", "large")[columns].to_numpy().tolist() == [[1, 1, 1, 1.0, 0, 0, 0]]
+    assert at(found, "B", "medium")["failed_at_limit"].item() == 1
+
+
+def test_shifted_means_by_hand() -> None:
+    assert shifted_mean([1.0, 4.0], 0.0) == pytest.approx(2.0)
+    assert shifted_mean([0.0, 3.0], 1.0) == pytest.approx(1.0)  # sqrt(1 4) - 1
+    assert shifted_mean([0.7] * 5) == pytest.approx(0.7)
+    found = summary(made_up(), LIMIT_S)
+    by_hand = ((2 + 0.01) * (1 + 0.01) * (100 + 0.01) * (8 + 0.01)) ** 0.25 - 0.01
+    assert at(found, "B")["mean_s"].item() == pytest.approx(by_hand)
+    by_hand = (10.01 * 100.01**3) ** 0.25 - 0.01  # a quick lie costs as much as no answer
+    assert at(found, "C")["mean_s"].item() == pytest.approx(by_hand)
+
+
+def test_performance_profiles_by_hand() -> None:
+    """Ratios to the quickest: A 1 2 1 1, B 2 1 - 2, C 10 - - -."""
+    found = performance_profiles(made_up(), (1.0, 2.0, 5.0, 10.0))
+    shares = {solver: at(found, solver)["share"].tolist() for solver in "ABC"}
+    assert shares == {"A": [0.75, 1, 1, 1], "B": [0.25, 0.75, 0.75, 0.75], "C": [0, 0, 0, 0.25]}
+
+
+def test_data_profiles_by_hand() -> None:
+    """In factorisations: A 2 2 3 2, B 4 1 - 4, C 20 - - -."""
+    found = data_profiles(made_up(), (1.0, 2.0, 3.0, 4.0, 20.0))
+    shares = {solver: at(found, solver)["share"].tolist() for solver in "ABC"}
+    assert shares == {"A": [0, 0.75, 1, 1, 1], "B": [0.25, 0.25, 0.25, 0.75, 0.75], "C": [0, 0, 0, 0, 0.25]}
+
+
+def test_what_nobody_solves_counts_against_all() -> None:
+    found = performance_profiles(made_up({"A": (1.0, None), "B": (2.0, None)}), (1.0, 100.0))
+    assert at(found, "A")["share"].tolist() == [0.5, 0.5]
+    assert at(found, "B")["share"].tolist() == [0.0, 0.5]
+
+
+def test_sizes_are_classes_of_unknowns() -> None:
+    found = performance_profiles(made_up(), (1.0,))
+    assert {size: rows["problems"].iloc[0] for size, rows in found.groupby("size")} == {
+        "all": 4,
+        "small": 2,
+        "medium": 1,
+        "large": 1,
+    }
+
+
+def test_ranks_and_their_correlation() -> None:
+    first = made_up()
+    assert ranking(first, LIMIT_S).droplevel([0, 1]).to_dict() == {"A": 1, "B": 2, "C": 3}
+    assert rank_correlation(first, first, LIMIT_S).tolist() == pytest.approx([1.0])
+    slower = made_up({name: tuple(t and 3 * t for t in times) for name, times in SECONDS.items()})
+    assert rank_correlation(first, slower, LIMIT_S).tolist() == pytest.approx([1.0])
+    turned = made_up(dict(zip("CBA", SECONDS.values(), strict=True)))
+    assert rank_correlation(first, turned, LIMIT_S).tolist() == pytest.approx([-1.0])
+    two_swapped = made_up({"A": SECONDS["B"], "B": SECONDS["A"], "C": SECONDS["C"]})
+    assert rank_correlation(first, two_swapped, LIMIT_S).tolist() == pytest.approx([0.5])  # 1 - 6 (1 + 1)/(3 8)
+
+
+def test_who_is_not_installed_has_no_rank_but_a_row() -> None:
+    table = made_up()
+    absent = table[table["solver"] == "C"].assign(solver="D", asked=False, claimed=False, reason="not installed")
+    whole = pd.concat([table, absent])
+    found = at(summary(whole, LIMIT_S), "D")
+    assert found[["refused", "claimed", "why_not"]].to_numpy().tolist() == [[4, 0, "not installed"]]
+    assert "D" not in ranking(whole, LIMIT_S).index.get_level_values("solver")
+    assert math.isclose(rank_correlation(table, whole, LIMIT_S).item(), 1.0)

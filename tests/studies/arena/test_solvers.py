@@ -1,0 +1,111 @@
+"""Every solver that is installed on steps with a known answer; what does not apply is refused with the reason."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.interchange.linearised_step import FrozenStep
+from studies.arena.accuracy import accuracy
+from studies.arena.solvers.base import Answer, Solver
+from studies.arena.solvers.catalogue import SOLVERS
+from studies.arena.solvers.outside import DENSE, Outside
+from support.problems.arena_steps import Broken, in_units, indefinite, known_step, lopsided
+
+INSTALLED = [name for name, solver in SOLVERS.items() if solver.missing() is None]
+QP = [name for name, solver in SOLVERS.items() if isinstance(solver, Outside)]
+REACHED = 1e-4  # by every one of them, asked for 1e-8 on six candidates; most are far below
+
+
+def test_the_field_is_large_and_names_are_its_keys() -> None:
+    assert len(INSTALLED) >= 8
+    assert all(solver.name == name for name, solver in SOLVERS.items())
+    assert {"OSQP", "Clarabel", "HiGHS", "SCS", "cvxpy", "Lemke", "active set", "nnls", "semismooth"} <= set(INSTALLED)
+
+
+@pytest.mark.parametrize("name", INSTALLED)
+@pytest.mark.parametrize("kind", ["definite", "inclined"])
+def test_built_in_answers_are_found(name: str, kind: str) -> None:
+    step, du, pressure = known_step(1, kind)
+    solver = SOLVERS[name]
+    assert solver.applies(step) is None
+    found = solver.solve(step, 1e-8)
+    assert found.claimed, found.reason
+    assert accuracy(step, found.du, found.pressure).worst <= REACHED
+    np.testing.assert_allclose(found.du, du, atol=1e-2)  # the largest is above 1
+    np.testing.assert_allclose(found.pressure, pressure, atol=1e-2)
+    assert np.isfinite(found.seconds)
+    assert found.seconds >= 0
+    assert solver.keeps(step, found, 1.0) in (True, None)
+
+
+@pytest.mark.parametrize("name", QP)
+def test_no_quadratic_programme_of_what_is_not_convex(name: str) -> None:
+    """Installed or not: a saddle point satisfies some of them (see contact.solvers.qp_backends)."""
+    step, *_ = known_step()
+    solver = SOLVERS[name]
+    assert "not convex" in str(solver.applies(indefinite(step)))
+    assert "not symmetric" in str(solver.applies(lopsided(step)))
+    coupled = replace(step, coupling=sparse.csr_matrix(np.diag(step.weights)))
+    assert "consistent coupling" in str(solver.applies(coupled))
+    assert "without area" in str(solver.applies(replace(step, weights=np.where(step.gap > 0, step.weights, 0.0))))
+
+
+@pytest.mark.parametrize("name", ["nnls", "condensed QP, finished", "full QP, finished"])
+def test_what_minimises_needs_a_function(name: str) -> None:
+    step, *_ = known_step()
+    assert SOLVERS[name].applies(step) is None
+    assert "not symmetric" in str(SOLVERS[name].applies(lopsided(step)))
+
+
+@pytest.mark.parametrize("name", ["semismooth", "Lemke", "active set"])
+def test_what_needs_no_function_solves_without_one(name: str) -> None:
+    step, *_ = known_step()
+    found = SOLVERS[name].solve(lopsided(step), 1e-8)
+    assert found.claimed
+    assert accuracy(lopsided(step), found.du, found.pressure).worst < 1e-12
+    assert accuracy(step, found.du, found.pressure).worst > 1e-6
+
+
+def test_dense_solvers_refuse_what_is_large() -> None:
+    n = DENSE + 1
+    whole = sparse.eye_array(n, format="csc")
+    large = FrozenStep(sparse.csc_matrix(whole), np.ones(n), sparse.csr_matrix(whole), np.ones(n), np.ones(n), 1.0)
+    for name in ("DAQP", "quadprog", "qpsolvers", "OSQP, condensed"):
+        assert "dense" in str(SOLVERS[name].applies(large))
+    assert SOLVERS["OSQP"].applies(large) is None
+
+
+def test_a_loose_tolerance_gives_a_loose_answer() -> None:
+    """The tolerance arrives: first-order methods stop early, and say so rightly on a scaled programme."""
+    step, *_ = known_step(1)
+    for name in ("OSQP, scaled", "SCS, scaled"):
+        worth = [accuracy(step, a.du, a.pressure).worst for a in (SOLVERS[name].solve(step, t) for t in (1e-2, 1e-9))]
+        assert worth[0] > 1e3 * worth[1]
+
+
+def test_what_is_missing_says_how_to_get_it() -> None:
+    assert Solver("nobody", "no_such_module", "'footprint[qp]'").missing() == (
+        "not installed: pip install 'footprint[qp]'"
+    )
+    assert Solver("nobody", "no_such_module").missing() == "not installed: pip install no_such_module"
+
+
+def test_exceptions_are_no_claims() -> None:
+    step, *_ = known_step()
+    found = Broken("broken").solve(step, 1e-8)
+    assert not found.claimed
+    assert found.reason == "ValueError: no such thing"
+
+
+def test_the_own_criterion_is_that_of_the_programme_asked() -> None:
+    """Of the same wrong answer: in mm and N it is below 1e-4 when the numbers are small, in a scaled programme not."""
+    step, du, pressure = known_step(1)
+    small = in_units(step, 1e-6, 1e-6)
+    nothing = Answer(np.zeros_like(du), np.zeros_like(pressure), True)
+    assert SOLVERS["OSQP"].keeps(small, nothing, 1e-4) is True
+    assert SOLVERS["OSQP, scaled"].keeps(small, nothing, 1e-4) is False
+    assert accuracy(small, nothing.du, nothing.pressure).worst > 0.1
