@@ -1,16 +1,18 @@
 """Who solves which frozen problem, asked for which tolerance: each answer judged from the file alone, each solve timed.
 
 Rounds are interleaved: in each, every problem is put to every solver with every tolerance, one after another in one
-process that may be killed; times are medians over the rounds. What was killed once is not asked again.
+process that may be killed. Samples are one flat table that a run which was interrupted goes on with; times are medians
+over the rounds.
 """
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Callable, Iterable, Sequence
+import csv
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass, field
-from statistics import median
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -26,54 +28,92 @@ from studies.arena.solvers.child import Child
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 LIMIT_S = 20.0  # of a solve
 ROUNDS = 3
+KEY = ("solver", "problem", "tolerance")
+ABOUT = ("kind", "unknowns", "candidates", "asked", "claimed", "accuracy")
 RESIDUALS = ("equilibrium", "penetration", "tension", "complementarity")
-COLUMNS = (
-    *("solver", "problem", "tolerance", "kind", "unknowns", "candidates", "asked", "claimed", "accuracy", *RESIDUALS),
-    *("false", "kept", "seconds", "samples", "iterations", "memory_MB", "factorisation_s", "reason"),
+SAMPLE_COLUMNS = (
+    *("round", *KEY, *ABOUT, *RESIDUALS, "false", "kept", "seconds", "iterations", "memory_MB", "factorisation_s"),
+    "reason",
 )
-Ask = Callable[[Solver, FrozenStep, float], tuple[Answer, float]]
+COLUMNS = (*SAMPLE_COLUMNS[1:], "samples")
+Problems = Iterable[tuple[str, FrozenStep]]
 
 
-def solver_table(
-    problems: Iterable[tuple[str, FrozenStep]],
+def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
+    """One row a solver, problem and tolerance of samples, with COLUMNS.
+
+    asked: whether the solver is there and applies; ``reason`` says why not, or what it said.  accuracy, RESIDUALS: of
+    the answer, claimed or not, see :mod:`studies.arena.accuracy`; of the least accurate round.  false: claimed, and
+    less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by the solver's own criterion,
+    where it has one.
+    seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see
+    :mod:`studies.arena.solvers.child`.  factorisation_s: of K, median, the unit of data profiles.
+    """
+    worst = samples.sort_values("accuracy", kind="stable", ascending=False).drop_duplicates(list(KEY))
+    groups = samples.groupby(list(KEY), sort=False)
+    found = worst.set_index(list(KEY)).reindex(groups.size().index)
+    found["false"], found["claimed"] = groups["false"].max(), groups["claimed"].max()
+    found["seconds"], found["memory_MB"] = groups["seconds"].median(), groups["memory_MB"].max()
+    found["samples"] = groups["seconds"].count()
+    units = samples.groupby("problem")["factorisation_s"].median()
+    found["factorisation_s"] = units.reindex(found.index.get_level_values("problem")).to_numpy()
+    return found.reset_index()[list(COLUMNS)]
+
+
+def recorded(problems: Problems, path: Path, solvers: Iterable[Solver], **options: object) -> pd.DataFrame:
+    """The samples of a run, each written to ``path`` (CSV) as it comes; what is there already is not asked again."""
+    done = read(path)
+    with path.open("a", newline="", encoding="utf-8") as file:
+        writer = csv.DictWriter(file, SAMPLE_COLUMNS)
+        if done.empty:
+            writer.writeheader()
+        keys = {(int(n), *rest) for n, *rest in done[["round", *KEY]].itertuples(index=False)}
+        over = set(done.loc[done["seconds"].isna(), list(KEY)].itertuples(index=False, name=None))
+        for row in samples(problems, solvers, done=keys, over=over, **options):  # type: ignore[arg-type]
+            writer.writerow(row)
+            file.flush()
+    return read(path)
+
+
+def read(path: Path) -> pd.DataFrame:
+    """Samples that were written, none where there is no file."""
+    if not path.exists() or not path.stat().st_size:
+        return pd.DataFrame(columns=list(SAMPLE_COLUMNS))
+    return pd.read_csv(path, dtype={"kept": object}, keep_default_na=False, na_values=["", "nan"])
+
+
+def samples(
+    problems: Problems,
     solvers: Iterable[Solver] = tuple(SOLVERS.values()),
     tolerances: Sequence[float] = TOLERANCES,
     *,
     rounds: int = ROUNDS,
     limit_s: float = LIMIT_S,
-    progress: Callable[[str], None] = lambda text: None,
-) -> pd.DataFrame:
-    """One row a solver, problem and tolerance, with COLUMNS.
+    done: Collection[tuple[int, str, str, float]] = (),
+    over: Collection[tuple[str, str, float]] = (),
+) -> Iterator[dict[str, object]]:
+    """One row a solve, with SAMPLE_COLUMNS; problems are gone through once a round, so that they may be read anew.
 
-    asked: whether the solver is there and applies; ``reason`` says why not, or what it said.  accuracy, RESIDUALS: of
-    the answer, claimed or not, see :mod:`studies.arena.accuracy`.  false: claimed, and less accurate than asked.
-    kept: whether a claim keeps the tolerance by the solver's own criterion, where it has one; NaN elsewhere.
-    seconds: of the processor, the median of so many ``samples``.  memory_MB: at its peak, of the first round.
-    factorisation_s: of K on this problem, the unit of data profiles.  kind: see :func:`kind`.
+    What is refused, or was killed, is asked once; ``over`` was before, ``done`` is what was asked in which round.
     """
-    solvers, known = list(solvers), [(name, step, Scales.of(step)) for name, step in problems]
-    found: dict[tuple[str, str, float], _Samples] = {}
-    units: dict[str, list[float]] = defaultdict(list)
+    solvers, problems = list(solvers), list(problems) if iter(problems) is problems else problems
+    over = set(over)
     with closing(Child(limit_s)) as child:
         for turn in range(rounds):
-            for name, step, scales in known:
-                progress(f"round {turn + 1}: {name}")
-                units[name].append(child.solve(FACTORISATION, step, 0.0)[0].seconds)
+            for name, step in problems:
+                bench = _Bench(child, name, step, Scales.of(step), turn)
                 for solver in _turned(solvers, turn):
                     for tolerance in tolerances:
-                        place = (solver.name, name, tolerance)
-                        found.setdefault(place, _Samples()).add(child.solve, solver, step, tolerance, scales)
-    rows = []
-    for name, step, _ in known:
-        about = {"problem": name, "kind": kind(step), "unknowns": len(step.r), "candidates": len(step.gap)}
-        about["factorisation_s"] = median(units[name])
-        for solver in solvers:
-            for tolerance in tolerances:
-                own = found[solver.name, name, tolerance].row
-                rows.append({"solver": solver.name, "tolerance": tolerance, **about, **own})
-    return pd.DataFrame(rows, columns=list(COLUMNS))
+                        key = solver.name, name, tolerance
+                        if key in over or (turn, *key) in done:
+                            continue
+                        row = bench.row(solver, tolerance)
+                        if not np.isfinite(float(str(row["seconds"]))):
+                            over.add(key)
+                        yield row
 
 
+@lru_cache(maxsize=2)
 def kind(step: FrozenStep) -> str:
     """What a problem is, from its file: ``convex``, ``not convex``, ``not symmetric`` or ``consistent coupling``."""
     if step.coupling is not None:
@@ -84,36 +124,38 @@ def kind(step: FrozenStep) -> str:
 
 
 @dataclass
-class _Samples:
-    """What one solver makes of one problem and tolerance, over the rounds."""
+class _Bench:
+    """A problem, and the process it is solved in."""
 
-    row: dict[str, object] = field(default_factory=dict)
-    seconds: list[float] = field(default_factory=list)
+    child: Child
+    name: str
+    step: FrozenStep
+    scales: Scales
+    turn: int
+    factorisation_s: float = np.nan
 
-    def add(self, ask: Ask, solver: Solver, step: FrozenStep, tolerance: float, scales: Scales) -> None:
-        """Ask once more, unless it was not asked, or was killed, before."""
-        if self.row and not self.seconds:
-            return
+    def row(self, solver: Solver, tolerance: float) -> dict[str, object]:
+        """What a solver makes of it."""
+        step, answer, peak = self.step, None, np.nan
         reason = solver.missing() or solver.applies(step)
-        if reason is not None:
-            self.row = {**judged(None, step, tolerance, scales), "asked": False, "reason": reason}
-            return
-        answer, peak = ask(solver, step, tolerance)
-        if np.isfinite(answer.seconds):
-            self.seconds.append(answer.seconds)
-        if not self.row:
-            kept = solver.keeps(step, answer, tolerance) if answer.claimed else None
-            self.row = {**judged(answer, step, tolerance, scales), "asked": True, "reason": answer.reason}
-            self.row |= {"kept": kept, "iterations": answer.iterations, "memory_MB": peak}
-        self.row |= {"samples": len(self.seconds), "seconds": median(self.seconds) if self.seconds else np.nan}
+        if reason is None:
+            if np.isnan(self.factorisation_s):
+                self.factorisation_s = self.child.solve(FACTORISATION, step, 0.0)[0].seconds
+            answer, peak = self.child.solve(solver, step, tolerance)
+        told = answer or Answer.none(step, str(reason))
+        kept = solver.keeps(step, told, tolerance) if told.claimed else None
+        about = {"round": self.turn, "solver": solver.name, "problem": self.name, "tolerance": tolerance}
+        about |= {"kind": kind(step), "unknowns": len(step.r), "candidates": len(step.gap), "asked": answer is not None}
+        about |= {"kept": kept, "seconds": told.seconds, "iterations": told.iterations, "memory_MB": peak}
+        worth = judged(told, step, tolerance, self.scales)
+        return {**about, **worth, "factorisation_s": self.factorisation_s, "reason": told.reason}
 
 
-def judged(answer: Answer | None, step: FrozenStep, tolerance: float, scales: Scales) -> dict[str, object]:
-    """claimed, accuracy, RESIDUALS and false of an answer, or of none."""
-    worth = NONE if answer is None else accuracy(step, answer.du, answer.pressure, scales)
-    claimed = answer is not None and answer.claimed
-    wrong = claimed and not worth.worst <= tolerance
-    return {"claimed": claimed, "accuracy": worth.worst, **asdict(worth), "false": wrong}
+def judged(answer: Answer, step: FrozenStep, tolerance: float, scales: Scales) -> dict[str, object]:
+    """claimed, accuracy, RESIDUALS and false of an answer."""
+    worth = accuracy(step, answer.du, answer.pressure, scales) if np.all(np.isfinite(answer.du)) else NONE
+    wrong = answer.claimed and not worth.worst <= tolerance
+    return {"claimed": answer.claimed, "accuracy": worth.worst, **asdict(worth), "false": wrong}
 
 
 @dataclass(frozen=True)

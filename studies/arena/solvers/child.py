@@ -13,6 +13,7 @@ import gc
 import multiprocessing
 import os
 import resource
+import signal
 import sys
 from collections.abc import Iterator
 from multiprocessing.connection import Connection
@@ -25,13 +26,16 @@ from contact.interchange.linearised_step import FrozenStep
 from studies.arena.solvers.base import Answer, Solver
 from studies.pool.process import ONE_THREAD, STARTUP_S
 
+PATIENCE = 5
+GRACE_S = 0.2  # for a process that has closed its pipe to be gone
 STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
 class Child:
     """One process at a time, begun when it is needed and again after it was killed; to be closed.
 
-    limit_s: wall time of a solve [s].  memory_MB: private memory beyond what the process begins with.
+    limit_s: of a solve [s], of processor time, so that no busy machine fails it; PATIENCE times that on the clock.
+    memory_MB: private memory beyond what the process begins with.
     """
 
     def __init__(self, limit_s: float, memory_MB: float = 8000.0) -> None:
@@ -47,29 +51,35 @@ class Child:
                 pipe.send(step)
                 self._step = step
             pipe.send((solver, tolerance))
-            if pipe.poll(self.limit_s):
+            pipe.recv()  # imports are done
+            if pipe.poll(PATIENCE * self.limit_s):
                 answer, peak = pipe.recv()
                 return answer, peak
-            reason = f"killed after {self.limit_s:g} s"
+            reason = f"killed after {PATIENCE * self.limit_s:g} s on the clock"
         except (EOFError, OSError):
             reason = "the process died"
-        self.close()
+        if self.close() == -signal.SIGPROF:
+            reason = f"killed after {self.limit_s:g} s"
         return Answer.none(step, reason), np.nan
 
-    def close(self) -> None:
-        """Kill the process."""
-        if self._running is not None:
-            process, pipe = self._running
-            process.kill()
-            process.join()
-            pipe.close()
+    def close(self) -> int | None:
+        """Kill the process; its exit code, where it has ended by itself."""
+        if self._running is None:
+            return None
+        process, pipe = self._running
         self._running, self._step = None, None
+        pipe.close()
+        process.join(GRACE_S)
+        ended = process.exitcode
+        process.kill()
+        process.join()
+        return ended
 
     def _begun(self) -> Connection[Any, Any]:
         if self._running is None:
             context = multiprocessing.get_context("spawn")
             pipe, theirs = context.Pipe()
-            process = context.Process(target=_serve, args=(theirs, self.memory_MB), daemon=True)
+            process = context.Process(target=_serve, args=(theirs, self.limit_s, self.memory_MB), daemon=True)
             with _one_thread():
                 process.start()
             theirs.close()
@@ -91,11 +101,12 @@ def _one_thread() -> Iterator[None]:
         os.environ.update(before)
 
 
-def _serve(pipe: Connection[Any, Any], memory_MB: float) -> None:
+def _serve(pipe: Connection[Any, Any], limit_s: float, memory_MB: float) -> None:
     """Answer until the other side is gone; what solvers print goes nowhere."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)  # the end, in the middle of compiled code, too
     _limit(memory_MB)
     pipe.send(True)
     step: FrozenStep | None = None
@@ -105,11 +116,16 @@ def _serve(pipe: Connection[Any, Any], memory_MB: float) -> None:
             if isinstance(order, FrozenStep):
                 step = order
             elif step is not None:
-                pipe.send(_measured(order[0], step, order[1]))
+                solver, tolerance = order
+                solver.prepare(step)
+                pipe.send(True)
+                signal.setitimer(signal.ITIMER_PROF, limit_s)
+                answer = _measured(solver, step, tolerance)
+                signal.setitimer(signal.ITIMER_PROF, 0.0)
+                pipe.send(answer)
 
 
 def _measured(solver: Solver, step: FrozenStep, tolerance: float) -> tuple[Answer, float]:
-    solver.prepare(step)
     _hand_back()
     before = _resident_MB("VmRSS")
     try:

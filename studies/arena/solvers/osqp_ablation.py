@@ -100,19 +100,13 @@ def effects(summed: pd.DataFrame) -> pd.DataFrame:
     summed: of :func:`studies.arena.solver_summaries.summary`.  time_ratio: of the shifted means, below 1 where the
     setting is quicker.  more_solved, more_false: of the number of problems.
     """
-    base = "defaults"
-    scale, setting = (summed["solver"].str.split(": ", n=1).str[i] for i in (0, 1))
     places = ["tolerance", "kind", "size", "scale"]
-    table = summed.assign(scale=scale, setting=setting).set_index([*places, "setting"])
-    own = table[["mean_s", "solved", "false"]]
-    default = own.xs(base, level="setting").reindex(own.index.droplevel("setting")).set_axis(own.index)
-    found = pd.DataFrame(
-        {
-            "problems": table["problems"],
-            "mean_s": own["mean_s"],
-            "time_ratio": own["mean_s"] / default["mean_s"],
-            "more_solved": own["solved"] - default["solved"],
-            "more_false": own["false"] - default["false"],
-        }
-    )
-    return found.reset_index()
+    scale, setting = (summed["solver"].str.split(": ", n=1).str[i] for i in (0, 1))
+    table = summed.assign(scale=scale, setting=setting)
+    table = table[[*places, "setting", "problems", "mean_s", "solved", "false"]]
+    defaults = table[table["setting"] == "defaults"].drop(columns=["setting", "problems"])
+    found = table.merge(defaults, on=places, suffixes=("", "_default"))
+    found["time_ratio"] = found["mean_s"] / found["mean_s_default"]
+    for column in ("solved", "false"):
+        found[f"more_{column}"] = found[column] - found[f"{column}_default"]
+    return found[[*places, "setting", "problems", "mean_s", "time_ratio", "more_solved", "more_false"]]
