@@ -47,7 +47,7 @@ def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
     less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by the solver's own criterion,
     where it has one.
     seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see
-    :mod:`studies.arena.solvers.child`.  factorisation_s: of K, median, the unit of data profiles.
+    :mod:`studies.arena.solvers.served`.  factorisation_s: of K, median, the unit of data profiles.
     """
     worst = samples.sort_values("accuracy", kind="stable", ascending=False).drop_duplicates(list(KEY))
     groups = samples.groupby(list(KEY), sort=False)
@@ -60,7 +60,15 @@ def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
     return found.reset_index()[list(COLUMNS)]
 
 
-def recorded(problems: Problems, path: Path, solvers: Iterable[Solver], **options: object) -> pd.DataFrame:
+def recorded(
+    problems: Problems,
+    path: Path,
+    solvers: Iterable[Solver] = tuple(SOLVERS.values()),
+    tolerances: Sequence[float] = TOLERANCES,
+    *,
+    rounds: int = ROUNDS,
+    limit_s: float = LIMIT_S,
+) -> pd.DataFrame:
     """The samples of a run, each written to ``path`` (CSV) as it comes; what is there already is not asked again."""
     done = read(path)
     with path.open("a", newline="", encoding="utf-8") as file:
@@ -69,7 +77,7 @@ def recorded(problems: Problems, path: Path, solvers: Iterable[Solver], **option
             writer.writeheader()
         keys = {(int(n), *rest) for n, *rest in done[["round", *KEY]].itertuples(index=False)}
         over = set(done.loc[done["seconds"].isna(), list(KEY)].itertuples(index=False, name=None))
-        for row in samples(problems, solvers, done=keys, over=over, **options):  # type: ignore[arg-type]
+        for row in samples(problems, solvers, tolerances, rounds=rounds, limit_s=limit_s, done=keys, over=over):
             writer.writerow(row)
             file.flush()
     return read(path)
@@ -79,7 +87,8 @@ def read(path: Path) -> pd.DataFrame:
     """Samples that were written, none where there is no file."""
     if not path.exists() or not path.stat().st_size:
         return pd.DataFrame(columns=list(SAMPLE_COLUMNS))
-    return pd.read_csv(path, dtype={"kept": object}, keep_default_na=False, na_values=["", "nan"])
+    found = pd.read_csv(path, dtype={"kept": object}, keep_default_na=False, na_values=["", "nan"])
+    return found.assign(kept=found["kept"].map({"True": True, "False": False}), reason=found["reason"].fillna(""))
 
 
 def samples(

@@ -31,7 +31,12 @@ def made_up(seconds: dict[str, tuple[float | None, ...]] = SECONDS) -> pd.DataFr
             claimed = each is not None
             wrong = claimed and each < 0
             about = {"problem": f"p{i}", "kind": "convex", "unknowns": UNKNOWNS[i], "tolerance": 1e-6}
-            about |= {"claimed": claimed, "false": wrong, "accuracy": 1e-2 if wrong else 1e-7, "asked": True}
+            about |= {
+                "claimed": claimed,
+                "false": wrong,
+                "accuracy": (9e-6, 9e-6, 1e-2)[i] if wrong else 1e-7,
+                "asked": True,
+            }
             about |= {"kept": None if solver == "A" else not wrong, "seconds": abs(each) if claimed else np.nan}
             about |= {"factorisation_s": FACTORISATION_S[i], "memory_MB": 1.0, "iterations": 1, "reason": ""}
             rows.append({"solver": solver, **about})
@@ -44,12 +49,21 @@ def at(found: pd.DataFrame, solver: str, size: str = "all") -> pd.DataFrame:
 
 def test_shares_false_claims_and_failures() -> None:
     found = summary(made_up(), LIMIT_S)
-    columns = ["problems", "claimed", "solved", "solved_share", "false", "false_own", "failed_at_limit"]
-    assert at(found, "A")[columns].to_numpy().tolist() == [[4, 4, 4, 1.0, 0, 0, 0]]
-    assert at(found, "B")[columns].to_numpy().tolist() == [[4, 3, 3, 0.75, 0, 0, 1]]
-    assert at(found, "C")[columns].to_numpy().tolist() == [[4, 3, 1, 0.25, 2, 2, 3]]
+    columns = [
+        "problems",
+        "claimed",
+        "solved",
+        "solved_share",
+        "false",
+        "false_tenfold",
+        "false_own",
+        "failed_at_limit",
+    ]
+    assert at(found, "A")[columns].to_numpy().tolist() == [[4, 4, 4, 1.0, 0, 0, 0, 0]]
+    assert at(found, "B")[columns].to_numpy().tolist() == [[4, 3, 3, 0.75, 0, 0, 0, 1]]
+    assert at(found, "C")[columns].to_numpy().tolist() == [[4, 3, 1, 0.25, 2, 1, 2, 3]]
     assert at(found, "C")["worst_claim"].item() == pytest.approx(1e4)
-    assert at(found, "B", "large")[columns].to_numpy().tolist() == [[1, 1, 1, 1.0, 0, 0, 0]]
+    assert at(found, "B", "large")[columns].to_numpy().tolist() == [[1, 1, 1, 1.0, 0, 0, 0, 0]]
     assert at(found, "B", "medium")["failed_at_limit"].item() == 1
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -147,6 +148,18 @@ def test_a_run_that_was_interrupted_goes_on(tmp_path: Path) -> None:
     assert read(tmp_path / "nothing.csv").empty
 
 
+def test_the_own_criterion_survives_a_file(tmp_path: Path) -> None:
+    row = dict.fromkeys(SAMPLE_COLUMNS, 1)
+    with (tmp_path / "samples.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, SAMPLE_COLUMNS)
+        writer.writeheader()
+        writer.writerows({**row, "kept": kept, "reason": ""} for kept in (True, False, None))
+    found = read(tmp_path / "samples.csv")
+    assert found["kept"].tolist()[:2] == [True, False]
+    assert pd.isna(found["kept"].iloc[2])
+    assert (found["reason"] == "").all()
+
+
 def test_one_lie_in_many_rounds_is_a_lie() -> None:
     step, du, pressure = known_step()
     told = [Told("wavering", du=du, pressure=pressure * t) for t in (1, 2, 1)]
@@ -185,10 +198,10 @@ class Eats(Solver):
 @pytest.mark.skipif(not os.path.exists("/proc/self/clear_refs"), reason="only Linux tells the peak")  # noqa: PTH110
 def test_peak_memory_is_that_of_one_solve() -> None:
     """A small solve after a large one is small again."""
-    from studies.arena.solvers.child import _measured
+    from studies.arena.solvers.served import measured
 
     step, *_ = known_step()
-    peaks = [_measured(Eats("eats"), step, taken)[1] for taken in (200.0, 20.0, 200.0)]
+    peaks = [measured(Eats("eats"), step, taken)[1] for taken in (200.0, 20.0, 200.0)]
     assert peaks == pytest.approx([200.0, 20.0, 200.0], abs=8.0)
 
 
