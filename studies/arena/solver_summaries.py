@@ -32,10 +32,9 @@ def summary(table: pd.DataFrame, limit_s: float) -> pd.DataFrame:
     """One row a solver and tolerance, for each kind and size and for all sizes of a kind: SUMMARY_COLUMNS.
 
     refused: not asked, for the reason ``why_not``, the commonest.  false: claims less accurate than asked;
-    false_tenfold: by more than ten times, which no choice of norm or scale explains; false_own: that do not even keep
-    the solver's own criterion.  worst_claim: accuracy of the worst claim over the
-    tolerance.  mean_s: see :func:`shifted_mean`, with the limit for each of ``failed_at_limit``.  memory_MB,
-    iterations: medians of what was asked.
+    false_tenfold: by more than ten times; false_own: that do not even keep the solver's own criterion.  worst_claim:
+    accuracy of the worst claim over the tolerance.  mean_s: see :func:`shifted_mean`, with the limit for each of
+    ``failed_at_limit``.  memory_MB, iterations: medians of what was asked.
     """
     return pd.DataFrame(
         [(*place, *_summed(own, limit_s)) for place, own in _groups(table)], columns=list(SUMMARY_COLUMNS)

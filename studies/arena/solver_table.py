@@ -73,7 +73,7 @@ def recorded(
     done = read(path)
     with path.open("a", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, SAMPLE_COLUMNS)
-        if done.empty:
+        if not path.stat().st_size:
             writer.writeheader()
         keys = {(int(n), *rest) for n, *rest in done[["round", *KEY]].itertuples(index=False)}
         over = set(done.loc[done["seconds"].isna(), list(KEY)].itertuples(index=False, name=None))
@@ -87,7 +87,9 @@ def read(path: Path) -> pd.DataFrame:
     """Samples that were written, none where there is no file."""
     if not path.exists() or not path.stat().st_size:
         return pd.DataFrame(columns=list(SAMPLE_COLUMNS))
-    found = pd.read_csv(path, dtype={"kept": object}, keep_default_na=False, na_values=["", "nan"])
+    found = pd.read_csv(
+        path, dtype={"kept": object}, keep_default_na=False, na_values=["", "nan"], float_precision="round_trip"
+    )
     return found.assign(kept=found["kept"].map({"True": True, "False": False}), reason=found["reason"].fillna(""))
 
 

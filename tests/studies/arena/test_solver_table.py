@@ -130,6 +130,7 @@ def test_a_run_that_was_interrupted_goes_on(tmp_path: Path) -> None:
     ]
     problems = [("a", step), ("b", step)]
     path, options = tmp_path / "samples.csv", {"tolerances": (1e-4,), "rounds": 2}
+    path.write_text(",".join(SAMPLE_COLUMNS) + "\n")  # interrupted before the first answer
     first = recorded(problems[:1], path, field, **options)
     assert len(first) == 5  # two solvers in two rounds, and one that is refused in the first
     whole = recorded(problems, path, field, **options)
