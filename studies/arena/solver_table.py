@@ -87,9 +87,7 @@ def read(path: Path) -> pd.DataFrame:
     """Samples that were written, none where there is no file."""
     if not path.exists() or not path.stat().st_size:
         return pd.DataFrame(columns=list(SAMPLE_COLUMNS))
-    found = pd.read_csv(
-        path, dtype={"kept": object}, keep_default_na=False, na_values=["", "nan"], float_precision="round_trip"
-    )
+    found = pd.read_csv(path, dtype={"kept": object, "reason": object}, keep_default_na=False, na_values=["", "nan"])
     return found.assign(kept=found["kept"].map({"True": True, "False": False}), reason=found["reason"].fillna(""))
 
 
