@@ -125,7 +125,12 @@ def ranking(table: pd.DataFrame, limit_s: float) -> pd.Series:
 
 
 def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) -> pd.Series:
-    """Spearman's of the rankings of two runs, by tolerance and kind; NaN where fewer than two solvers are ranked."""
-    both = pd.concat({"first": ranking(first, limit_s), "second": ranking(second, limit_s)}, axis=1)
+    """Spearman's of the rankings of two runs on the problems of both, by tolerance and kind.
+
+    NaN where fewer than two solvers are ranked.
+    """
+    shared = set(first["problem"]) & set(second["problem"])
+    runs = {name: run[run["problem"].isin(shared)] for name, run in (("first", first), ("second", second))}
+    both = pd.concat({name: ranking(run, limit_s) for name, run in runs.items()}, axis=1)
     groups = both.groupby(level=["tolerance", "kind"])
     return pd.Series({place: own.rank().corr().iloc[0, 1] for place, own in groups}, name="rank_correlation")

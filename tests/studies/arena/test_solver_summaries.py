@@ -120,6 +120,13 @@ def test_ranks_and_their_correlation() -> None:
     assert rank_correlation(first, two_swapped, LIMIT_S).tolist() == pytest.approx([0.5])  # 1 - 6 (1 + 1)/(3 8)
 
 
+def test_problems_of_one_run_alone_do_not_turn_the_ranks() -> None:
+    """On the first problem A is quicker than B; on the second, which was put once, B is."""
+    whole = made_up({"A": (1.0, 9.0), "B": (2.0, 1.0)})
+    assert ranking(whole, LIMIT_S).droplevel([0, 1]).to_dict() == {"A": 2, "B": 1}
+    assert rank_correlation(whole, whole[whole["problem"] == "p0"], LIMIT_S).item() == pytest.approx(1.0)
+
+
 def test_who_is_not_installed_has_no_rank_but_a_row() -> None:
     table = made_up()
     absent = table[table["solver"] == "C"].assign(solver="D", asked=False, claimed=False, reason="not installed")
