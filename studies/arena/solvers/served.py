@@ -1,7 +1,6 @@
-"""The process that solves frozen problems: ``python -m studies.arena.solvers.served FD LIMIT_S MEMORY_MB``.
+"""The process that solves frozen problems: ``python -m studies.arena.solvers.served FD MEMORY_MB``.
 
-FD is its end of a pipe, on which steps and orders come and answers go. The kernel ends it, in the middle of compiled
-code, too, when a solve has taken LIMIT_S of processor time; beyond MEMORY_MB allocations fail.
+FD is its end of a pipe, on which steps and orders come and answers go; beyond MEMORY_MB allocations fail.
 Peak memory is that of the process: resident memory at its highest during a solve, which Linux resets on request, less
 that before it, once what is free has been handed back. Matrices that a solver copies are in it, the problem is not.
 Where the kernel tells no such thing, it is NaN.
@@ -13,7 +12,6 @@ import contextlib
 import ctypes
 import gc
 import resource
-import signal
 import sys
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -30,9 +28,7 @@ STATUS, RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 def main() -> None:
     """Answer until the other side is gone."""
     pipe: Connection[Any, Any] = Connection(int(sys.argv[1]))
-    limit_s = float(sys.argv[2])
-    signal.signal(signal.SIGPROF, signal.SIG_DFL)
-    _limit(float(sys.argv[3]))
+    _limit(float(sys.argv[2]))
     pipe.send(True)
     step: FrozenStep | None = None
     with contextlib.suppress(EOFError, OSError):
@@ -45,10 +41,7 @@ def main() -> None:
             solver, tolerance = order
             solver.prepare(step)
             pipe.send(True)
-            signal.setitimer(signal.ITIMER_PROF, limit_s)
-            answer = measured(solver, step, tolerance)
-            signal.setitimer(signal.ITIMER_PROF, 0.0)
-            pipe.send(answer)
+            pipe.send(measured(solver, step, tolerance))
 
 
 def measured(solver: Solver, step: FrozenStep, tolerance: float) -> tuple[Answer, float]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import os
+from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
 
@@ -213,3 +214,12 @@ def test_other_names_of_the_environment_are_left_alone() -> None:
     child.solve(SOLVERS["semismooth"], step, 1e-8)
     child.close()
     assert dict(os.environ) == before
+
+
+def test_a_millisecond_is_told_from_four() -> None:
+    """The clock of the process is not that of the scheduler's ticks, which a timer of the kernel would make of it."""
+    step, du, pressure = known_step()
+    quick = Told("quick", du=du, pressure=pressure, spends=1e-3)
+    with closing(Child(20.0)) as child:
+        spent = [child.solve(quick, step, 1e-4)[0].seconds for _ in range(5)]
+    assert 1e-3 <= min(spent) < 3e-3
