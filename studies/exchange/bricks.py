@@ -1,0 +1,142 @@
+"""Quadratic bricks of 20 nodes between the two faces of a shell-like body, as Abaqus, CalculiX and VTK number them.
+
+They are the triquadratic hexahedra of :mod:`formulations.solid_mesh` without the nodes in the middle of faces and
+bodies. No material, no support and no load may enter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from formulations.solid_mesh import CUBE, SolidMesh
+
+# places of the nodes of a C3D20 along its axes, 0, 1 or 2: corners, edges below, edges above, edges between
+PLACES = np.array(
+    [
+        *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
+        *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
+        *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
+    ]
+)
+SWAPPED = [1, 0, 2]  # axes of a left-handed body, so that a brick has a positive volume
+LATTICE = (9, 3, 1)  # number of a place in the order of CUBE
+RING = (0, 6, 8, 2, 3, 7, 5, 1)  # of the nine nodes of a face in the order of SQUARE: corners, then edges, as below
+INNER, OUTER = 1, 2  # numbers of the faces below and above a brick
+ON_FACE = {INNER: (0, 1, 2, 3, 8, 9, 10, 11), OUTER: (4, 5, 6, 7, 12, 13, 14, 15)}  # its nodes there, corners first
+
+
+def serendipity(s: np.ndarray, t: np.ndarray) -> np.ndarray:
+    """Shape functions (n, 8) of a face at s, t (n,) in [-1, 1]: corners, then edges, counter-clockwise from (-1, -1).
+
+    Corners: (1 + s s_r)(1 + t t_r)(s s_r + t t_r - 1)/4; edges: (1 - s^2)(1 + t t_r)/2 or (1 - t^2)(1 + s s_r)/2.
+    """
+    corners = [(1 + s * a) * (1 + t * b) * (s * a + t * b - 1) / 4 for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    along_s, along_t = (1 - s**2) / 2, (1 - t**2) / 2
+    edges = [along_s * (1 - t), along_t * (1 + s), along_s * (1 + t), along_t * (1 - s)]
+    return np.stack([*corners, *edges], axis=-1)
+
+
+CENTRE = serendipity(np.zeros(1), np.zeros(1))[0]  # what a node in the middle of a face takes of its eight others
+
+
+@dataclass(frozen=True, eq=False)
+class Bricks:
+    """A body of bricks with nodes numbered from 0.
+
+    x (N, 3) [mm]; parameter (N, 3): their (a1, a2, a3).  elements (E, 20).  frame (E, 3, 3): rows e1, e2, e3 at the
+    centres.  ply (E,), from inside.  inner, outer: elements (F,) on the faces, whose own faces are INNER and OUTER.
+    of_mesh (M,): node of each node of ``mesh``, -1 for those left out.
+    """
+
+    mesh: SolidMesh
+    x: np.ndarray
+    parameter: np.ndarray
+    elements: np.ndarray
+    frame: np.ndarray
+    ply: np.ndarray
+    inner: np.ndarray
+    outer: np.ndarray
+    of_mesh: np.ndarray
+
+    @classmethod
+    def of(cls, mesh: SolidMesh) -> Bricks:
+        """Without the nodes in the middle of faces and bodies."""
+        places = PLACES if mesh.orientation > 0 else PLACES[:, SWAPPED]
+        elements = mesh.elements[:, places @ LATTICE]
+        kept, numbered = np.unique(elements, return_inverse=True)
+        of_mesh = np.full(len(mesh.x), -1)
+        of_mesh[kept] = np.arange(len(kept))
+        a3 = mesh.parameter[mesh.elements][:, :, 2]
+        low, high = a3.min(axis=1), a3.max(axis=1)
+        return cls(
+            mesh=mesh,
+            x=mesh.x[kept],
+            parameter=mesh.parameter[kept],
+            elements=numbered.reshape(elements.shape),
+            frame=mesh.frame[:, len(CUBE.weights) // 2],
+            ply=mesh.ply,
+            inner=np.flatnonzero(np.isclose(low, a3.min())),
+            outer=np.flatnonzero(np.isclose(high, a3.max())),
+            of_mesh=of_mesh,
+        )
+
+    @cached_property
+    def volume(self) -> float:
+        """Of the body [mm^3], by 27 Gauss points of the bricks' own shape functions."""
+        slope = _slope(2 * CUBE.points - 1)
+        jacobian = np.einsum("gnd,enx->egdx", slope, self.x[self.elements])
+        return float(8 * np.sum(np.linalg.det(jacobian) @ CUBE.weights))
+
+    def face_nodes(self, face: int) -> np.ndarray:
+        """Nodes (N,) on the inner or on the outer face."""
+        return np.unique(self.elements[self.on(face)][:, ON_FACE[face]])
+
+    def on(self, face: int) -> np.ndarray:
+        """Elements (F,) on the inner or on the outer face."""
+        return {INNER: self.inner, OUTER: self.outer}[face]
+
+    def without_centres(self, forces: np.ndarray) -> np.ndarray:
+        """Nodal forces (N, 3) that do the work of forces (M, 3) on the nodes of the mesh, none of them inside bodies.
+
+        The middle of a face moves as the shape functions of its eight other nodes say. Raises ValueError for a force on
+        a node that lies on neither face.
+        """
+        found = np.zeros_like(self.x)
+        kept = np.flatnonzero(self.of_mesh >= 0)
+        np.add.at(found, self.of_mesh[kept], forces[kept])
+        faces = np.concatenate([self.mesh.inner, self.mesh.outer])
+        middle, ring = faces[:, len(RING) // 2], self.of_mesh[faces[:, RING]]
+        np.add.at(found, ring, CENTRE[:, None] * forces[middle][:, None, :])
+        lost = np.setdiff1d(np.flatnonzero((self.of_mesh < 0) & forces.any(axis=1)), middle)
+        if len(lost):
+            raise ValueError(f"forces on {len(lost)} nodes inside the body have no place on its bricks")
+        return found
+
+
+def _slope(points: np.ndarray) -> np.ndarray:
+    """Derivatives (g, 20, 3) of the shape functions of a brick at points (g, 3) of [-1, 1]^3.
+
+    Corners: prod(1 + x_i r_i)(x.r - 2)/8; edges along i, r_i = 0: (1 - x_i^2) prod_{j != i}(1 + x_j r_j)/4.
+    """
+    r = PLACES - 1.0
+    factor = 1 + points[:, None, :] * r
+    sum_of = np.einsum("gi,ni->gn", points, r)
+    corner = np.all(r != 0, axis=1)
+    found = np.empty((len(points), len(r), 3))
+    for i in range(3):
+        j, k = (each for each in range(3) if each != i)
+        others = factor[..., j] * factor[..., k]
+        found[..., i] = np.where(corner, r[:, i] * others * (sum_of - 2 + factor[..., i]) / 8, 0.0)
+        for edge in range(3):
+            along = r[:, edge] == 0
+            bubble = 1 - points[:, None, edge] ** 2
+            if edge == i:
+                value = -2 * points[:, None, i] * others / 4
+            else:
+                third = 3 - i - edge
+                value = bubble * r[:, i] * factor[..., third] / 4
+            found[..., i] = np.where(along, value, found[..., i])
+    return found

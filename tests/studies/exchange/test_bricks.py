@@ -1,0 +1,102 @@
+"""Bricks against closed forms: volumes, shape functions, and forces that keep their work."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from formulations.geometry.surfaces import Plate, Surface, cylinder, torus
+from formulations.section.laminate import Laminate, Ply
+from formulations.solid_mesh import SolidMesh
+from studies.exchange.bricks import CENTRE, INNER, OUTER, RING, Bricks, serendipity
+
+H, QUARTER = 2.0, np.pi / 2
+R, TUBE = 10.0, 4.0
+
+
+def bricks_over(surface: Surface, a1: float, a2: float, n: int = 6, *, periodic: bool = False) -> Bricks:
+    plies = tuple(Ply.isotropic(1.0, 0.3, share * H) for share in (0.25, 0.75))
+    lines = np.linspace(0.0, a1, n + 1), np.linspace(0.0, a2, n + 1)
+    return Bricks.of(SolidMesh.build(surface, *lines, Laminate(plies, -H / 2), periodic=periodic))
+
+
+BODIES = {
+    "plate": (bricks_over(Plate(), 3.0, 5.0), 15.0 * H, 1e-12),
+    "tube": (bricks_over(cylinder(R), 3.0, QUARTER), 3.0 * QUARTER * R * H, 1e-4),
+    # Pappus: the section of area 2 pi r h goes around with its centre on the circle of radius R
+    "ring": (bricks_over(torus(R, TUBE), 2 * np.pi, 2 * np.pi, 16, periodic=True), 4 * np.pi**2 * R * TUBE * H, 1e-3),
+}
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_the_volume_is_that_of_the_body(name: str) -> None:
+    bricks, volume, within = BODIES[name]
+    assert bricks.volume == pytest.approx(volume, rel=within)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_no_node_is_left_over_or_missing(name: str) -> None:
+    bricks, *_ = BODIES[name]
+    np.testing.assert_array_equal(np.unique(bricks.elements), np.arange(len(bricks.x)))
+    assert all(len(set(element)) == 20 for element in bricks.elements)
+    np.testing.assert_array_equal(bricks.mesh.x[bricks.of_mesh >= 0], bricks.x)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_edges_have_their_nodes_between_corners(name: str) -> None:
+    """In the order of Abaqus, whatever the handedness of the body: edges below, above, between."""
+    bricks, *_ = BODIES[name]
+    x = bricks.x[bricks.elements]
+    ends = [*((i, (i + 1) % 4) for i in range(4)), *((4 + i, 4 + (i + 1) % 4) for i in range(4))]
+    ends += [(i, 4 + i) for i in range(4)]
+    for edge, (a, b) in enumerate(ends, 8):
+        chord = np.linalg.norm(x[:, b] - x[:, a], axis=-1)
+        off = np.linalg.norm(x[:, edge] - 0.5 * (x[:, a] + x[:, b]), axis=-1)
+        assert np.all(off < 0.2 * chord)
+
+
+@pytest.mark.parametrize("name", BODIES)
+def test_faces_lie_where_they_should(name: str) -> None:
+    bricks, *_ = BODIES[name]
+    for face, level in ((INNER, -H / 2), (OUTER, H / 2)):
+        nodes = bricks.face_nodes(face)
+        np.testing.assert_allclose(bricks.parameter[nodes, 2], level)
+        assert len(nodes) == np.sum(np.isclose(bricks.parameter[:, 2], level))
+    assert set(bricks.ply[bricks.inner]) == {0}
+    assert set(bricks.ply[bricks.outer]) == {1}
+
+
+def test_shape_functions_are_one_at_their_node_and_zero_at_the_others() -> None:
+    nodes = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0)], float)
+    np.testing.assert_allclose(serendipity(*nodes.T), np.eye(8), atol=1e-15)
+
+
+def test_shape_functions_hold_quadratics(rng: np.random.Generator) -> None:
+    nodes = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0)], float)
+    s, t = rng.uniform(-1, 1, (2, 20))
+
+    def field(s: np.ndarray, t: np.ndarray) -> np.ndarray:
+        return 1 + 2 * s - t + 3 * s * t + s**2 - 2 * t**2 + s**2 * t
+
+    np.testing.assert_allclose(serendipity(s, t) @ field(*nodes.T), field(s, t), atol=1e-14)
+
+
+def test_forces_without_centres_do_the_same_work(rng: np.random.Generator) -> None:
+    """On every displacement that the bricks can have: that of a centre is what its face says."""
+    bricks, *_ = BODIES["tube"]
+    faces = np.concatenate([bricks.mesh.inner, bricks.mesh.outer])
+    forces = np.zeros_like(bricks.mesh.x)
+    forces[np.unique(faces)] = rng.normal(size=(len(np.unique(faces)), 3))
+    u = rng.normal(size=bricks.x.shape)
+    whole = np.zeros_like(bricks.mesh.x)
+    whole[bricks.of_mesh >= 0] = u
+    whole[faces[:, 4]] = np.einsum("r,frx->fx", CENTRE, whole[faces[:, RING]])
+    assert np.sum(bricks.without_centres(forces) * u) == pytest.approx(np.sum(forces * whole), rel=1e-12)
+
+
+def test_a_force_inside_the_body_is_refused() -> None:
+    bricks, *_ = BODIES["plate"]
+    forces = np.zeros_like(bricks.mesh.x)
+    forces[bricks.mesh.elements[0, 13]] = 1.0
+    with pytest.raises(ValueError, match="inside the body"):
+        bricks.without_centres(forces)
