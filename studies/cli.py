@@ -23,6 +23,7 @@ COMMANDS = {
     "show": "what a scene, a measure or an algorithm is, and its settings",
     "solve": "solve one scene into a directory",
     "resolve": "solve one frozen contact problem again, alone, and judge it",
+    "export": "a scene as a deck, a mesh or a neutral sheet for another program",
     "run": "solve the missing cells of a campaign",
     "table": "the cells of a campaign, what was asked and what became of them",
     "time": "time the converged cells of a campaign, one at a time",
@@ -109,11 +110,16 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text, description=text)
         if name == next(iter(arguments), None):
-            module = importlib.import_module(f"studies.commands.{'campaign.' if name in ON_A_STORE else ''}{name}")
+            module = importlib.import_module(f"studies.commands.{_module(name)}")
             module.add_arguments(command)
             command.add_argument("--use", action="append", metavar="FILE.py", help="parts of your own, from a file")
             command.set_defaults(run=module.run)
     return parser
+
+
+def _module(command: str) -> str:
+    """Of a command in its package."""
+    return f"{'campaign.' if command in ON_A_STORE else ''}{command.replace('-', '_')}"
 
 
 if __name__ == "__main__":

@@ -1,0 +1,70 @@
+"""``footprint export``: one scene as a file for another program."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+
+from studies.commands import OK
+from studies.commands.options import add_settings, pairs
+from studies.exchange.deck import AUTO, INTEGRATIONS, deck
+from studies.exchange.of_scene import problem_of
+from studies.exchange.problem import Problem
+from studies.exchange.sheet import write_body, write_sheet
+from studies.scene import UsageError
+from studies.store.atomic import write_by
+
+FORMATS = ("inp", "vtu", "json")
+
+
+def add_problem(parser: argparse.ArgumentParser) -> None:
+    """The scene and how it is cut into bricks; the same for what is written and for what comes back."""
+    parser.add_argument("scene")
+    parser.add_argument("--measure", default="exact", help="linear: small displacements; all others: large ones")
+    parser.add_argument("--mesh", help="N1xN2 bricks along a1 and a2; default that of the scene")
+    parser.add_argument("--through", type=int, default=1, metavar="N", help="bricks through each ply of a shell")
+    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
+    add_settings(parser)
+
+
+def problem_asked(options: argparse.Namespace) -> Problem:
+    """The problem of the options; raises UsageError."""
+    named = {name: getattr(options, name) for name in ("measure", "model")}
+    return problem_of(options.scene, pairs(options.settings), options.mesh, options.through, **named)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The problem, the format and the file."""
+    add_problem(parser)
+    parser.add_argument("--format", required=True, help="inp: a deck of CalculiX; vtu; json: a neutral sheet")
+    parser.add_argument("--integration", default=AUTO, help=f"of the deck's bricks: {', '.join(INTEGRATIONS)}")
+    parser.add_argument("--stiffness", type=float, help="of the deck's contact, MPa/mm; default by modulus and wall")
+    parser.add_argument("--out", type=Path, required=True, metavar="FILE")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Write the file, whole or not at all."""
+    if options.format not in FORMATS:
+        raise UsageError(f"format {options.format!r} must be one of {', '.join(FORMATS)}")
+    if options.out.is_dir():
+        raise UsageError(f"--out {options.out} is a directory, not a file")
+    problem = problem_asked(options)
+    write_by(options.out, lambda path: _writer(options)(path, problem))
+    bricks = problem.bricks
+    print(f"{len(bricks.x)} nodes, {len(bricks.elements)} bricks, {len(problem.steps)} steps: {options.out}")
+    return OK
+
+
+def _writer(options: argparse.Namespace) -> Callable[[Path, Problem], object]:
+    if options.format == "json":
+        return write_sheet
+    if options.format == "vtu":
+        return write_body
+
+    def write(path: Path, problem: Problem) -> None:
+        lines = deck(problem, options.integration, options.stiffness)
+        with path.open("w", encoding="ascii") as file:
+            file.writelines(f"{line}\n" for line in lines)
+
+    return write
