@@ -1,0 +1,160 @@
+"""What another program has found, held against our solution, the references of the scene, and the balances.
+
+Quantities are read from a field as the scene reads its own: the displacements of both faces at the nodes of the shell
+are put into the shell. Our solution is found at the very loads that come from outside.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from formulations.shell import ShellModel
+from studies.analysis.rows import holding
+from studies.complete import complete
+from studies.exchange.balances import energy_balance, force_balance
+from studies.exchange.problem import Problem
+from studies.exchange.results import PLANE_FORCE, STRAIN_ENERGY, Found
+from studies.result import Result
+from studies.scenes import SCENES
+from studies.scenes.statics import StaticModel
+from studies.scenes.tyre.press import PressedTyre
+from studies.solving import solve
+
+Reader = Callable[[float, np.ndarray], dict[str, float]]  # (load, u (N, 3)) -> quantities of the scene
+OURS, WORK, NOTHING = "ours", "half of the work of the loads", "balance of forces"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A value from outside beside one that it should have.
+
+    allowed: relative difference, the tolerance and what the value itself is known to.  scale: what the difference is
+    relative to, the value unless given.
+    """
+
+    load: float
+    quantity: str
+    found: float
+    against: str
+    value: float
+    allowed: float
+    scale: float | None = None
+
+    @property
+    def difference(self) -> float:
+        """Relative, with its sign."""
+        return (self.found - self.value) / abs(self.value if self.scale is None else self.scale)
+
+    @property
+    def within(self) -> bool:
+        """Whether it is as small as allowed; what is no number is not."""
+        return abs(self.difference) <= self.allowed
+
+
+def our_solution(
+    problem: Problem, loads: Sequence[float], given: Mapping[str, object], mesh: str | None = None, **options: Any
+) -> Result:
+    """Solved at these loads; raises UsageError for loads out of the scene's range.
+
+    given, options: as the problem was asked for.  mesh: of our solution, that of the bricks unless given.
+    """
+    size = problem.request.mesh if mesh is None else mesh
+    settings = {**given, problem.key: tuple(loads)}
+    return solve(*complete(problem.request.scene, settings, size, **options))
+
+
+def compared(problem: Problem, found: Sequence[Found], ours: Result, tolerance: float) -> list[Comparison]:
+    """All that can be compared."""
+    read = _reader(problem)
+    per_plane = _per_plane_force(problem, ours)
+    rows: list[Comparison] = []
+    for each in found:
+        told = dict(each.quantities)
+        if each.u is not None and read is not None:
+            told |= read(each.load, each.u)
+        if PLANE_FORCE in told:
+            told |= {name: factor * told[PLANE_FORCE] for name, factor in per_plane.items()}
+        rows += _against_ours(each.load, told, ours, tolerance)
+        rows += _against_references(problem, each.load, told, tolerance)
+        rows += _balances(problem, each, tolerance)
+    return rows + list(_energy(problem, found[-1], ours, tolerance))
+
+
+def _against_ours(load: float, told: Mapping[str, float], ours: Result, tolerance: float) -> Iterator[Comparison]:
+    known = _at(ours, load)
+    for name, value in told.items():
+        if isinstance(known.get(name), int | float) and known[name] != 0:
+            yield Comparison(load, name, value, OURS, float(known[name]), tolerance)
+
+
+def _at(ours: Result, load: float) -> dict[str, Any]:
+    return next((dict(s.quantities) for s in ours.loads if np.isclose(next(iter(s.load.values())), load)), {})
+
+
+def _against_references(
+    problem: Problem, load: float, told: Mapping[str, float], tolerance: float
+) -> Iterator[Comparison]:
+    request = problem.request
+    there = {**request.settings, "measure": request.measure, problem.key: load}
+    for known in holding(request.scene, there):
+        if known.quantity in told:
+            allowed = tolerance + known.uncertainty
+            yield Comparison(load, known.quantity, told[known.quantity], known.source, known.value, allowed)
+
+
+def _balances(problem: Problem, found: Found, tolerance: float) -> Iterator[Comparison]:
+    step = problem.step_at(found.load)
+    if step is None and problem.touched is not None:  # its travel is that of the other program
+        step = min(problem.steps[1:], key=lambda each: abs((each.load or 0.0) - found.load))
+    if step is None:
+        return
+    forces = force_balance(problem, step, found)
+    if forces is not None:
+        yield Comparison(found.load, "unbalanced_N", forces[0], NOTHING, 0.0, tolerance, scale=forces[1])
+    energies = energy_balance(problem, step, found)
+    if energies is not None:
+        yield Comparison(found.load, STRAIN_ENERGY, energies[0], WORK, energies[1], tolerance)
+
+
+def _energy(problem: Problem, found: Found, ours: Result, tolerance: float) -> Iterator[Comparison]:
+    """Strain energy at the last load, of the same part."""
+    shell = getattr(ours.model, "shell", None)
+    same = ours.request.model == problem.request.model and ours.outcome.converged
+    if STRAIN_ENERGY not in found.quantities or not isinstance(shell, ShellModel) or ours.last is None or not same:
+        return
+    value = shell.scaled(0.0).energy(ours.last.u)
+    yield Comparison(found.load, STRAIN_ENERGY, found.quantities[STRAIN_ENERGY], OURS, value, tolerance)
+
+
+def _reader(problem: Problem) -> Reader | None:
+    """What reads as the scene does; None where that reads more than displacements."""
+    model = SCENES[problem.request.scene].build(problem.request)
+    if not isinstance(model, StaticModel) or problem.shell is None:
+        return None
+    shell = model.shell.discretisation
+    frame, nodes = shell.surface.frame(*shell.grid.nodes.T), problem.shell
+
+    def read(load: float, u: np.ndarray) -> dict[str, float]:
+        v = np.empty((len(nodes), 6))
+        for face in (0, 1):
+            v[:, face::2] = np.einsum("nix,nx->ni", frame, u[nodes[:, face]])
+        if not np.all(np.isfinite(v)):
+            return {}
+        return dict(model.measure_at(model.shell.scaled(load), shell.map.restrict(v)))
+
+    return read
+
+
+def _per_plane_force(problem: Problem, ours: Result) -> dict[str, float]:
+    """What a quantity that is a force is per force on the plane of the part that is modelled, by our last state."""
+    if problem.plane is None or ours.end is None or not ours.loads:
+        return {}
+    force = float(np.sum(ours.end.problem.nodal_forces(ours.end.point.solution.pressure)))
+    parts = problem.copies / (ours.model.wall.part.copies if isinstance(ours.model, PressedTyre) else 1)
+    quantities = ours.loads[-1].quantities
+    names = (name for name in quantities if name.removesuffix("_N").endswith("force"))
+    return {name: parts * float(quantities[name]) / force for name in names if force != 0}

@@ -1,0 +1,139 @@
+"""What another program has found, step by step: read from CSV, or from the printed output of CalculiX.
+
+CSV has one header and numbers; its first column is the key of the problem, ``load_fraction`` or ``delta_mm``:
+
+- a field: ``node`` and ``ux_mm, uy_mm, uz_mm``, a row a node and load; nodes are numbered as in the deck and the sheet;
+- a curve: a row a load, with any of the scene's quantities by their names, ``plane_force_N`` (of the plane on the part
+  that is modelled), ``reaction_x_N, reaction_y_N, reaction_z_N`` (of the supports on the body, loads that stand on them
+  left out) and ``strain_energy_Nmm``.
+
+Nothing is judged here.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from studies.exchange.pressure import pressure_forces
+from studies.exchange.problem import Problem
+from studies.request import UsageError
+
+FIELD = ("ux_mm", "uy_mm", "uz_mm")
+NODE = "node"
+PLANE_FORCE, STRAIN_ENERGY = "plane_force_N", "strain_energy_Nmm"
+REACTION = ("reaction_x_N", "reaction_y_N", "reaction_z_N")
+PRINTED = ".dat"  # how the printed output of CalculiX ends
+_BLOCK = re.compile(r"^ *(\w.*?)(?: \(.*\))? for set (\w+) and time +(\S+)", re.MULTILINE)  # kind, set, time
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """At one load: quantities by name, and displacements (N, 3) [mm] of the nodes, NaN where none is told."""
+
+    load: float
+    quantities: Mapping[str, float] = field(default_factory=dict)
+    u: np.ndarray | None = None
+
+
+def read_results(path: Path, problem: Problem) -> list[Found]:
+    """By growing load; raises UsageError for a file that is none of these, OSError for one that is not there."""
+    text = path.read_text(encoding="utf-8", errors="replace")
+    found = _printed(text, problem) if path.suffix == PRINTED else list(_csv(path, problem))
+    if not found:
+        raise UsageError(f"{path} has no results")
+    return sorted(found, key=lambda each: each.load)
+
+
+def _csv(path: Path, problem: Problem) -> Iterator[Found]:
+    try:
+        table = pd.read_csv(path).rename(columns=str.strip)
+        values = table.astype(float)
+    except (ValueError, pd.errors.ParserError) as error:
+        raise UsageError(f"{path} is no table of numbers: {str(error).splitlines()[0]}") from None
+    if problem.key not in values:
+        raise UsageError(f"{path} has no column {problem.key!r}; it has {', '.join(map(str, values.columns))}")
+    if not np.all(np.isfinite(values[problem.key])):
+        raise UsageError(f"{path}: {problem.key} must be finite numbers")
+    for load, rows in values.groupby(problem.key):
+        if NODE in values:
+            yield Found(float(str(load)), u=_field(path, rows, problem))
+        elif len(rows) > 1:
+            raise UsageError(f"{path} has {len(rows)} rows with {problem.key} = {load}; a curve has one")
+        else:
+            told = {str(name): float(rows[name].iloc[0]) for name in rows if name != problem.key}
+            yield Found(float(str(load)), {name: value for name, value in told.items() if np.isfinite(value)})
+
+
+def _field(path: Path, rows: pd.DataFrame, problem: Problem) -> np.ndarray:
+    missing = [name for name in FIELD if name not in rows]
+    if missing:
+        raise UsageError(f"{path} has no column {missing[0]!r}; a field has {', '.join((NODE, *FIELD))}")
+    count, nodes = len(problem.bricks.x), rows[NODE].to_numpy()
+    wrong = nodes[(nodes != np.floor(nodes)) | (nodes < 1) | (nodes > count)]
+    if len(wrong):
+        raise UsageError(f"{path}: node = {wrong[0]:g} must be a whole number in [1, {count}]; is the mesh the same?")
+    u = np.full((count, 3), np.nan)
+    u[nodes.astype(int) - 1] = rows[list(FIELD)].to_numpy()
+    return u
+
+
+def _printed(text: str, problem: Problem) -> list[Found]:
+    """Of a deck of ours: whole steps, one a unit of time."""
+    blocks: dict[int, dict[str, np.ndarray]] = {}
+    heads = list(_BLOCK.finditer(text))
+    for head, following in zip(heads, [*heads[1:], None], strict=True):
+        rows = text[head.end() : None if following is None else following.start()]
+        values = np.array([line.split() for line in rows.splitlines() if _numeric(line)], float)
+        blocks.setdefault(round(float(head[3])) - 1, {})[f"{head[1]} {head[2]}"] = values
+    steps = {i: told for i, told in blocks.items() if 0 <= i < len(problem.steps)}
+    touched = _touched(steps, problem)
+    return [_of_step(problem, i, told, touched) for i, told in steps.items() if problem.steps[i].load is not None]
+
+
+def _numeric(line: str) -> bool:
+    return bool(line.strip()) and line.strip()[0] in "-.0123456789"
+
+
+def _touched(steps: Mapping[int, Mapping[str, np.ndarray]], problem: Problem) -> float | None:
+    """n.x of the crown after the first step, as the other program has it: where the plane touches first."""
+    if problem.crown is None or problem.plane is None or 0 not in steps:
+        return None
+    u = _displacements(steps[0], problem)
+    return float((problem.bricks.x + u)[problem.crown] @ problem.plane.normal)
+
+
+def _of_step(problem: Problem, i: int, told: Mapping[str, np.ndarray], touched: float | None) -> Found:
+    """Forces on held nodes are printed with the loads that stand there.
+
+    Strain energy is taken of linear steps alone: in others it comes to twice the work of the loads (CalculiX 2.20),
+    however small the increments.
+    """
+    step = problem.steps[i]
+    assert step.load is not None
+    load, quantities = step.load, {}
+    if touched is not None and step.offset is not None:
+        load = touched - step.offset
+    u = _displacements(told, problem)
+    if "total internal energy BODY" in told and not problem.nonlinear and problem.plane is None:
+        quantities[STRAIN_ENERGY] = float(told["total internal energy BODY"][0, 0])
+    pressure = pressure_forces(problem, step, u)
+    if "total force HELD" in told and pressure is not None:
+        standing = (step.forces + pressure)[problem.supports.nodes].sum(axis=0)
+        quantities |= dict(zip(REACTION, map(float, told["total force HELD"][0] - standing), strict=True))
+    if "total force PLANE" in told and problem.plane is not None:
+        quantities[PLANE_FORCE] = -float(told["total force PLANE"][0] @ problem.plane.normal)
+    return Found(load, quantities, u)
+
+
+def _displacements(told: Mapping[str, np.ndarray], problem: Problem) -> np.ndarray:
+    u = np.full_like(problem.bricks.x, np.nan)
+    rows = told.get("displacements BODY")
+    if rows is not None and len(rows):
+        u[rows[:, 0].astype(int) - 1] = rows[:, 1:4]
+    return u
