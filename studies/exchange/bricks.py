@@ -90,6 +90,12 @@ class Bricks:
         jacobian = np.einsum("gnd,enx->egdx", slope, self.x[self.elements])
         return float(8 * np.sum(np.linalg.det(jacobian) @ CUBE.weights))
 
+    @cached_property
+    def turning(self) -> float:
+        """Largest angle [rad] between the axes e1, e2, e3 at a Gauss point of a brick and those at its centre."""
+        cosines = np.einsum("egix,eix->egi", self.mesh.frame, self.frame)
+        return float(np.arccos(np.clip(cosines.min(), -1.0, 1.0)))
+
     def face_nodes(self, face: int) -> np.ndarray:
         """Nodes (N,) on the inner or on the outer face."""
         return np.unique(self.elements[self.on(face)][:, ON_FACE[face]])

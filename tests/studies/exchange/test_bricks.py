@@ -66,6 +66,12 @@ def test_faces_lie_where_they_should(name: str) -> None:
     assert set(bricks.ply[bricks.outer]) == {1}
 
 
+def test_axes_turn_by_the_angle_between_centre_and_gauss_point() -> None:
+    assert BODIES["plate"][0].turning == pytest.approx(0, abs=1e-7)
+    half, farthest = QUARTER / 6 / 2, np.sqrt(0.6)
+    assert BODIES["tube"][0].turning == pytest.approx(farthest * half, rel=1e-9)
+
+
 def test_shape_functions_are_one_at_their_node_and_zero_at_the_others() -> None:
     nodes = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1), (0, -1), (1, 0), (0, 1), (-1, 0)], float)
     np.testing.assert_allclose(serendipity(*nodes.T), np.eye(8), atol=1e-15)

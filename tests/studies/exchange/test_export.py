@@ -41,6 +41,16 @@ def test_wrong_use_is_one_line_and_writes_nothing(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(("mesh", "told"), [("8x8", True), ("2x2", False)])
+def test_cords_that_turn_within_a_brick_are_told(
+    mesh: str, told: bool, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """On the coarse torus; on Pagano's plate axes do not turn at all."""
+    scene = "tyre" if told else "pagano"
+    assert main(["export", scene, "--mesh", mesh, "--format", "inp", "--out", str(tmp_path / "scene.inp")]) == 0
+    assert ("one direction a brick" in capsys.readouterr().out) is told
+
+
 def test_a_directory_is_no_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main([*ASKED, "--format", "inp", "--out", str(tmp_path)]) == 2
     assert "is a directory, not a file" in capsys.readouterr().err
