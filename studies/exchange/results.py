@@ -87,9 +87,12 @@ def _printed(text: str, problem: Problem) -> list[Found]:
     """Of a deck of ours: whole steps, one a unit of time."""
     blocks: dict[int, dict[str, np.ndarray]] = {}
     heads = list(_BLOCK.finditer(text))
-    for head, following in zip(heads, [*heads[1:], None], strict=True):
-        rows = text[head.end() : None if following is None else following.start()]
-        values = np.array([line.split() for line in rows.splitlines() if _numeric(line)], float)
+    for head, end in zip(heads, [*(head.start() for head in heads), len(text)][1:], strict=True):
+        rows = [line.split() for line in text[head.end() : end].splitlines() if _numeric(line)]
+        try:
+            values = np.array(rows, float)
+        except ValueError:
+            raise UsageError(f"the printed output ends or breaks within {head[1]} for set {head[2]}") from None
         blocks.setdefault(round(float(head[3])) - 1, {})[f"{head[1]} {head[2]}"] = values
     steps = {i: told for i, told in blocks.items() if 0 <= i < len(problem.steps)}
     touched = _touched(steps, problem)

@@ -88,6 +88,17 @@ PRINTED = """
 """
 
 
+def test_output_of_a_run_that_was_stopped_before_its_first_step(cantilever: Problem, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="has no results"):
+        read_results(written(tmp_path / "out.dat", ""), cantilever)
+
+
+def test_a_line_that_breaks_off_is_told(cantilever: Problem, tmp_path: Path) -> None:
+    text = PRINTED.format(time=1.0).replace("3.000000E-01", "3.000000E-01\n         4  1.0")
+    with pytest.raises(UsageError, match="breaks within displacements for set BODY"):
+        read_results(written(tmp_path / "out.dat", text), cantilever)
+
+
 def test_other_blocks_of_printed_output_are_left_alone(cantilever: Problem, tmp_path: Path) -> None:
     """A block that nobody asked for must not run into the one before it."""
     other = " stresses (elem, integ.pnt.,sxx) for set BODY and time  0.1000000E+01\n\n 3 9.0E+00 9.0E+00 9.0E+00\n"
