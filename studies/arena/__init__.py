@@ -1,4 +1,4 @@
 """The arena: linearised contact problems of real shells as files, what is asked of an answer, and who answers best.
 
-No scene, no strain measure and no contact algorithm may be defined here.
+No scene and no strain measure may be defined here, and a contact algorithm only in :mod:`.entries`.
 """
