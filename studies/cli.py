@@ -24,6 +24,7 @@ COMMANDS = {
     "solve": "solve one scene into a directory",
     "resolve": "solve one frozen contact problem again, alone, and judge it",
     "export": "a scene as a deck, a mesh or a neutral sheet for another program",
+    "problems": "frozen contact problems for other programs, and what their answers are worth",
     "judge-field": "hold what another program has found for a scene against it",
     "run": "solve the missing cells of a campaign",
     "table": "the cells of a campaign, what was asked and what became of them",

@@ -2,7 +2,8 @@
 
 The first is an algorithm of ours before the judge. The second solves the equations on the set that was found, by
 SciPy alone with residuals in extended precision, and asks every sign; where the step is a convex programme, an
-interior-point solver has to press the same candidates, from no set at all.
+interior-point solver has to press the same candidates, from no set at all. Elsewhere the answer need not be the only
+one.
 No collection and no file format may enter here.
 """
 
@@ -20,7 +21,7 @@ from contact.interchange.oracle import OracleError, minimise, refusal
 from contact.problem import ContactSolution
 from contact.verify import judge
 
-TRIED = ("semismooth", "lcp")  # the first whose answer the judge takes
+TRIED = ("semismooth", "lcp", "trial-and-error")  # the first whose answer the judge takes
 REFINEMENTS = 5
 SIGN = 1e-9  # of the largest force or gap: what lies closer to zero touches without pressure
 SAME = 1e-8  # of the largest force and displacement: two answers that are one
@@ -49,14 +50,24 @@ def find(step: FrozenStep) -> Certified:
     """The answer by the first algorithm whose answer the judge takes; raises NotCertifiedError where none has one."""
     reasons = []
     for name in TRIED:
-        problem, algorithm = step.problem(), ALGORITHMS[name]()
-        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
-        wrong = judge(problem, found.u, found.pressure).failures()
-        if found.outcome.converged and not wrong:
-            gap = step.gap + step.G @ found.u
-            return Certified(found.u, found.pressure, name, *_states(step, _nodal(step, found.pressure), gap))
-        reasons.append(f"{name}: {found.outcome.value if not found.outcome.converged else ', '.join(wrong)}")
+        try:
+            return _found_by(name, step)
+        except NotCertifiedError as error:
+            reasons.append(f"{name}: {error}")
     raise NotCertifiedError("; ".join(reasons))
+
+
+def _found_by(name: str, step: FrozenStep) -> Certified:
+    problem, algorithm = step.problem(), ALGORITHMS[name]()
+    refused = algorithm.supports(problem)
+    if refused is not None:
+        raise NotCertifiedError(f"does not apply: {refused}")
+    found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+    wrong = judge(problem, found.u, found.pressure).failures()
+    if not found.outcome.converged or wrong:
+        raise NotCertifiedError(", ".join(wrong) if found.outcome.converged else found.outcome.value)
+    gap = step.gap + step.G @ found.u
+    return Certified(found.u, found.pressure, name, *_states(step, _nodal(step, found.pressure), gap))
 
 
 def confirm(step: FrozenStep, answer: Certified) -> Certified:
@@ -74,15 +85,19 @@ def confirm(step: FrozenStep, answer: Certified) -> Certified:
         raise NotCertifiedError(f"a force or a gap on the set of {answer.found_by} has the wrong sign")
     told = ["equations on the set in extended precision"]
     if refusal(step) is None:
-        try:
-            pressure = minimise(step)[1]
-        except OracleError:
-            pass  # it knows the forces of thin shells to 1e-6 only, which may leave a set without an answer
-        else:
-            if not np.array_equal(_states(step, _nodal(step, pressure), gap)[0], answer.pressed):
-                raise NotCertifiedError(f"the interior point presses other candidates than {answer.found_by}")
-            told.append("convex programme by an interior point")
+        told += _by_interior_point(step, answer, gap)
     return replace(answer, confirmed_by=tuple(told))
+
+
+def _by_interior_point(step: FrozenStep, answer: Certified, gap: np.ndarray) -> list[str]:
+    """Raises NotCertifiedError where it presses other candidates; nothing where it finds no end."""
+    try:
+        pressure = minimise(step)[1]
+    except OracleError:
+        return []  # it knows the forces of thin shells to 1e-6 only, which may leave a set without an answer
+    if not np.array_equal(_states(step, _nodal(step, pressure), gap)[0], answer.pressed):
+        raise NotCertifiedError(f"the interior point presses other candidates than {answer.found_by}")
+    return ["convex programme by an interior point"]
 
 
 def _states(step: FrozenStep, forces: np.ndarray, gap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -106,7 +121,8 @@ def exact_on(step: FrozenStep, pressed: np.ndarray) -> tuple[np.ndarray, np.ndar
     W = sparse.diags_array(step.weights, format="csc") if step.coupling is None else sparse.csc_matrix(step.coupling)
     push = sparse.csc_matrix(step.G.T @ W)[:, nodes]
     unit = float(np.max(np.abs(step.K.diagonal()), initial=0.0) / max(np.max(np.abs(push.data), initial=0.0), 1e-300))
-    A = sparse.csc_matrix(sparse.block_array([[step.K, -unit * push], [step.G[nodes], None]]))
+    closed = sparse.csr_matrix((len(nodes), len(nodes)))
+    A = sparse.csc_matrix(sparse.block_array([[step.K, -unit * push], [step.G[nodes], closed]]))
     b = np.concatenate([-step.r, -step.gap[nodes]])
     long = sparse.csr_matrix((A.data, A.indices, A.indptr), shape=A.shape[::-1]).T.astype(np.longdouble)
     try:

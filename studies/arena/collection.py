@@ -1,20 +1,24 @@
 """The collection of frozen contact problems: by which rule they are chosen, how the files are made and checked again.
 
-The rule. Paths are walked in their order, small before large. An iterate on a path is taken when three things hold:
-its answer is certified by two ways (:mod:`studies.arena.certified`); no iterate taken before from the same scene has
-the same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching
-(:class:`studies.arena.traits.Traits`); and its file still fits in the size of the whole collection. The column ``adds``
-of the manifest says which class it is the first of.
+The rule. Published problems come first, then paths in their order, small before large. A step is taken when three
+things hold: its answer is certified by two ways (:mod:`studies.arena.certified`); no step taken before from the same
+scene has the same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching
+(:class:`studies.arena.traits.Traits`); and its file still fits in the size of the whole collection. A step that is
+taken offers its derived forms, candidates that touch without pressure and the dual in its forces, each a family of its
+own. The column ``adds`` of the manifest says of which class a step is the first.
 
-Files are made by one command, named and counted in the manifest that is kept with the suite; what they hold is compared
-by sums that rounding moves little, because two machines round differently. No solver is judged here.
+The rule leaves out what neither way certifies, and so favours those who solve as the first way does; every such step is
+named with its reason beside the manifest.
+
+The manifest is kept with the suite; the files are made from it by one command. What they hold is compared by sums that
+rounding moves little, because two machines round differently. No solver is judged here.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -22,31 +26,26 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from studies.arena import paths as listed
-from studies.arena.certified import Certified, confirm, find
-from studies.arena.newton_path import Met, newton_path
+from studies.arena.candidates import CONDENSED, TOUCHING, Candidate, derived, on_path, published
+from studies.arena.candidates import candidates as all_candidates
+from studies.arena.certified import Certified, NotCertifiedError, confirm, find
 from studies.arena.traits import Traits, traits
-from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
-from studies.store.atomic import write_by, write_table
+from studies.store.atomic import write_by, write_table, write_text
 
-MANIFEST = "manifest.csv"
+MANIFEST, LEFT_OUT, FORMAT = "manifest.csv", "left-out.csv", "format.md"
+VERSION = 1  # of the collection: another choice of problems is another version
 LARGEST = 100e6  # bytes of all files
 MOST = 8e6  # bytes of one of them
-LICENCE = "MIT"
+ENTRY = 7.0  # bytes of an entry of a matrix in a compressed file, measured: 4 to 8
 SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
 ROUNDING = 1e-6  # relative, of those sums: what paths of Newton's method make of different rounding
 CLASSES = ("unknowns", "candidates", "share pressed", "kind", "coupling", "condition", "touching")
 
 
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A step that may be taken: its family, its name in it, where it is from."""
-
-    family: str
-    name: str
-    origin: dict[str, Any]
-    step: FrozenStep
+def _silent(line: str) -> None:
+    """Nothing is told."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,103 +64,44 @@ class Taken:
         told = {"name": self.candidate.name, "family": self.candidate.family, "adds": self.adds, **self.traits.told}
         told |= {"force_N": float(forces.sum()), "displacement_mm": float(np.max(np.abs(self.answer.du), initial=0.0))}
         told |= {"found_by": self.answer.found_by, "confirmed_by": " and ".join(self.answer.confirmed_by)}
-        return {**told, **dict(zip(SUMS, sums(step), strict=True)), **self.candidate.origin}
-
-    def write(self, path: Path) -> None:
-        """The file of the problem, its answer aside."""
-        step = self.candidate.step
-        scales = {"force_N": step.scale, "displacement_mm": float(np.max(np.abs(self.answer.du), initial=0.0))}
-        head = {"name": self.candidate.name, "licence": LICENCE, **self.candidate.origin, "scales": scales}
-        write_by(path, FrozenStep(**{**vars(step), "meta": head}).write)
+        told |= {"licence": self.candidate.licence, **dict(zip(SUMS, sums(step), strict=True))}
+        return told | self.candidate.origin
 
 
-def sums(step: FrozenStep) -> tuple[float, ...]:
-    """Norms of K, r, G and gap: what a problem is recognised by on another machine."""
-    return tuple(float(np.linalg.norm(part)) for part in (step.K.data, step.r, step.G.data, step.gap))
+@dataclass(eq=False)
+class Rule:
+    """The rule at work: classes seen in each family, bytes spent, and what was left out although it is new."""
 
+    largest: float = LARGEST
+    seen: dict[str, set[tuple[object, ...]]] = field(default_factory=dict)
+    spent: float = 0.0
+    left_out: list[dict[str, str]] = field(default_factory=list)
 
-def candidates(paths: Iterable[listed.Path]) -> Iterator[Candidate]:
-    """Published problems, then the iterates along the paths; a path that cannot be asked for raises UsageError."""
-    for body in published():
-        family = body.name.split()[0]
-        step = frozen(body)
-        yield Candidate(family, body.name.replace(" ", "-").replace("=", ""), {"source": body.name}, step)
-    for path in paths:
-        solve: list[Met] = []
-        for met in newton_path(path.scene, path.settings, path.mesh):
-            if solve and met.solve != solve[0].solve:
-                yield from _looked_at(path, solve)
-                solve = []
-            solve.append(met)
-        yield from _looked_at(path, solve)
-
-
-def _looked_at(path: listed.Path, solve: Sequence[Met]) -> Iterator[Candidate]:
-    """All iterates of a solve, or its first ones and the last but one, from where a step still moves something."""
-    chosen = range(len(solve)) if not path.looks else sorted({*range(path.looks - 1), len(solve) - 2})
-    for i in chosen:
-        if 0 <= i < len(solve):
-            met = solve[i]
-            origin = {"scene": path.scene, "mesh": path.mesh, "stage": met.stage, "target": met.target}
-            origin |= {"settings": " ".join(f"{key}={value}" for key, value in path.settings.items())}
-            origin |= {"solve": met.solve, "iteration": met.iteration, "arrived": met.arrived}
-            yield Candidate(path.scene, f"{path.name}-s{met.solve}i{met.iteration}", origin, met.at.step)
-
-
-def published() -> Iterator[Bounded]:
-    """Obstacle problems and classics of linear complementarity, up to a hundred thousand unknowns."""
-    for points in (5, 10, 23, 46):
-        for name in ("OBSTCLAL", "OBSTCLBL"):
-            yield obstacle(name, points)
-        yield torsion(5.0, points)
-        yield torsion(20.0, points)
-    for points in (102, 318):
-        yield small_die(points)
-    for name in CLASSICS:
-        for n in (3, 10, 30, 100):
-            yield classic(name, n)
-
-
-def small_die(points: int) -> Bounded:
-    """The membrane of OBSTCLAL where only a square of 40 x 40 points in the middle may touch the obstacle."""
-    whole = obstacle("OBSTCLAL", points)
-    inner = np.arange(points - 2) - (points - 2) // 2
-    near = np.logical_and.outer(np.abs(inner) < 20, np.abs(inner) < 20).ravel()
-    low = np.where(near, whole.low, -math.inf)
-    return Bounded(f"DIE {points}", whole.K, whole.f, low, whole.up, whole.start)
-
-
-def frozen(body: Bounded) -> FrozenStep:
-    """A body between bounds as a step from x = 0."""
-    problem, zero = body.problem(), np.zeros(len(body.f))
-    lin = problem.linearise(zero, None)
-    return FrozenStep(body.K, lin.residual, problem.gap_jacobian(zero), problem.gap(zero), problem.weights, lin.scale)
-
-
-def chosen(
-    found: Iterable[Candidate], tell: Callable[[str], None] = lambda name: None, largest: float = LARGEST
-) -> Iterator[Taken]:
-    """Those that the rule takes, in their order; bytes are estimated by 12 an entry of the matrices."""
-    seen: dict[str, set[tuple[object, ...]]] = {}
-    spent = 0.0
-    for candidate in found:
-        tell(candidate.name)
-        size = 12.0 * (candidate.step.K.nnz + candidate.step.G.nnz)
-        if size > MOST or spent + size > largest or not len(candidate.step.gap):
-            continue
-        before = seen.setdefault(candidate.family, set())
+    def taken(self, candidate: Candidate) -> Taken | None:
+        """The candidate with its answer, where the rule takes it."""
+        step, before = candidate.step, self.seen.setdefault(candidate.family, set())
+        size = ENTRY * (step.K.nnz + step.G.nnz)
+        if not len(step.gap):
+            return None
+        if size > MOST or self.spent + size > self.largest:
+            return self._left_out(candidate, f"{size / 1e6:.1f} MB are too many")
         try:
-            found_first = find(candidate.step)
-            own = traits(candidate.step, found_first)
+            first = find(step)
+            own = traits(step, first)
             if own.classes in before:
-                continue
-            answer = confirm(candidate.step, found_first)
-        except ArithmeticError:  # NotCertifiedError, and what a singular step raises
-            continue
-        adds = _news(own.classes, before)
+                return None
+            answer = confirm(step, first)
+        except NotCertifiedError as error:
+            return self._left_out(candidate, str(error))
+        except ArithmeticError as error:  # what a singular step raises
+            return self._left_out(candidate, f"{type(error).__name__}: {error}")
+        found = Taken(candidate, answer, own, _news(own.classes, before))
         before.add(own.classes)
-        spent += size
-        yield Taken(candidate, answer, own, adds)
+        self.spent += size
+        return found
+
+    def _left_out(self, candidate: Candidate, why: str) -> None:
+        self.left_out.append({"name": candidate.name, "family": candidate.family, "why": why})
 
 
 def _news(classes: tuple[object, ...], before: set[tuple[object, ...]]) -> str:
@@ -170,17 +110,84 @@ def _news(classes: tuple[object, ...], before: set[tuple[object, ...]]) -> str:
     return ", ".join(new) if before and new else "combination" if before else "family"
 
 
-def make(directory: Path, tell: Callable[[str], None] = lambda name: None, only: str = "") -> pd.DataFrame:
-    """Write all files and the manifest; only: the scene of the paths, default all."""
+def chosen(found: Iterable[Candidate], rule: Rule, tell: Callable[[str], None] = _silent) -> Iterator[Taken]:
+    """Those that the rule takes, in their order, each followed by those of its derived forms that it takes, too."""
+    for candidate in found:
+        tell(candidate.name)
+        taken = rule.taken(candidate)
+        if taken is not None:
+            yield taken
+            for form in derived(candidate, taken.answer):
+                again = rule.taken(form)
+                if again is not None:
+                    yield again
+
+
+def choose(directory: Path, tell: Callable[[str], None] = _silent, only: str = "") -> pd.DataFrame:
+    """Apply the rule: write all files, the manifest and what was left out; only: the scene of paths, default all."""
     wanted = [path for path in listed.paths() if only in ("", path.scene)]
-    rows = []
-    for taken in chosen(candidates(wanted), tell):
-        path = directory / f"{taken.candidate.name}.npz"
-        taken.write(path)
-        rows.append(taken.row | {"bytes": path.stat().st_size})
+    rule = Rule()
+    rows = [_written(directory, taken) for taken in chosen(all_candidates(wanted), rule, tell)]
     table = pd.DataFrame(rows)
-    write_table(directory / MANIFEST, table)
+    write_table(directory / LEFT_OUT, pd.DataFrame(rule.left_out, columns=["name", "family", "why"]))
+    _finish(directory, table)
     return table
+
+
+def _written(directory: Path, taken: Taken) -> dict[str, Any]:
+    path = write(directory, taken.candidate)
+    return taken.row | {"bytes": path.stat().st_size}
+
+
+def write(directory: Path, candidate: Candidate) -> Path:
+    """The file of a problem, without its answer."""
+    path = directory / f"{candidate.name}.npz"
+    head = {"name": candidate.name, "family": candidate.family, "licence": candidate.licence, **candidate.origin}
+    head |= {"collection_version": VERSION}
+    write_by(path, FrozenStep(**{**vars(candidate.step), "meta": head}).write)
+    return path
+
+
+def _finish(directory: Path, table: pd.DataFrame) -> None:
+    write_table(directory / MANIFEST, table)
+    write_text(directory / FORMAT, files("studies.arena").joinpath(FORMAT).read_text(encoding="utf-8"))
+
+
+def make(directory: Path, kept: pd.DataFrame, tell: Callable[[str], None] = _silent) -> None:
+    """Write the files of the kept manifest and the manifest; those that are there and as it says are left alone."""
+    missing = {line.partition(":")[0] for line in unlike(directory, kept)}
+    for candidate in _wanted(missing):
+        tell(candidate.name)
+        if candidate.name in missing:
+            write(directory, candidate)
+        forms = {f"{candidate.name}-{form}" for form in (TOUCHING, CONDENSED)}
+        if forms & missing:
+            for form in derived(candidate, find(candidate.step)):
+                if form.name in missing:
+                    tell(form.name)
+                    write(directory, form)
+    _finish(directory, kept)
+
+
+def _wanted(names: set[str]) -> Iterator[Candidate]:
+    """Candidates that have one of the names, or of which a derived form has; other paths are not walked."""
+    for candidate in published():
+        if any(_is_of(name, candidate.name) for name in names):
+            yield candidate
+    for path in listed.paths():
+        if any(name.startswith(f"{path.name}-s") for name in names):
+            for candidate in on_path(path):
+                if any(_is_of(name, candidate.name) for name in names):
+                    yield candidate
+
+
+def _is_of(name: str, base: str) -> bool:
+    return name in {base, f"{base}-{TOUCHING}", f"{base}-{CONDENSED}"}
+
+
+def sums(step: FrozenStep) -> tuple[float, ...]:
+    """Norms of K, r, G and gap: what a problem is recognised by on another machine."""
+    return tuple(float(np.linalg.norm(part)) for part in (step.K.data, step.r, step.G.data, step.gap))
 
 
 def manifest() -> pd.DataFrame:
@@ -190,18 +197,22 @@ def manifest() -> pd.DataFrame:
 
 
 def unlike(directory: Path, kept: pd.DataFrame) -> list[str]:
-    """What files lack or hold otherwise than the manifest says, a line each."""
+    """What files lack or hold otherwise than the manifest says, a line each, which begins with the name."""
     lines = []
     for row in kept.to_dict("records"):
         path = directory / f"{row['name']}.npz"
         if not path.exists():
             lines.append(f"{row['name']}: missing")
             continue
-        step = FrozenStep.read(path)
-        if (len(step.r), len(step.gap), step.K.nnz) != (row["unknowns"], row["candidates"], row["entries"]):
+        try:
+            step = FrozenStep.read(path)
+        except FrozenStepError as error:
+            lines.append(f"{row['name']}: {error}")
+            continue
+        if (len(step.r), len(step.gap)) != (row["unknowns"], row["candidates"]):
             lines.append(f"{row['name']}: of another size")
             continue
         for name, own in zip(SUMS, sums(step), strict=True):
-            if not abs(own - row[name]) <= ROUNDING * max(abs(row[name]), math.ulp(1.0)):
+            if not abs(own - float(row[name])) <= ROUNDING * max(abs(float(row[name])), math.ulp(1.0)):
                 lines.append(f"{row['name']}: {name} is {own!r}, the manifest says {row[name]!r}")
     return lines

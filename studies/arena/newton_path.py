@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
+from contact.parameters import Parameter
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearised
 from studies.algorithm_settings import configured
 from studies.complete import complete
@@ -60,11 +61,8 @@ class Recorder:
 
     inside: ContactAlgorithm
     solves: list[tuple[list[Iterate], bool]] = field(default_factory=list)
-
-    @property
-    def name(self) -> str:
-        """Of the algorithm inside."""
-        return self.inside.name
+    name: ClassVar[str] = "recorder"
+    parameters: ClassVar[tuple[Parameter, ...]] = ()
 
     @property
     def epsilon(self) -> float:

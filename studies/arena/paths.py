@@ -37,23 +37,24 @@ def paths() -> Iterator[Path]:
 def _lines() -> Iterator[Path]:
     """Strips, plates and rings: a row of candidates."""
     for mesh in ("4x1", "16x1", "64x1", "256x1"):
+        looks = 3 if mesh == "256x1" else 0
         for thin in ("0.1", "0.01"):
-            yield Path("strip-contact", mesh, {"lam_over_a": thin})
+            yield Path("strip-contact", mesh, {"lam_over_a": thin}, looks)
         for thin in ("0.2", "0.02"):
-            yield Path("heavy-strip", mesh, {"lam_over_unit": thin})
-        yield Path("plate-contact", mesh)
+            yield Path("heavy-strip", mesh, {"lam_over_unit": thin}, looks)
+        yield Path("plate-contact", mesh, {}, looks)
     yield Path("plate-contact", "64x1", {"hole": "0.2"})
     yield Path("strip-contact", "64x1", {"load_fraction": "1,100"})
     for mesh in ("1x8", "1x16", "1x64", "1x256"):
         for thickness in ("1", "0.1", "10"):
-            yield Path("ring", mesh, {"h_mm": thickness, "delta_mm": "1,35,50"})
-        yield Path("crushed-ring", mesh)
-        yield Path("crushed-ring", mesh, {"nu": "0.499"})
+            yield Path("ring", mesh, {"h_mm": thickness, "delta_mm": "1,35,50"}, looks=3)
+        yield Path("crushed-ring", mesh, {}, looks=3)
+        yield Path("crushed-ring", mesh, {"nu": "0.499"}, looks=3)
 
 
 def _panels() -> Iterator[Path]:
     """Panels under a plane or a ball: two rows of everything that makes a step difficult, each alone."""
-    unusual = (
+    unusual: tuple[dict[str, str], ...] = (
         {},
         {"foundation": "ball"},
         {"foundation": "ball", "ball_mm": "1"},
@@ -84,7 +85,7 @@ def _panels() -> Iterator[Path]:
 
 def _tyres() -> Iterator[Path]:
     """Shells of a tyre: definite with the paper's element, indefinite, follower loads, sections, couplings, bodies."""
-    unusual = (
+    unusual: tuple[dict[str, str], ...] = (
         {"element": "paper"},
         {},
         {"load": "follower"},

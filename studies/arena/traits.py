@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -91,5 +92,5 @@ def condition(K: sparse.csc_matrix) -> float:
         factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
     except RuntimeError:
         return math.inf
-    inverse = LinearOperator(A.shape, factor.solve, lambda b: factor.solve(b, "T"))
+    inverse = LinearOperator(A.shape, matvec=factor.solve, rmatvec=partial(factor.solve, trans="T"), dtype=float)
     return float(abs(A).sum(axis=0).max() * onenormest(inverse))

@@ -1,0 +1,154 @@
+"""What an answer from outside is worth: every claim recomputed from the file of the problem and that of the answer.
+
+No algorithm is run and no answer of ours is looked at here.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.interchange.linearised_step import FrozenStep
+from studies.arena.accuracy import Accuracy, Scales, accuracy
+from studies.request import UsageError
+
+CERTIFIED = 1e-8  # accuracy that is asked for unless said otherwise
+SAME = 1e-9  # relative, of a claimed force
+RESIDUALS = tuple(Accuracy.__dataclass_fields__)
+CLAIMS = ("accuracy", *RESIDUALS, "force", "pressed")
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """An answer as it came: du (n,) [mm], pressure (m,) [MPa], and what it claims about itself."""
+
+    du: np.ndarray
+    pressure: np.ndarray
+    claims: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A claim, what it is in truth, and how far it is from that; false where that is farther than it may be."""
+
+    what: str
+    claimed: str
+    found: str
+    off: float
+    false: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """The residuals, the force and the length that they are relative to, the accuracy asked for, and the claims."""
+
+    worth: Accuracy
+    force_N: float
+    length_mm: float
+    asked: float
+    claims: tuple[Claim, ...]
+
+    @property
+    def certified(self) -> bool:
+        """Whether the accuracy is what was asked for, or better."""
+        return self.worth.worst <= self.asked
+
+    @property
+    def sound(self) -> bool:
+        """Certified, and no claim is false."""
+        return self.certified and not any(claim.false for claim in self.claims)
+
+    def lines(self) -> list[str]:
+        """In words: each residual, each claim, the verdict last."""
+        told = [f"{name}: {value:.2e}" for name, value in asdict(self.worth).items()]
+        told.append(f"relative to {self.force_N:.6g} N and {self.length_mm:.6g} mm")
+        for claim in self.claims:
+            how = f"FALSE by {claim.off:.3g}" if claim.false else "true"
+            told.append(f"claim {claim.what} = {claim.claimed}: {how}, it is {claim.found}")
+        verdict = "certified" if self.certified else "NOT certified"
+        return [*told, f"{verdict}: accuracy {self.worth.worst:.2e}, asked {self.asked:.0e}"]
+
+
+def read_answer(path: Path) -> Given:
+    """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
+    try:
+        found = _from_json(path) if path.suffix == ".json" else _from_npz(path)
+    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        why = f"{error} is missing" if isinstance(error, KeyError) else str(error).splitlines()[0]
+        raise UsageError(f"{path} is no answer: {why}") from None
+    unknown = [name for name in found.claims if name not in CLAIMS]
+    if unknown:
+        raise UsageError(f"{path}: claim {unknown[0]!r} must be one of {', '.join(CLAIMS)}")
+    return found
+
+
+def _from_json(path: Path) -> Given:
+    told = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(told, dict):
+        raise ValueError("it must be a JSON object")
+    return _given(told["du"], told["pressure"], told.get("claims", {}))
+
+
+def _from_npz(path: Path) -> Given:
+    if not zipfile.is_zipfile(path):
+        path.open("rb").close()  # says so when there is none
+        raise ValueError("it is neither .json nor .npz")
+    with np.load(path, allow_pickle=False) as arrays:
+        return _given(arrays["du"], arrays["pressure"], json.loads(str(arrays["claims"])) if "claims" in arrays else {})
+
+
+def _given(du: Any, pressure: Any, claims: Any) -> Given:
+    if not isinstance(claims, dict):
+        raise ValueError("claims must be a JSON object")
+    numbers = [np.asarray(values, dtype=float) for values in (du, pressure)]
+    if any(values.ndim != 1 for values in numbers):
+        raise ValueError("du and pressure must each be a list of numbers")
+    return Given(*numbers, claims)
+
+
+def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Judgement:
+    """Every residual recomputed, every claim held against it; raises UsageError for the wrong number of values."""
+    scales = Scales.of(step)
+    try:
+        worth = accuracy(step, given.du, given.pressure, scales)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    finite = bool(np.all(np.isfinite(given.du)))
+    length = scales.gap(step.G @ given.du) if finite else scales.length
+    claims = tuple(_claim(step, given, worth, scales, *item) for item in given.claims.items())
+    return Judgement(worth, scales.force, length, asked, claims)
+
+
+def _claim(step: FrozenStep, given: Given, worth: Accuracy, scales: Scales, what: str, said: Any) -> Claim:
+    if what == "pressed":
+        return _pressed(given, said)
+    claimed = _number(what, said)
+    if what == "force":
+        weighed = step.weights * given.pressure if step.coupling is None else step.coupling @ given.pressure
+        found = float(np.sum(weighed))
+        off = abs(found - claimed) / max(abs(found), scales.force)
+        return Claim(what, f"{claimed:.9g}", f"{found:.9g}", off, not off <= SAME)
+    found = worth.worst if what == "accuracy" else float(getattr(worth, what))
+    off = found / claimed if claimed > 0 else np.inf if found > 0 else 1.0
+    return Claim(what, f"{claimed:.2e}", f"{found:.2e}", off, not found <= claimed)
+
+
+def _pressed(given: Given, said: Any) -> Claim:
+    """off: how many candidates are in one of the two sets alone."""
+    if not isinstance(said, list) or not all(isinstance(i, int) and 0 <= i < len(given.pressure) for i in said):
+        raise UsageError(f"claim pressed must be a list of candidates from 0 to {len(given.pressure) - 1}")
+    found = set(np.flatnonzero(given.pressure > 0).tolist())
+    off = len(found ^ set(said))
+    return Claim("pressed", f"{len(said)} candidates", f"{len(found)}", off, off > 0)
+
+
+def _number(what: str, said: Any) -> float:
+    if isinstance(said, bool) or not isinstance(said, int | float) or not (said >= 0 or what == "force"):
+        raise UsageError(f"claim {what} = {said!r} must be a number in [0, inf)")
+    return float(said)

@@ -1,0 +1,157 @@
+"""``footprint problems``: the collection of frozen contact problems, for other programs and their answers."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pandas as pd
+
+from contact.interchange.linearised_step import FrozenStep, FrozenStepError
+from studies.columns import columns
+from studies.commands import FAILED, OK
+from studies.commands.options import positive, progress_bar
+from studies.request import UsageError
+
+PROBLEMS = Path(".footprint/problems")
+SHOWN = ("name", "unknowns", "candidates", "pressed", "touching", "kind", "coupling", "adds")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """One subcommand each."""
+    parts = parser.add_subparsers(
+        required=True, metavar="list|make|check|export|import|judge", parser_class=type(parser)
+    )
+
+    listing = parts.add_parser("list", help="the problems with their traits and what each adds")
+    listing.add_argument("--family", help="of one scene or source")
+    listing.set_defaults(part=_list)
+
+    making = parts.add_parser("make", help="make the files, or those that are missing")
+    making.add_argument("--out", type=Path, default=PROBLEMS, metavar="DIR", help=f"default {PROBLEMS}")
+    making.add_argument("--family", help="of one scene or source alone")
+    making.add_argument("--choose", action="store_true", help="apply the rule anew: another manifest, about an hour")
+    making.set_defaults(part=_make)
+
+    checking = parts.add_parser("check", help="files against the manifest of the suite")
+    checking.add_argument("directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR")
+    checking.set_defaults(part=_check)
+
+    exporting = parts.add_parser("export", help="one problem in a format of other programs")
+    exporting.add_argument("problem", type=Path, metavar="PROBLEM.npz")
+    exporting.add_argument("--format", required=True, help="mat, qpsolvers, mps, mtx, siconos")
+    exporting.add_argument("--out", type=Path, required=True, metavar="FILE")
+    exporting.set_defaults(part=_export)
+
+    importing = parts.add_parser("import", help="a linear complementarity problem of Siconos as a frozen problem")
+    importing.add_argument("source", type=Path, metavar="FILE.dat")
+    importing.add_argument("--out", type=Path, required=True, metavar="PROBLEM.npz")
+    importing.set_defaults(part=_import)
+
+    judging = parts.add_parser("judge", help="recompute what an answer claims")
+    judging.add_argument("problem", type=Path, metavar="PROBLEM.npz")
+    judging.add_argument("answer", type=Path, metavar="ANSWER", help=".npz or .json with du and pressure")
+    judging.add_argument("--tolerance", type=float, help="accuracy that is asked for, default 1e-8")
+    judging.set_defaults(part=_judge)
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run the part."""
+    return int(options.part(options))
+
+
+def _list(options: argparse.Namespace) -> int:
+    kept = _kept(options.family)
+    rows = [tuple(map(str, row)) for row in kept[list(SHOWN)].itertuples(index=False)]
+    print("\n".join(columns([SHOWN, *rows], right=range(1, 5))))
+    print(f"{len(kept)} problems, {kept['bytes'].sum() / 1e6:.1f} MB: footprint problems make")
+    return OK
+
+
+def _kept(family: str | None) -> pd.DataFrame:
+    """The manifest, or the rows of a family; raises UsageError."""
+    from studies.arena.collection import manifest
+
+    whole = manifest()
+    if family is None:
+        return whole
+    names = sorted(set(whole["family"]))
+    if family not in names:
+        raise UsageError(f"--family {family!r} must be one of {', '.join(names)}")
+    return whole[whole["family"] == family]
+
+
+def _make(options: argparse.Namespace) -> int:
+    from studies.arena.collection import choose, make, unlike
+
+    if options.out.is_file():
+        raise UsageError(f"--out {options.out} is a file, not a directory")
+    done = 0
+    with progress_bar("problems") as advance:
+
+        def tell(name: str) -> None:
+            nonlocal done
+            done += 1
+            advance(done, 0, name)
+
+        if options.choose:
+            table = choose(options.out, tell, options.family or "")
+            print(f"{len(table)} problems, {table['bytes'].sum() / 1e6:.1f} MB: {options.out}")
+            return OK
+        kept = _kept(options.family)
+        make(options.out, kept, tell)
+    return _say(unlike(options.out, kept), len(kept), options.out)
+
+
+def _check(options: argparse.Namespace) -> int:
+    from studies.arena.collection import unlike
+
+    if not options.directory.is_dir():
+        raise UsageError(f"{options.directory} is no directory: footprint problems make")
+    kept = _kept(None)
+    return _say(unlike(options.directory, kept), len(kept), options.directory)
+
+
+def _say(wrong: list[str], count: int, directory: Path) -> int:
+    print("".join(f"{line}\n" for line in wrong), end="")
+    print(f"{count - len({line.partition(':')[0] for line in wrong})} of {count} as the manifest says: {directory}")
+    return FAILED if wrong else OK
+
+
+def _step(path: Path) -> FrozenStep:
+    try:
+        return FrozenStep.read(path)
+    except FrozenStepError as error:
+        raise UsageError(str(error)) from None
+
+
+def _export(options: argparse.Namespace) -> int:
+    from studies.arena.exports import export
+
+    step = _step(options.problem)
+    export(step, options.format, options.out)
+    print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")
+    return OK
+
+
+def _import(options: argparse.Namespace) -> int:
+    from studies.arena.candidates import of_complementarity
+    from studies.arena.siconos import read_lcp
+    from studies.store.atomic import write_by
+
+    if options.out.is_dir():
+        raise UsageError(f"--out {options.out} is a directory, not a file")
+    step = of_complementarity(*read_lcp(options.source))
+    meta = {"name": options.source.stem, "source": options.source.name}
+    write_by(options.out, FrozenStep(**{**vars(step), "meta": meta}).write)
+    print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")
+    return OK
+
+
+def _judge(options: argparse.Namespace) -> int:
+    from studies.arena.answers import CERTIFIED, judge_answer, read_answer
+
+    asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
+    found = judge_answer(_step(options.problem), read_answer(options.answer), asked)
+    print("\n".join(found.lines()))
+    return OK if found.sound else FAILED

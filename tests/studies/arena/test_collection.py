@@ -1,0 +1,152 @@
+"""The collection: what the rule takes, that two ways certify it, and that its files come out again."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path as File
+
+import numpy as np
+import pandas as pd
+import pytest
+from scipy import sparse
+
+from contact.interchange.linearised_step import FrozenStep
+from studies.arena import collection
+from studies.arena.candidates import Candidate, on_path
+from studies.arena.certified import NotCertifiedError, confirm, exact_on, find
+from studies.arena.collection import LARGEST, MOST, Rule, chosen, make, manifest, sums, unlike, write
+from studies.arena.paths import Path
+from studies.arena.traits import condition, kind, traits
+from support.problems.arena_steps import indefinite, known_step, lopsided
+
+STRIP = Path("strip-contact", "4x1", {"lam_over_a": "0.1"})
+
+
+def test_certified_is_the_built_in_answer() -> None:
+    step, du, pressure = known_step()
+    found = confirm(step, find(step))
+    assert np.allclose(found.du, du, atol=1e-10 * np.abs(du).max()) and np.allclose(found.pressure, pressure, atol=1e-9)
+    assert found.confirmed_by == (
+        "equations on the set in extended precision",
+        "convex programme by an interior point",
+    )
+
+
+def test_equations_on_a_set_are_solved_beyond_double_precision() -> None:
+    step, du, pressure = known_step()
+    ours, forces = exact_on(step, pressure > 0)
+    assert np.linalg.norm(step.K @ ours + step.r - step.G.T @ forces) <= 1e-14 * np.linalg.norm(step.r)
+    assert np.allclose(forces, step.weights * pressure, atol=1e-10)
+
+
+def test_an_answer_on_a_wrong_set_is_not_confirmed() -> None:
+    """A pressed candidate let go; one that is open, held."""
+    step, _, _ = known_step()
+    right = find(step)
+    for i in (np.flatnonzero(right.pressed)[0], np.flatnonzero(~right.pressed & ~right.touching)[0]):
+        pressure = right.pressure.copy()
+        pressure[i] = 0.0 if right.pressed[i] else 1.0
+        du, forces = exact_on(step, pressure > 0)
+        with pytest.raises(NotCertifiedError):
+            confirm(step, replace(right, du=du, pressure=forces / step.weights))
+
+
+def test_what_is_slightly_off_is_not_confirmed() -> None:
+    step, _, _ = known_step()
+    right = find(step)
+    with pytest.raises(NotCertifiedError, match="displacements"):
+        confirm(step, replace(right, du=right.du * (1 + 1e-6)))
+
+
+def test_kinds() -> None:
+    step, _, _ = known_step()
+    assert [kind(s) for s in (step, indefinite(step), lopsided(step))] == ["definite", "indefinite", "not symmetric"]
+
+
+def test_condition_is_that_of_the_scaled_matrix() -> None:
+    step, _, _ = known_step()
+    K = step.K.toarray()
+    size = 1 / np.sqrt(np.diag(K))
+    assert condition(step.K) == pytest.approx(np.linalg.cond(size[:, None] * K * size, 1), rel=0.5)
+
+
+def test_the_rule_takes_what_is_new_in_its_family_alone() -> None:
+    """The same step twice adds nothing; in another family it does, and says so."""
+    step = known_step()[0]
+    twice = [Candidate("a", "one", {}, step), Candidate("a", "two", {}, step), Candidate("b", "three", {}, step)]
+    taken = list(chosen(twice, Rule()))
+    names = [t.candidate.name for t in taken if "-" not in t.candidate.name]
+    assert names == ["one", "three"] and taken[0].adds == "family"
+    assert {t.candidate.name for t in taken} >= {"one-touching", "one-condensed"}
+
+
+def test_the_rule_names_what_it_leaves_out() -> None:
+    """A step beyond the size, and one without an answer: u >= 1 and -u >= 1."""
+    step = known_step()[0]
+    rule = Rule(largest=1.0)
+    assert rule.taken(Candidate("a", "big", {}, step)) is None
+    K, G = sparse.csc_matrix([[1.0]]), sparse.csr_matrix([[1.0], [-1.0]])
+    nowhere = FrozenStep(K, np.zeros(1), G, -np.ones(2), np.ones(2), 1.0)
+    rule = Rule()
+    assert rule.taken(Candidate("a", "nowhere", {}, nowhere)) is None
+    assert [row["name"] for row in rule.left_out] == ["nowhere"] and rule.left_out[0]["why"]
+
+
+def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Chosen, removed, damaged and made again by the manifest: the same bytes, derived forms included."""
+    monkeypatch.setattr(collection.listed, "paths", lambda: iter([STRIP]))
+    monkeypatch.setattr(collection, "published", lambda: iter(()))
+    taken = list(chosen(on_path(STRIP), Rule()))
+    rows = [t.row | {"bytes": write(tmp_path, t.candidate).stat().st_size} for t in taken]
+    kept = pd.DataFrame(rows)
+    assert not unlike(tmp_path, kept) and len(kept) > 3 and any("-condensed" in name for name in kept["name"])
+    before = {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")}
+    files = sorted(tmp_path.glob("*.npz"))
+    files[0].unlink()
+    files[1].write_bytes(b"no zip")
+    assert len(unlike(tmp_path, kept)) == 2
+    made: list[str] = []
+    make(tmp_path, kept, made.append)
+    assert not unlike(tmp_path, kept)
+    assert {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")} == before
+
+
+def test_a_file_of_other_values_is_named(tmp_path: File) -> None:
+    step = known_step()[0]
+    candidate = Candidate("a", "one", {}, step)
+    row = {"name": "one", "unknowns": len(step.r), "candidates": len(step.gap)}
+    kept = pd.DataFrame([row | dict(zip(collection.SUMS, sums(step), strict=True))])
+    write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-5)})))
+    assert [line.split(" is ")[0] for line in unlike(tmp_path, kept)] == ["one: sum_r"]
+    write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-8)})))
+    assert not unlike(tmp_path, kept)
+
+
+def test_the_kept_manifest_keeps_the_rule() -> None:
+    """Hundreds, all certified by two ways or more, of every kind and size, with a licence, in the bytes allowed."""
+    kept = manifest()
+    assert len(kept) >= 200 and kept["name"].is_unique
+    assert (kept["found_by"] != "").all() and kept["confirmed_by"].str.contains("equations on the set").all()
+    assert set(kept["kind"]) == {"definite", "indefinite", "not symmetric"}
+    assert set(kept["coupling"]) == {"lumped", "consistent"} and set(kept["licence"]) == {"MIT", "Apache-2.0"}
+    assert kept["unknowns"].min() <= 10 and kept["unknowns"].max() >= 90_000
+    assert kept["candidates"].min() <= 3 and kept["candidates"].max() >= 1_000
+    assert (kept["touching"] > 0).sum() >= 20 and kept["bytes"].sum() <= LARGEST and kept["bytes"].max() <= MOST
+    classes = ["family", "adds"]
+    assert (kept[classes] != "").all(axis=None)
+
+
+@pytest.mark.slow
+def test_a_sample_of_the_kept_manifest_is_made_and_certified_again(tmp_path: File) -> None:
+    """Every tenth problem of under 3,000 unknowns, from its path; its answer by two ways, with the traits it has."""
+    kept = manifest()
+    sample = kept[(kept["unknowns"] < 3000)].iloc[::10]
+    make(tmp_path, sample)
+    assert not unlike(tmp_path, sample)
+    for row in sample.to_dict("records"):
+        step = FrozenStep.read(tmp_path / f"{row['name']}.npz")
+        found = confirm(step, find(step))
+        own = traits(step, found)
+        assert (own.kind, own.pressed, own.touching) == (row["kind"], row["pressed"], row["touching"]), row["name"]
+        forces = float(step.problem().nodal_forces(found.pressure).sum())
+        assert forces == pytest.approx(row["force_N"], rel=1e-5), row["name"]
