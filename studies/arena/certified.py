@@ -62,7 +62,10 @@ def _found_by(name: str, step: FrozenStep) -> Certified:
     refused = algorithm.supports(problem)
     if refused is not None:
         raise NotCertifiedError(f"does not apply: {refused}")
-    found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+    try:
+        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+    except ValueError as error:  # two candidates may share an unknown, which some algorithms do not take
+        raise NotCertifiedError(str(error)) from None
     wrong = judge(problem, found.u, found.pressure).failures()
     if not found.outcome.converged or wrong:
         raise NotCertifiedError(", ".join(wrong) if found.outcome.converged else found.outcome.value)
