@@ -26,6 +26,7 @@ from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, 
 LICENCE = "MIT"
 PUBLIC = "public_lcps.json"
 TOUCHING, CONDENSED = "touching", "condensed"
+LARGE = 120_000  # entries of K beyond which a step has no derived forms: they would fill the collection
 DENSE = 300  # candidates whose compliance is written as a full matrix
 
 
@@ -67,7 +68,8 @@ def published() -> Iterator[Candidate]:
     """Obstacle problems, classics of linear complementarity, and those that Siconos is tested by."""
     for body in _bounded():
         name = body.name.replace(" ", "-").replace("=", "")
-        yield Candidate(body.name.split()[0], name, {"source": body.name}, frozen(body))
+        family = "-".join(word for word in body.name.split() if not any(map(str.isdigit, word)))
+        yield Candidate(family, name, {"source": body.name}, frozen(body))
     told = json.loads(files("studies.arena").joinpath(PUBLIC).read_text(encoding="utf-8"))
     for name, given in told["problems"].items():
         step = of_complementarity(np.array(given["M"], float), np.array(given["q"], float))
@@ -114,7 +116,9 @@ def of_complementarity(M: np.ndarray, q: np.ndarray) -> FrozenStep:
 
 
 def derived(of: Candidate, answer: Certified) -> Iterator[Candidate]:
-    """Forms of a step whose answer is known, where it has them."""
+    """Forms of a step whose answer is known, where it has them and is not large."""
+    if of.step.K.nnz > LARGE:
+        return
     for form, make in ((TOUCHING, touching), (CONDENSED, condensed)):
         step = make(of.step, answer) if form == TOUCHING else make(of.step)
         if step is not None:

@@ -25,6 +25,7 @@ TRIED = ("semismooth", "lcp", "trial-and-error")  # the first whose answer the j
 REFINEMENTS = 5
 SIGN = 1e-9  # of the largest force or gap: what lies closer to zero touches without pressure
 SAME = 1e-8  # of the largest force and displacement: two answers that are one
+ROUNDED = 10.0  # times eps and the condition: how far two answers may be apart that rounding alone tells apart
 
 
 class NotCertifiedError(ArithmeticError):
@@ -73,15 +74,19 @@ def _found_by(name: str, step: FrozenStep) -> Certified:
     return Certified(found.u, found.pressure, name, *_states(step, _nodal(step, found.pressure), gap))
 
 
-def confirm(step: FrozenStep, answer: Certified) -> Certified:
-    """The answer with the ways that confirm it; raises NotCertifiedError where one contradicts."""
+def confirm(step: FrozenStep, answer: Certified, condition: float = 1.0) -> Certified:
+    """The answer with the ways that confirm it; raises NotCertifiedError where one contradicts.
+
+    condition: of K, where it is known; what rounding makes of it in double precision is no contradiction.
+    """
+    same = max(SAME, ROUNDED * float(np.finfo(float).eps) * condition) if np.isfinite(condition) else SAME
     du, forces = exact_on(step, answer.pressure > 0)
     for what, one, other in (
         ("displacements", answer.du, du),
         ("forces", _nodal(step, answer.pressure), forces),
     ):
         apart, size = float(np.max(np.abs(one - other), initial=0.0)), float(np.max(np.abs(other), initial=0.0))
-        if not apart <= SAME * size:
+        if not apart <= same * size:
             raise NotCertifiedError(f"{what} of {answer.found_by} are {apart:.1e} off the equations, of {size:.1e}")
     gap = step.gap + step.G @ du
     if np.any(forces < -SIGN * np.max(forces, initial=0.0)) or np.any(gap < -SIGN * _large(step, gap)):

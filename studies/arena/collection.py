@@ -90,7 +90,7 @@ class Rule:
             own = traits(step, first)
             if own.classes in before:
                 return None
-            answer = confirm(step, first)
+            answer = confirm(step, first, own.condition)
         except NotCertifiedError as error:
             return self._left_out(candidate, str(error))
         except ArithmeticError as error:  # what a singular step raises
@@ -192,7 +192,16 @@ def sums(step: FrozenStep) -> tuple[float, ...]:
 
 def manifest() -> pd.DataFrame:
     """The manifest that is kept with the suite."""
-    with files("studies.arena").joinpath(MANIFEST).open(encoding="utf-8") as file:
+    return _kept(MANIFEST)
+
+
+def left_out() -> pd.DataFrame:
+    """What the rule left out when the manifest was made: name, family, why."""
+    return _kept(LEFT_OUT)
+
+
+def _kept(name: str) -> pd.DataFrame:
+    with files("studies.arena").joinpath(name).open(encoding="utf-8") as file:
         return pd.read_csv(file, keep_default_na=False)
 
 

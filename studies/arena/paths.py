@@ -32,6 +32,7 @@ def paths() -> Iterator[Path]:
     yield from _panels()
     yield from _tyres()
     yield from _solids()
+    yield from _large()
 
 
 def _lines() -> Iterator[Path]:
@@ -77,8 +78,6 @@ def _panels() -> Iterator[Path]:
     )
     for mesh, settings in product(("2x2", "6x6", "14x14"), unusual):
         yield Path("panel", mesh, settings)
-    for settings in ({}, {"shape": "plate"}, {"foundation": "ball"}):
-        yield Path("panel", "44x44", {**settings, "delta_mm": "3"}, looks=2)
     for mesh in ("8x8", "16x16"):
         yield Path("manufactured-contact", mesh, {}, looks=3)
 
@@ -104,8 +103,6 @@ def _tyres() -> Iterator[Path]:
         yield Path("tyre", mesh, {**settings, "delta_mm": "0.5,5,15,20"}, looks=3)
     for mesh, settings in product(("20x20", "28x26"), unusual[:5]):
         yield Path("tyre", mesh, {**settings, "delta_mm": "5,20"}, looks=2)
-    yield Path("tyre", "42x40", {"delta_mm": "20"}, looks=2)
-    yield Path("tyre", "42x40", {"delta_mm": "20", "element": "paper"}, looks=1)
 
 
 def _solids() -> Iterator[Path]:
@@ -114,3 +111,12 @@ def _solids() -> Iterator[Path]:
         yield Path("crushed-ring-solid", mesh, {"law": law, "per_ply": "2", "delta_mm": "5,20"}, looks=3)
     yield Path("tyre-solid", "6x8", {"delta_mm": "5,20"}, looks=3)
     yield Path("tyre-solid", "12x16", {"delta_mm": "10"}, looks=2)
+
+
+def _large() -> Iterator[Path]:
+    """What takes most of the size, last: all else has its place by then."""
+    yield Path("tyre", "42x40", {"delta_mm": "20"}, looks=2)
+    yield Path("tyre", "42x40", {"delta_mm": "20", "element": "paper"}, looks=1)
+    plain: tuple[dict[str, str], ...] = ({}, {"shape": "plate"}, {"foundation": "ball"})
+    for settings in plain:
+        yield Path("panel", "44x44", {**settings, "delta_mm": "3"}, looks=1)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from studies.arena.collection import left_out, manifest
 from studies.door.plugins import modules
 from studies.experiments.contact_sizes import contact_sizes
 from studies.experiments.crushed_ring import crushed_ring_study
@@ -61,6 +62,8 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "manufactured_contact": manufactured_contact,
     "manufactured_statements": statements,
     "fuzz_faults": planted_faults,
+    "problems": manifest,
+    "problems_left_out": left_out,
 }
 
 

@@ -2,6 +2,7 @@
 
 import json
 import sys
+from pathlib import Path
 
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array
@@ -23,5 +24,5 @@ for _ in range(50):  # a primal-dual active set: closed where pressed, no pressu
         break
     pressed = expected
 claims = {"accuracy": 1e-8, "pressed": np.flatnonzero(pressure > 0).tolist()}
-with open(sys.argv[2], "w", encoding="utf-8") as file:
-    json.dump({"du": du.tolist(), "pressure": pressure.tolist(), "claims": claims}, file)
+answer = {"du": du.tolist(), "pressure": pressure.tolist(), "claims": claims}
+Path(sys.argv[2]).write_text(json.dumps(answer), encoding="utf-8")

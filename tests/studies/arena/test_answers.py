@@ -29,7 +29,8 @@ def test_a_right_answer_is_certified_and_its_claims_are_true() -> None:
     truth = {"accuracy": 1e-12, "equilibrium": 1e-12, "force": float(np.sum(step.weights * answer.pressure))}
     truth["pressed"] = np.flatnonzero(answer.pressure > 0).tolist()
     found = judge_answer(step, Given(answer.du, answer.pressure, truth))
-    assert found.sound and len(found.claims) == 4
+    assert found.sound
+    assert len(found.claims) == 4
 
 
 @pytest.mark.parametrize("what", ["accuracy", "equilibrium", "penetration", "force", "pressed"])
@@ -41,8 +42,10 @@ def test_a_false_claim_is_named(what: str) -> None:
     said: dict[str, Any] = {"accuracy": 1e-9, "equilibrium": 1e-9, "penetration": 1e-12, "force": forces * 1.001}
     said["pressed"] = np.flatnonzero(answer.pressure > 0).tolist()[1:]
     found = judge_answer(step, Given(off, answer.pressure, {what: said[what]}), asked=1.0)
-    assert found.certified and not found.sound
-    assert f"claim {what}" in "\n".join(found.lines()) and "FALSE" in "\n".join(found.lines())
+    assert found.certified
+    assert not found.sound
+    assert f"claim {what}" in "\n".join(found.lines())
+    assert "FALSE" in "\n".join(found.lines())
 
 
 def test_residuals_are_those_of_the_equations() -> None:
@@ -68,8 +71,10 @@ def test_answers_are_read_from_both_formats(suffix: str, tmp_path: Path) -> None
     else:
         np.savez(path, du=answer.du, pressure=answer.pressure, claims=np.array(json.dumps(claims)))
     found = read_answer(path)
-    assert np.array_equal(found.du, answer.du) and np.array_equal(found.pressure, answer.pressure)
-    assert found.claims == claims and judge_answer(step, found).sound
+    assert np.array_equal(found.du, answer.du)
+    assert np.array_equal(found.pressure, answer.pressure)
+    assert found.claims == claims
+    assert judge_answer(step, found).sound
 
 
 @pytest.mark.parametrize(
@@ -112,10 +117,12 @@ def test_a_stranger_reads_solves_and_is_judged(tmp_path: Path) -> None:
     """With numpy and scipy, isolated from this suite, in fewer than 30 lines."""
     text = STRANGER.read_text(encoding="utf-8")
     imported = [line for line in text.splitlines() if line.startswith(("import", "from"))]
-    assert len(text.splitlines()) < 30 and not any("studies" in line or "contact" in line for line in imported)
+    assert len(text.splitlines()) < 30
+    assert not any("studies" in line or "contact" in line for line in imported)
     step, _, _ = known_step()
     problem, answer = tmp_path / "problem.npz", tmp_path / "answer.json"
     step.write(problem)
     subprocess.run([sys.executable, "-I", str(STRANGER), str(problem), str(answer)], check=True)
     found = judge_answer(step, read_answer(answer))
-    assert found.sound and {claim.what for claim in found.claims} == {"accuracy", "pressed"}
+    assert found.sound
+    assert {claim.what for claim in found.claims} == {"accuracy", "pressed"}

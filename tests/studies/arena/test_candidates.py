@@ -43,7 +43,8 @@ def test_raised_foundations_touch_and_carry_nothing() -> None:
     """The answer stays one, and more candidates than before are closed without pressure."""
     step, du, pressure = known_step()
     raised = touching(step, answer_of(du, pressure))
-    assert raised is not None and not judge(raised.problem(), du, pressure).failures()
+    assert raised is not None
+    assert not judge(raised.problem(), du, pressure).failures()
     closed = [np.sum((np.abs(s.gap + s.G @ du) <= OBSTACLE) & (pressure == 0)) for s in (step, raised)]
     assert closed[1] > closed[0]
 
@@ -59,14 +60,17 @@ def test_published_problems_of_siconos_are_those_of_its_files(tmp_path: File) ->
     ours = {candidate.name: candidate for candidate in published() if candidate.family == "siconos"}
     step = of_complementarity(*read_lcp(tmp_path / "a.dat"))
     kept = ours["siconos-CPS-1"]
-    assert np.array_equal(kept.step.K.toarray(), step.K.toarray()) and np.array_equal(kept.step.r, step.r)
-    assert kept.licence == "Apache-2.0" and len(ours) == 17
+    assert np.array_equal(kept.step.K.toarray(), step.K.toarray())
+    assert np.array_equal(kept.step.r, step.r)
+    assert kept.licence == "Apache-2.0"
+    assert len(ours) == 17
 
 
 def test_iterates_of_a_path_are_problems_of_its_solves() -> None:
     """Each solve begins with iteration 0, from where its step moves far; the last one hardly moves."""
     found = list(on_path(Path("strip-contact", "4x1", {"lam_over_a": "0.1"})))
-    assert len(found) > 3 and all(candidate.family == "strip-contact" for candidate in found)
+    assert len(found) > 3
+    assert all(candidate.family == "strip-contact" for candidate in found)
     assert len({candidate.name for candidate in found}) == len(found)
     last = [c for c in found if c.origin["solve"] == found[-1].origin["solve"]]
     assert last[0].origin["iteration"] == 0
@@ -94,4 +98,5 @@ def test_classics_have_their_published_answers(n: int) -> None:
     step = next(c.step for c in published() if c.name == f"Murty-{n}")
     z = np.zeros(n)
     z[0] = 1.0
-    assert np.all(step.K @ z + step.r >= 0) and z @ (step.K @ z + step.r) == 0
+    assert np.all(step.K @ z + step.r >= 0)
+    assert z @ (step.K @ z + step.r) == 0

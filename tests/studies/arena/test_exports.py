@@ -23,10 +23,12 @@ def test_maros_meszaros_arrays(tmp_path: Path) -> None:
     export(step, "mat", tmp_path / "p.mat")
     told = io.loadmat(tmp_path / "p.mat")
     P, q, A, low = sparse.csc_matrix(told["P"]), told["q"].ravel(), sparse.csc_matrix(told["A"]), told["l"].ravel()
-    assert (int(told["n"].item()), int(told["m"].item())) == (len(du), len(pressure)) and np.all(np.isinf(told["u"]))
+    assert (int(told["n"].item()), int(told["m"].item())) == (len(du), len(pressure))
+    assert np.all(np.isinf(told["u"]))
     forces = step.weights * pressure
     assert np.linalg.norm(P @ du + q - A.T @ forces) <= 1e-12 * np.linalg.norm(q)
-    assert np.all(A @ du - low >= -1e-12) and abs(forces @ (A @ du - low)) <= 1e-12 * np.linalg.norm(q)
+    assert np.all(A @ du - low >= -1e-12)
+    assert abs(forces @ (A @ du - low)) <= 1e-12 * np.linalg.norm(q)
 
 
 def test_mps_is_read_and_solved_by_another_program(tmp_path: Path) -> None:
@@ -40,7 +42,9 @@ def test_mps_is_read_and_solved_by_another_program(tmp_path: Path) -> None:
     solver.run()
     found = solver.getSolution()
     assert np.allclose(found.col_value, du, rtol=0, atol=1e-6 * np.abs(du).max())
-    assert np.allclose(found.row_dual, step.weights * pressure, rtol=0, atol=1e-6 * np.abs(step.weights * pressure).max())
+    assert np.allclose(
+        found.row_dual, step.weights * pressure, rtol=0, atol=1e-6 * np.abs(step.weights * pressure).max()
+    )
 
 
 def test_mps_says_the_problem(tmp_path: Path) -> None:
@@ -62,14 +66,17 @@ def test_qpsolvers_reads_its_own(tmp_path: Path) -> None:
     step, _, _ = known_step()
     export(step, "qpsolvers", tmp_path / "p.npz")
     told = qpsolvers.Problem.load(tmp_path / "p.npz")
-    assert np.array_equal(told.G, -step.G.toarray()) and np.array_equal(told.h, step.gap) and told.A is None
+    assert np.array_equal(told.G, -step.G.toarray())
+    assert np.array_equal(told.h, step.gap)
+    assert told.A is None
 
 
 def test_qpsolvers_arrays(tmp_path: Path) -> None:
     step, _, _ = known_step()
     export(step, "qpsolvers", tmp_path / "p.npz")
     with np.load(tmp_path / "p.npz") as told:
-        assert np.array_equal(told["P"], step.K.toarray()) and np.array_equal(told["q"], step.r)
+        assert np.array_equal(told["P"], step.K.toarray())
+        assert np.array_equal(told["q"], step.r)
 
 
 def test_matrix_market_says_the_problem(tmp_path: Path) -> None:
@@ -107,7 +114,9 @@ def test_a_format_that_is_none_and_a_file_that_is_there_are_refused(tmp_path: Pa
             export(step, form, tmp_path / "there")
 
 
-@pytest.mark.parametrize("text", ["", "2 1 2 2 2 2 1 0 0 1 1 1", "2 0 3 3 3 3 1 0 0 1 1 1", "2 0 2 2 2 2 1 0 0 1 1", "two"])
+@pytest.mark.parametrize(
+    "text", ["", "2 1 2 2 2 2 1 0 0 1 1 1", "2 0 3 3 3 3 1 0 0 1 1 1", "2 0 2 2 2 2 1 0 0 1 1", "two"]
+)
 def test_what_is_no_problem_of_siconos_is_refused(text: str, tmp_path: Path) -> None:
     (tmp_path / "p.dat").write_text(text, encoding="utf-8")
     with pytest.raises(UsageError, match="Siconos"):
