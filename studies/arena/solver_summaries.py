@@ -133,7 +133,8 @@ def ranking(table: pd.DataFrame, limit_s: float) -> pd.Series:
 def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) -> pd.DataFrame:
     """Spearman's and Kendall's of the rankings of two runs by tolerance and kind: RANK_COLUMNS.
 
-    Of the ``solvers`` and on the ``problems`` that both runs have; NaN where fewer than two solvers are ranked.
+    Of the ``solvers`` and on the ``problems`` that both runs have; NaN where fewer than two solvers are
+    ranked, or all of a run alike.
     """
     shared = set(first["problem"]) & set(second["problem"])
     one, other = (run[run["problem"].isin(shared)] for run in (first, second))
@@ -141,6 +142,6 @@ def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) 
     rows = []
     for (tolerance, kind), ranks in both.groupby(level=["tolerance", "kind"]):
         problems = one.loc[(one["tolerance"] == tolerance) & (one["kind"] == kind), "problem"].nunique()
-        alike = (ranks["one"].corr(ranks["other"], method=how) for how in ALIKE)
+        alike = (float(ranks.corr(method=how).to_numpy()[0, 1]) for how in ALIKE)
         rows.append((tolerance, kind, problems, len(ranks), *alike))
     return pd.DataFrame(rows, columns=list(RANK_COLUMNS))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -89,7 +90,8 @@ def _compared(found: pd.DataFrame) -> int:
     heads = ("tolerance", "kind", "problems", "solvers", "Spearman", "Kendall", "")
     rows = []
     for row in found.to_dict("records"):
-        bar = "" if row["solvers"] < 2 else "repeats" if row["spearman"] >= REPEATED else "BROKEN"
+        none = math.isnan(row["spearman"])
+        bar = "no ranks" if none else "repeats" if row["spearman"] >= REPEATED else "BROKEN"
         alike = (f"{row['spearman']:.3f}", f"{row['kendall']:.3f}", bar)
         rows.append((f"{row['tolerance']:g}", str(row["kind"]), str(row["problems"]), str(row["solvers"]), *alike))
     print(f"\nranks of two runs, Spearman's at least {REPEATED:g}")
