@@ -44,6 +44,7 @@ def ten() -> dict[str, FrozenStep]:
     }
 
 
+@pytest.mark.slow
 def test_ten_problems_by_hand() -> None:
     """By an exact algorithm, by a first-order method that stops early, and by one that ends far from the answer."""
     problems, field = ten(), [SOLVERS[name] for name in ("semismooth", "OSQP", "SCS, scaled")]

@@ -86,14 +86,14 @@ def test_who_does_not_claim_does_not_lie(table: pd.DataFrame) -> None:
 
 @pytest.mark.slow
 def test_who_hangs_or_dies_stops_nobody() -> None:
-    """A sleeper by the clock, who spins by the processor, who dies by its own hand; each is asked once."""
+    """A sleeper by how long it sleeps, who spins by the processor, who dies by its own hand; each is asked once."""
     step, du, pressure = known_step()
     told: dict[str, Any] = {"du": du, "pressure": pressure}
     field = [Hangs("hangs"), Told("spins", **told, spends=600), Dies("dies"), Told("right", **told)]
     rows = list(samples([("a", step)], field, (1e-4,), rounds=2, limit_s=LIMIT_S))
     assert [row["solver"] for row in rows] == ["hangs", "spins", "dies", "right", "right"]
     assert [row["reason"] for row in rows[:4]] == [
-        f"killed after {PATIENCE * LIMIT_S:g} s on the clock",
+        f"killed after {PATIENCE * LIMIT_S:g} s asleep",
         f"killed after {LIMIT_S:g} s",
         "the process died",
         "as told",
@@ -101,6 +101,17 @@ def test_who_hangs_or_dies_stops_nobody() -> None:
     assert [row["claimed"] for row in rows] == [False, False, False, True, True]
     assert all(row["asked"] for row in rows)
     assert all(np.isnan(float(str(row["seconds"]))) for row in rows[:3])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="only Linux tells who sleeps")
+def test_who_works_is_not_killed_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As on a machine that leaves a solve one part in a hundred of a processor."""
+    step, du, pressure = known_step()
+    monkeypatch.setattr("studies.arena.solvers.child.PATIENCE", 0.2)
+    with closing(Child(2.0)) as child:
+        assert child.solve(Told("works", du=du, pressure=pressure, spends=1.0), step, 1e-4)[0].claimed
+        assert child.solve(Hangs("hangs"), step, 1e-4)[0].reason == "killed after 0.4 s asleep"
 
 
 @pytest.mark.slow
