@@ -29,9 +29,9 @@ def profiles(found: pd.DataFrame) -> Figure:
         curves = {str(name): each.sort_values("at") for name, each in own.groupby("solver", sort=False)}
         for name, curve in curves.items():
             if name not in named:
-                axes.step(curve["at"], curve["share"], where="post", color=GREY, linewidth=0.5, alpha=0.5)
+                axes.plot(curve["at"], curve["share"], color=GREY, linewidth=0.5, alpha=0.5)
         for name, style in named.items():
-            axes.step(curves[name]["at"], curves[name]["share"], where="post", **style.dashes)
+            axes.plot(curves[name]["at"], curves[name]["share"], **style.whole, markersize=3)
         axes.set(xscale="log", xlabel=words, ylim=(0, 1.02), xlim=(own["at"].min(), own["at"].max()))
         _labelled(axes, {name: float(curves[name]["share"].iloc[-1]) for name in named}, named)
     panels[0].set_ylabel("share of problems solved")
@@ -51,7 +51,7 @@ def _labelled(axes: Axes, ends: Mapping[str, float], named: Mapping[str, Look]) 
             color=named[name].colour,
             fontsize=8,
             va="center",
-            arrowprops={"arrowstyle": "-", "color": named[name].colour, "linewidth": 0.5},
+            arrowprops={"arrowstyle": "-", "color": named[name].colour, "linewidth": 0.5, "relpos": (0, 0.5)},
             annotation_clip=False,
         )
         free -= APART
