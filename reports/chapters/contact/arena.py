@@ -128,8 +128,8 @@ def _profiles(store: Store) -> Part:
     text = prose(f"""## Profiles
 
 On the {own["problems"].iloc[0]} convex problems, asked for {middle:.0e}: left the share of problems that a solver
-solves in at most so many times what the quickest takes for each ([Dolan, Moré](https://doi.org/10.1007/s101070100263)),
-right within so many factorisations of the stiffness ([Moré, Wild](https://doi.org/10.1137/080724083)). No curve rises
+solves in at most so many times what the quickest takes for each (Dolan, Moré, Math. Program. 91 (2002) 201-213),
+right within so many factorisations of the stiffness (Moré, Wild, SIAM J. Optim. 20 (2009) 172-191). No curve rises
 above the share that is solved at all; problems that nobody solves count. Nine solvers with the largest areas are
 named, the others are grey. A profile depends on who is in it.""")
     shown = picture(
