@@ -16,8 +16,9 @@ def arena(solver_summary: pd.DataFrame, solver_problems: pd.DataFrame, solver_ru
     if strict.empty:
         return
     best = strict.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable").iloc[0]
-    limit = float(solver_run.set_index("name").loc["limit_s", "value"])
-    values = {"problems": float(len(solver_problems)), "convex": float(strict["problems"].max())}
+    limit = float(dict(zip(solver_run["name"], solver_run["value"], strict=True))["limit_s"])
+    values: dict[str, float | str] = {"best": str(best["solver"])}
+    values |= {"problems": float(len(solver_problems)), "convex": float(strict["problems"].max())}
     values |= {"tolerance": float(strict["tolerance"].iloc[0]), "limit": limit, "solvers": float(len(strict))}
     values |= {"solved": float(best["solved"]), "mean": float(best["mean_s"]), "claims": float(strict["claimed"].sum())}
     values |= {"false": float(strict["false"].sum()), "wrong": float((strict["false"] > 0).sum())}
@@ -27,8 +28,7 @@ def arena(solver_summary: pd.DataFrame, solver_problems: pd.DataFrame, solver_ru
         "{mean:.3f} s on average; {false:.0f} of {claims:.0f} claims, by {wrong:.0f} solvers, are false."
     )
     scope = "one linearised problem at a time, from rest, one thread; defaults of the solvers but for the tolerance"
-    said = {**values, "best": str(best["solver"])}
-    yield Statement("arena", "arena", text, said, int(strict["problems"].max()), scope, OPENING, machine=True)
+    yield Statement("arena", "arena", text, values, int(strict["problems"].max()), scope, OPENING, machine=True)
 
 
 MAKERS = (arena,)
