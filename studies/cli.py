@@ -36,7 +36,7 @@ COMMANDS = {
     "compare": "two stores side by side, as a comment for a review",
     "extremes": "solve and judge one point of a map of extremes",
     "fuzz": "solve one random case again and hold it against its laws",
-    "bench": "what all that a solve does costs, its growth, the harness, and peers",
+    "bench": "what all that a solve does costs, its growth, the harness, peers, and solvers",
 }
 ON_A_STORE = {"run", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone

@@ -9,21 +9,26 @@ Sources: Dolan, Moré, Math. Program. 91 (2002) 201-213 (performance profiles); 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Literal
 
 import numpy as np
 import pandas as pd
 
 from studies.analysis.profiles import within
+from studies.arena.solver_table import KILLED
 
 SHIFT_S = 0.01  # what a small problem takes: times far below it, mostly calls of Python, count as equal
-FACTORS = (1.0, 2.0, 5.0, 10.0, 100.0)  # of the time of the quickest
-BUDGETS = (1.0, 3.0, 10.0, 30.0, 100.0, 1000.0)  # factorisations of K
+FACTORS = tuple(float(f"{10 ** (i / 4):.3g}") for i in range(13))  # of the time of the quickest, up to 1000
+BUDGETS = tuple(float(f"{10 ** (i / 4):.3g}") for i in range(17))  # factorisations of K, up to 10,000
 SIZES = {"small": (0, 1_000), "medium": (1_000, 10_000), "large": (10_000, np.inf)}  # unknowns
 SUMMARY_COLUMNS = (
-    *("tolerance", "kind", "size", "solver", "problems", "refused", "claimed", "solved", "solved_share", "false"),
-    *("false_tenfold", "false_own", "worst_claim", "mean_s", "failed_at_limit", "memory_MB", "iterations", "why_not"),
+    *("tolerance", "kind", "size", "solver", "problems", "refused", "timed_out", "claimed", "solved"),
+    *("solved_share", "false", "false_tenfold", "false_own", "worst_claim", "mean_s", "failed_at_limit"),
+    *("memory_MB", "iterations", "why_not"),
 )
 PROFILE_COLUMNS = ("tolerance", "kind", "size", "solver", "problems", "of", "at", "share")
+ALIKE: tuple[Literal["spearman", "kendall"], ...] = ("spearman", "kendall")
+RANK_COLUMNS = ("tolerance", "kind", "problems", "solvers", *ALIKE)
 ALL, TENFOLD = "all", 10.0
 Shares = Callable[[pd.DataFrame, pd.Series], pd.DataFrame]  # times and unit of the problems -> point x solver
 
@@ -31,10 +36,10 @@ Shares = Callable[[pd.DataFrame, pd.Series], pd.DataFrame]  # times and unit of 
 def summary(table: pd.DataFrame, limit_s: float) -> pd.DataFrame:
     """One row a solver and tolerance, for each kind and size and for all sizes of a kind: SUMMARY_COLUMNS.
 
-    refused: not asked, for the reason ``why_not``, the commonest.  false: claims less accurate than asked;
-    false_tenfold: by more than ten times; false_own: that do not even keep the solver's own criterion.  worst_claim:
-    accuracy of the worst claim over the tolerance.  mean_s: see :func:`shifted_mean`, with the limit for each of
-    ``failed_at_limit``.  memory_MB, iterations: medians of what was asked.
+    refused: not asked, for the reason ``why_not``, the commonest.  timed_out: killed at the limit.  false: claims less
+    accurate than asked; false_tenfold: by more than ten times; false_own: that do not even keep the solver's own
+    criterion.  worst_claim: accuracy of the worst claim over the tolerance.  mean_s: see :func:`shifted_mean`, with the
+    limit for each of ``failed_at_limit``.  memory_MB, iterations: medians of what was asked.
     """
     return pd.DataFrame(
         [(*place, *_summed(own, limit_s)) for place, own in _groups(table)], columns=list(SUMMARY_COLUMNS)
@@ -48,7 +53,8 @@ def _summed(own: pd.DataFrame, limit_s: float) -> tuple[object, ...]:
     own_false = int((claims["kept"] == False).sum())  # noqa: E712  None where a solver has no criterion of its own
     reasons = own.loc[~asked, "reason"].mode()
     return (
-        *(len(own), int((~asked).sum()), len(claims), int(solved.sum()), float(solved.mean())),
+        *(len(own), int((~asked).sum()), int(own["reason"].str.startswith(KILLED).sum())),
+        *(len(claims), int(solved.sum()), float(solved.mean())),
         *(int(own["false"].sum()), int((excess > TENFOLD).sum()), own_false, float(excess.max())),
         *(shifted_mean(priced(own, limit_s)), int((~solved).sum())),
         *(own.loc[asked, "memory_MB"].astype(float).median(), own.loc[asked, "iterations"].astype(float).median()),
@@ -57,8 +63,8 @@ def _summed(own: pd.DataFrame, limit_s: float) -> tuple[object, ...]:
 
 
 def solves(table: pd.DataFrame) -> pd.Series:
-    """Which rows are solutions: claimed, and as accurate as asked."""
-    return table["claimed"].astype(bool) & ~table["false"].astype(bool)
+    """Which rows are solutions: claimed, and as accurate as asked in every round."""
+    return table["claimed"].astype(bool) & (table["accuracy"].astype(float) <= table["tolerance"])
 
 
 def priced(table: pd.DataFrame, limit_s: float) -> np.ndarray:
@@ -124,13 +130,18 @@ def ranking(table: pd.DataFrame, limit_s: float) -> pd.Series:
     return places.groupby(level=["tolerance", "kind"]).rank()
 
 
-def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) -> pd.Series:
-    """Spearman's of the rankings of two runs on the problems of both, by tolerance and kind.
+def rank_correlation(first: pd.DataFrame, second: pd.DataFrame, limit_s: float) -> pd.DataFrame:
+    """Spearman's and Kendall's of the rankings of two runs by tolerance and kind: RANK_COLUMNS.
 
-    NaN where fewer than two solvers are ranked.
+    Of the ``solvers`` and on the ``problems`` that both runs have; NaN where fewer than two solvers are
+    ranked, or all of a run alike.
     """
     shared = set(first["problem"]) & set(second["problem"])
-    runs = {name: run[run["problem"].isin(shared)] for name, run in (("first", first), ("second", second))}
-    both = pd.concat({name: ranking(run, limit_s) for name, run in runs.items()}, axis=1)
-    groups = both.groupby(level=["tolerance", "kind"])
-    return pd.Series({place: own.rank().corr().iloc[0, 1] for place, own in groups}, name="rank_correlation")
+    one, other = (run[run["problem"].isin(shared)] for run in (first, second))
+    both = pd.concat({"one": ranking(one, limit_s), "other": ranking(other, limit_s)}, axis=1).dropna()
+    rows = []
+    for (tolerance, kind), ranks in both.groupby(level=["tolerance", "kind"]):
+        problems = one.loc[(one["tolerance"] == tolerance) & (one["kind"] == kind), "problem"].nunique()
+        alike = (float(ranks.corr(method=how).to_numpy()[0, 1]) for how in ALIKE)
+        rows.append((tolerance, kind, problems, len(ranks), *alike))
+    return pd.DataFrame(rows, columns=list(RANK_COLUMNS))

@@ -1,18 +1,23 @@
 """Who solves which frozen problem, asked for which tolerance: each answer judged from the file alone, each solve timed.
 
 Rounds are interleaved: in each, every problem is put to every solver with every tolerance, one after another in one
-process that may be killed. Samples are one flat table that a run which was interrupted goes on with; times are medians
-over the rounds.
+process that may be killed. Whoever was killed over a tolerance is not asked for a stricter one of that problem, which
+counts as killed, too, and says so. Samples are one flat table that a run which was interrupted goes on with; times are
+medians over the rounds.
 """
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Collection, Iterable, Iterator, Sequence
+import io
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
+from itertools import count, product
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -36,16 +41,18 @@ SAMPLE_COLUMNS = (
     "reason",
 )
 COLUMNS = (*SAMPLE_COLUMNS[1:], "samples")
-Problems = Iterable[tuple[str, FrozenStep]]
+KILLED = "killed after"  # how the reason of a solve begins that reached its limit
+Problems = Collection[tuple[str, FrozenStep]]
+Tell = Callable[[int, int, str], None]  # how many solves are behind, of how many, and what comes
 
 
 def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
     """One row a solver, problem and tolerance of samples, with COLUMNS.
 
     asked: whether the solver is there and applies; ``reason`` says why not, or what it said.  accuracy, RESIDUALS: of
-    the answer, claimed or not, see :mod:`studies.arena.accuracy`; of the least accurate round.  false: claimed, and
-    less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by the solver's own criterion,
-    where it has one.
+    the answer, claimed or not, infinite where it was killed, see :mod:`studies.arena.accuracy`; of the least accurate
+    round.  false: claimed, and less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by
+    the solver's own criterion, where it has one.
     seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see
     :mod:`studies.arena.solvers.served`.  factorisation_s: of K, median, the unit of data profiles.
     """
@@ -68,26 +75,37 @@ def recorded(
     *,
     rounds: int = ROUNDS,
     limit_s: float = LIMIT_S,
+    tell: Tell = lambda done, planned, label: None,
 ) -> pd.DataFrame:
-    """The samples of a run, each written to ``path`` (CSV) as it comes; what is there already is not asked again."""
+    """The samples of a run, each written to ``path`` (CSV) as it comes; what is there already is not asked again.
+
+    A last line without an end, of a machine that went down, is taken away.
+    """
     done = read(path)
+    if path.exists():
+        whole = path.read_bytes()
+        os.truncate(path, whole.rfind(b"\n") + 1)
     with path.open("a", newline="", encoding="utf-8") as file:
         writer = csv.DictWriter(file, SAMPLE_COLUMNS)
         if not path.stat().st_size:
             writer.writeheader()
         keys = {(int(n), *rest) for n, *rest in done[["round", *KEY]].itertuples(index=False)}
-        over = set(done.loc[done["seconds"].isna(), list(KEY)].itertuples(index=False, name=None))
-        for row in samples(problems, solvers, tolerances, rounds=rounds, limit_s=limit_s, done=keys, over=over):
+        none = done.loc[done["seconds"].isna(), [*KEY, "reason"]]
+        over = {(solver, problem, tolerance): reason for solver, problem, tolerance, reason in none.to_numpy()}
+        asked = samples(problems, solvers, tolerances, rounds=rounds, limit_s=limit_s, done=keys, over=over, tell=tell)
+        for row in asked:
             writer.writerow(row)
             file.flush()
     return read(path)
 
 
 def read(path: Path) -> pd.DataFrame:
-    """Samples that were written, none where there is no file."""
-    if not path.exists() or not path.stat().st_size:
+    """Samples, or a solver table, as far as they were written whole; none where there is no file."""
+    whole = path.read_text(encoding="utf-8").rpartition("\n")[0] if path.exists() else ""
+    if not whole:
         return pd.DataFrame(columns=list(SAMPLE_COLUMNS))
-    found = pd.read_csv(path, dtype={"kept": object, "reason": object}, keep_default_na=False, na_values=["", "nan"])
+    types = {"kept": object, "reason": object}
+    found = pd.read_csv(io.StringIO(whole), dtype=types, keep_default_na=False, na_values=["", "nan"])
     return found.assign(kept=found["kept"].map({"True": True, "False": False}), reason=found["reason"].fillna(""))
 
 
@@ -99,27 +117,29 @@ def samples(
     rounds: int = ROUNDS,
     limit_s: float = LIMIT_S,
     done: Collection[tuple[int, str, str, float]] = (),
-    over: Collection[tuple[str, str, float]] = (),
+    over: Mapping[tuple[str, str, float], str] = MappingProxyType({}),
+    tell: Tell = lambda done, planned, label: None,
 ) -> Iterator[dict[str, object]]:
-    """One row a solve, with SAMPLE_COLUMNS; problems are gone through once a round, so that they may be read anew.
+    """One row a solve, with SAMPLE_COLUMNS.
 
-    What is refused, or was killed, is asked once; ``over`` was before, ``done`` is what was asked in which round.
+    What is refused, or was killed, is asked once; ``over`` was before, for such a reason; ``done`` is what was asked
+    in which round.
     """
-    solvers, problems = list(solvers), list(problems) if iter(problems) is problems else problems
-    over = set(over)
+    solvers, loose_first, ended = list(solvers), sorted(tolerances, reverse=True), dict(over)
+    planned, asked = rounds * len(problems) * len(solvers) * len(loose_first), count()
     with closing(Child(limit_s)) as child:
-        for turn in range(rounds):
-            for name, step in problems:
-                bench = _Bench(child, name, step, Scales.of(step), turn)
-                for solver in _turned(solvers, turn):
-                    for tolerance in tolerances:
-                        key = solver.name, name, tolerance
-                        if key in over or (turn, *key) in done:
-                            continue
-                        row = bench.row(solver, tolerance)
-                        if not np.isfinite(float(str(row["seconds"]))):
-                            over.add(key)
-                        yield row
+        for turn, (name, step) in product(range(rounds), problems):
+            bench = _Bench(child, name, step, turn)
+            for solver, tolerance in product(_turned(solvers, turn), loose_first):
+                tell(next(asked), planned, f"{name}: {solver.name}")
+                key = solver.name, name, tolerance
+                if key in ended or (turn, *key) in done:
+                    continue
+                before = (ended.get((solver.name, name, looser), "") for looser in loose_first if looser > tolerance)
+                row = bench.row(solver, tolerance, next((why for why in before if why.startswith(KILLED)), ""))
+                if not np.isfinite(float(str(row["seconds"]))):
+                    ended[key] = str(row["reason"])
+                yield row
 
 
 @lru_cache(maxsize=2)
@@ -139,18 +159,25 @@ class _Bench:
     child: Child
     name: str
     step: FrozenStep
-    scales: Scales
     turn: int
     factorisation_s: float = np.nan
 
-    def row(self, solver: Solver, tolerance: float) -> dict[str, object]:
-        """What a solver makes of it."""
+    @cached_property
+    def scales(self) -> Scales:
+        """What residuals are measured by."""
+        return Scales.of(self.step)
+
+    def row(self, solver: Solver, tolerance: float, killed: str = "") -> dict[str, object]:
+        """What a solver makes of it; ``killed``: over a looser tolerance, for which reason."""
         step, answer, peak = self.step, None, np.nan
         reason = solver.missing() or solver.applies(step)
         if reason is None:
             if np.isnan(self.factorisation_s):
                 self.factorisation_s = self.child.solve(FACTORISATION, step, 0.0)[0].seconds
-            answer, peak = self.child.solve(solver, step, tolerance)
+            if killed:
+                answer = Answer.none(step, killed)
+            else:
+                answer, peak = self.child.solve(solver, step, tolerance)
         told = answer or Answer.none(step, str(reason))
         kept = solver.keeps(step, told, tolerance) if told.claimed else None
         about = {"round": self.turn, "solver": solver.name, "problem": self.name, "tolerance": tolerance}

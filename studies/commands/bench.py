@@ -1,4 +1,4 @@
-"""``footprint bench``: what all that a solve does costs, one iteration and its growth, the harness, and peers."""
+"""``footprint bench``: what all that a solve does costs, one iteration and its growth, the harness, peers, solvers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from studies.columns import columns
-from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.commands import FAILED, NOT_CONVERGED, OK, bench_solvers
 from studies.commands.options import count, progress_bar
 from studies.scene import UsageError
 
@@ -20,7 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
     parser.add_argument("--largest", action="store_true", help="factorise 250,000 unknowns, too")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
-    tables = parser.add_subparsers(metavar="newton|scaling|overhead|peers", parser_class=type(parser))
+    tables = parser.add_subparsers(metavar="newton|scaling|overhead|peers|solvers", parser_class=type(parser))
 
     newton = tables.add_parser("newton", help="cost of one Newton iteration, as ratios")
     newton.add_argument("--mesh", default=MESH, metavar="N1xN2", help=f"default {MESH}")
@@ -42,6 +42,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     peers.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
     peers.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     peers.set_defaults(bench=_peers)
+
+    bench_solvers.add_arguments(tables.add_parser("solvers", help="who solves frozen contact problems, and how well"))
 
 
 def run(options: argparse.Namespace) -> int:

@@ -38,6 +38,7 @@ from studies.scenes.data import DATA
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
 from support.stores.answers import write_answers
+from support.stores.arena import made_up_arena
 from support.stores.made_up import analysed_again, linked, said_again
 from support.stores.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.stores.rings import made_up_laws, made_up_ring
@@ -359,6 +360,7 @@ def write_tables(directory: Path) -> None:
         "shell_limits": made_up_walls(),
         "fuzz": random_cases(),
         "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
+        **made_up_arena(),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

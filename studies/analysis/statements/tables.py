@@ -10,6 +10,7 @@ import pandas as pd
 from studies.analysis.statements import (
     agreement,
     algorithms,
+    arena,
     asked,
     contact,
     cost,
@@ -26,7 +27,7 @@ from studies.analysis.statements.record import Evidence, Maker, Statement, as_ta
 MAKERS: Sequence[Maker] = (
     *(*tyre.MAKERS, *shells.MAKERS, *laws.MAKERS),
     *(*measures.MAKERS, *algorithms.MAKERS, *prices.MAKERS),
-    *(*agreement.MAKERS, *contact.MAKERS, *cost.MAKERS, *trade.MAKERS, *asked.MAKERS),
+    *(*agreement.MAKERS, *contact.MAKERS, *arena.MAKERS, *cost.MAKERS, *trade.MAKERS, *asked.MAKERS),
 )
 
 

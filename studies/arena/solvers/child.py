@@ -19,14 +19,14 @@ from studies.pool.process import ONE_THREAD
 from studies.store.source_hash import ROOT
 
 STARTUP_S = 600.0  # on the clock, as on a machine that leaves it one part in a hundred (measured: 170 s for 0.7 s)
-PATIENCE = 20  # times as long on the clock, for what sleeps
+PATIENCE = 20  # times as long may a solve sleep; one that only waits for a processor does not sleep
 WATCH_S = 0.1
 
 
 class Child:
     """One process at a time, begun when it is needed and again after it was killed; to be closed.
 
-    limit_s: of a solve [s], of processor time, so that no busy machine fails it; PATIENCE times that on the clock.
+    limit_s: of a solve [s], of processor time, so that no busy machine fails it; PATIENCE times that asleep.
     memory_MB: private memory beyond what the process begins with.
     """
 
@@ -69,12 +69,14 @@ class Child:
         """
         assert self._running is not None
         pid = self._running[0].pid
-        begun, latest = _processor_s(pid), time.monotonic() + PATIENCE * self.limit_s
+        (begun, _), asleep, seen = _spent(pid), 0.0, time.monotonic()
         while not pipe.poll(WATCH_S):
-            if _processor_s(pid) - begun > self.limit_s:
+            (spent, sleeps), now = _spent(pid), time.monotonic()
+            asleep, seen = asleep + (now - seen if sleeps else 0.0), now
+            if spent - begun > self.limit_s:
                 return f"killed after {self.limit_s:g} s"
-            if time.monotonic() > latest:
-                return f"killed after {PATIENCE * self.limit_s:g} s on the clock"
+            if asleep > PATIENCE * self.limit_s:
+                return f"killed after {PATIENCE * self.limit_s:g} s asleep"
         return ""
 
     def _begun(self) -> Connection[Any, Any]:
@@ -102,11 +104,15 @@ class Child:
         return self._running[1]
 
 
-def _processor_s(pid: int) -> float:
-    """Processor time of another process [s]; NaN, which is never too much, where the kernel does not tell."""
+def _spent(pid: int) -> tuple[float, bool]:
+    """Processor time of another process [s], and whether it sleeps.
+
+    Where the kernel tells neither, NaN, which is never too much, and yes: then the clock decides.
+    """
     try:
         told = Path(f"/proc/{pid}/stat").read_text(encoding="ascii", errors="replace")
     except OSError:
-        return np.nan
-    user, system = told.rpartition(")")[2].split()[11:13]
-    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+        return np.nan, True
+    state, *numbers = told.rpartition(")")[2].split()
+    user, system = numbers[10:12]
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK"), state != "R"

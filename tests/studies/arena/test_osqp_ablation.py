@@ -65,5 +65,5 @@ def test_effects_by_hand() -> None:
         ("OSQP, scaled", "defaults"): 1.0,
         ("OSQP, scaled", "polished"): 0.5,
     }
-    assert found.loc[("OSQP", "polished"), ["more_solved", "more_false"]].tolist() == [1, -1]
-    assert found.loc[("OSQP, scaled", "polished"), ["more_solved", "more_false"]].tolist() == [0, 2]
+    assert tuple(found.loc[("OSQP", "polished"), ["more_solved", "more_false"]]) == (1, -1)
+    assert tuple(found.loc[("OSQP, scaled", "polished"), ["more_solved", "more_false"]]) == (0, 2)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 
-import numpy as np
 import pandas as pd
 import pytest
 
@@ -19,26 +19,35 @@ from studies.arena.solver_summaries import (
 
 LIMIT_S = 100.0
 # seconds of three solvers on four problems; None: not claimed, negative: claimed falsely in so many seconds
-SECONDS = {"A": (1.0, 2.0, 3.0, 4.0), "B": (2.0, 1.0, None, 8.0), "C": (10.0, -0.5, -0.5, None)}
+SECONDS: Mapping[str, Sequence[float | None]] = {
+    "A": (1.0, 2.0, 3.0, 4.0),
+    "B": (2.0, 1.0, None, 8.0),
+    "C": (10.0, -0.5, -0.5, None),
+}
 FACTORISATION_S = (0.5, 1.0, 1.0, 2.0)
 UNKNOWNS = (100, 200, 2_000, 20_000)
 
 
-def made_up(seconds: dict[str, tuple[float | None, ...]] = SECONDS) -> pd.DataFrame:
+def made_up(seconds: Mapping[str, Sequence[float | None]] = SECONDS) -> pd.DataFrame:
     rows = []
     for solver, times in seconds.items():
         for i, each in enumerate(times):
-            claimed = each is not None
-            wrong = claimed and each < 0
+            claimed, taken = each is not None, math.nan if each is None else each
+            wrong = taken < 0
             about = {"problem": f"p{i}", "kind": "convex", "unknowns": UNKNOWNS[i], "tolerance": 1e-6}
             about |= {
                 "claimed": claimed,
                 "false": wrong,
-                "accuracy": (9e-6, 9e-6, 1e-2)[i] if wrong else 1e-7,
+                "accuracy": (9e-6, 9e-6, 1e-2)[i] if wrong else 1e-7 if claimed else math.inf,
                 "asked": True,
             }
-            about |= {"kept": None if solver == "A" else not wrong, "seconds": abs(each) if claimed else np.nan}
-            about |= {"factorisation_s": FACTORISATION_S[i], "memory_MB": 1.0, "iterations": 1, "reason": ""}
+            about |= {"kept": None if solver == "A" else not wrong, "seconds": abs(taken)}
+            about |= {
+                "factorisation_s": FACTORISATION_S[i],
+                "memory_MB": 1.0,
+                "iterations": 1,
+                "reason": "" if claimed else "killed after 100 s",
+            }
             rows.append({"solver": solver, **about})
     return pd.DataFrame(rows)
 
@@ -65,6 +74,14 @@ def test_shares_false_claims_and_failures() -> None:
     assert at(found, "C")["worst_claim"].item() == pytest.approx(1e4)
     assert at(found, "B", "large")[columns].to_numpy().tolist() == [[1, 1, 1, 1.0, 0, 0, 0, 0]]
     assert at(found, "B", "medium")["failed_at_limit"].item() == 1
+    assert [at(found, solver)["timed_out"].item() for solver in "ABC"] == [0, 1, 1]
+
+
+def test_what_was_killed_in_a_later_round_is_not_solved() -> None:
+    """Its claim of the first round stands in the table beside the accuracy of the worst."""
+    table = made_up()
+    late = table.assign(accuracy=table["accuracy"].where(table["solver"] != "A", math.inf))
+    assert at(summary(late, LIMIT_S), "A")[["claimed", "solved"]].to_numpy().tolist() == [[4, 0]]
 
 
 def test_shifted_means_by_hand() -> None:
@@ -111,20 +128,25 @@ def test_sizes_are_classes_of_unknowns() -> None:
 def test_ranks_and_their_correlation() -> None:
     first = made_up()
     assert ranking(first, LIMIT_S).droplevel([0, 1]).to_dict() == {"A": 1, "B": 2, "C": 3}
-    assert rank_correlation(first, first, LIMIT_S).tolist() == pytest.approx([1.0])
+    same = rank_correlation(first, first, LIMIT_S)
+    assert same[["problems", "solvers", "spearman", "kendall"]].to_numpy().tolist() == [[4, 3, 1.0, 1.0]]
     slower = made_up({name: tuple(t and 3 * t for t in times) for name, times in SECONDS.items()})
-    assert rank_correlation(first, slower, LIMIT_S).tolist() == pytest.approx([1.0])
+    assert rank_correlation(first, slower, LIMIT_S)["spearman"].tolist() == pytest.approx([1.0])
     turned = made_up(dict(zip("CBA", SECONDS.values(), strict=True)))
-    assert rank_correlation(first, turned, LIMIT_S).tolist() == pytest.approx([-1.0])
+    assert rank_correlation(first, turned, LIMIT_S)["spearman"].tolist() == pytest.approx([-1.0])
     two_swapped = made_up({"A": SECONDS["B"], "B": SECONDS["A"], "C": SECONDS["C"]})
-    assert rank_correlation(first, two_swapped, LIMIT_S).tolist() == pytest.approx([0.5])  # 1 - 6 (1 + 1)/(3 8)
+    off = rank_correlation(first, two_swapped, LIMIT_S)
+    assert off["spearman"].tolist() == pytest.approx([0.5])  # 1 - 6 (1 + 1)/(3 8)
+    assert off["kendall"].tolist() == pytest.approx([1 / 3])  # two pairs of three in the same order, one turned
 
 
 def test_problems_of_one_run_alone_do_not_turn_the_ranks() -> None:
     """On the first problem A is quicker than B; on the second, which was put once, B is."""
     whole = made_up({"A": (1.0, 9.0), "B": (2.0, 1.0)})
     assert ranking(whole, LIMIT_S).droplevel([0, 1]).to_dict() == {"A": 2, "B": 1}
-    assert rank_correlation(whole, whole[whole["problem"] == "p0"], LIMIT_S).item() == pytest.approx(1.0)
+    found = rank_correlation(whole, whole[whole["problem"] == "p0"], LIMIT_S)
+    assert found[["problems", "solvers"]].to_numpy().tolist() == [[1, 2]]
+    assert found["spearman"].item() == pytest.approx(1.0)
 
 
 def test_who_is_not_installed_has_no_rank_but_a_row() -> None:
@@ -134,4 +156,4 @@ def test_who_is_not_installed_has_no_rank_but_a_row() -> None:
     found = at(summary(whole, LIMIT_S), "D")
     assert found[["refused", "claimed", "why_not"]].to_numpy().tolist() == [[4, 0, "not installed"]]
     assert "D" not in ranking(whole, LIMIT_S).index.get_level_values("solver")
-    assert math.isclose(rank_correlation(table, whole, LIMIT_S).item(), 1.0)
+    assert rank_correlation(table, whole, LIMIT_S)["spearman"].item() == pytest.approx(1.0)
