@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.figures.drawing import canvas, look, svg
-from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
+from reports.markdown import Part, commands, joined, listing, picture, prose, table
 from reports.store.tables import Store
 
 HEADING = "## The collection"
@@ -32,8 +32,7 @@ condition, touching. *Touching* problems have candidates raised until they touch
 on the collection is compared on what somebody could certify.""")
     why = listing("Left out", reasons(left_out), "family | steps | why", "{family} | {steps} | {why}", words=3)
     drawn = picture("arena-collection.svg", "Unknowns and candidates of every problem, by kind of matrix", draw(kept))
-    body = machine(text, drawn.text, families, warning, why, commands([COMMAND]))
-    return joined(HEADING, Part(body, drawn.pictures))
+    return joined(HEADING, text, drawn, families, warning, why, commands([COMMAND]))
 
 
 def sentence(kept: pd.DataFrame) -> str:

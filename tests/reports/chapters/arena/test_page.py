@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.chapters.contact.arena import arena_page
+from reports.chapters.arena.page import arena_page
 from reports.markdown import Part
 from reports.store.statements import of_page
 from reports.store.tables import load_store

@@ -1,4 +1,4 @@
-"""The page of the arena: frozen contact problems before public solvers and our algorithms, and who claims too much.
+"""The page of the arena: the collection of frozen problems, and public solvers and our algorithms on it.
 
 A section is a function of the store, in the order of SECTIONS; one whose tables are missing says how to make them.
 """
@@ -11,7 +11,8 @@ from typing import Any
 import pandas as pd
 
 from reports.chapter import Chapter
-from reports.chapters.contact.figures_arena import profiles
+from reports.chapters.arena.collection import collection_part
+from reports.chapters.arena.figures import profiles
 from reports.formats import number, share
 from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose, table
 from reports.store.tables import Store
@@ -30,16 +31,31 @@ REPEATED = 0.95
 
 def arena_page(store: Store) -> Part:
     """The whole page."""
-    return joined(_introduction(store), *(section(store) for section in SECTIONS))
+    return joined(_introduction(), collection_part(store), _solver_table(store))
 
 
-def _introduction(store: Store) -> str:
+def _introduction() -> str:
+    return prose("""# The arena
+
+Others' algorithms, solvers and programs on our problems, judged from the files alone. A *frozen problem* is one
+linearised contact problem of a shell, a solid or a published collection: stiffness, loads, gaps and areas. Whoever
+reads the file may answer; `footprint problems judge` recomputes what the answer claims. `footprint card` judges an
+algorithm, a strain measure or a solver of yours and writes one page about it; `footprint card --template` lays out a
+repository that does so at every change.""")
+
+
+def _solver_table(store: Store) -> Part:
+    """All that is known of solvers, where they were put to the problems."""
+    heading = "## Solvers on the collection"
+    if not store.has_table("solver_summary"):
+        return joined(heading, machine(f"Not measured here; `{COMMAND}` does, with the extra qp."))
+    return joined(heading, _conditions(store), *(section(store) for section in SECTIONS))
+
+
+def _conditions(store: Store) -> str:
     kinds = store.table("solver_problems")["kind"].value_counts()
     told = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    return prose(f"""# Arena of solvers
-
-A *frozen problem* is one linearised contact problem of a shell, a solid or a published collection, as a file:
-stiffness, loads, gaps and areas. {kinds.sum()} of them ({told}) are put to every solver in turn: to our algorithms,
+    return prose(f"""{kinds.sum()} problems ({told}) are put to every solver in turn: to our algorithms,
 from rest and without a first set, and to public solvers of quadratic programmes, each as it comes, once with the
 programme in N and mm and once *scaled* (unit diagonal, unit rows, displacements about 1), some also *condensed* on
 the candidates. What is not convex, not symmetric or coupled is no quadratic programme, and its solvers refuse it.
@@ -60,7 +76,7 @@ def _solvers(store: Store) -> Part:
     found = store.table("solver_summary")
     whole = found[found["size"] == ALL]
     blocks: list[Part | str] = [
-        prose("""## Who solves what
+        prose("""### Who solves what
 
 Columns are what was asked for. *Worst claim* is the accuracy of the worst claim over what was asked; *own* counts
 claims that do not even keep the solver's own criterion. Times are of the processor, set-up included; their mean is
@@ -70,7 +86,7 @@ geometric, shifted by 0.01 s. Memory is the median of the peaks of single solves
         own = whole[whole["kind"] == kind]
         none = own.groupby("solver")["refused"].transform("min") >= own["problems"]
         refusing = own[none].drop_duplicates("solver")
-        blocks += [f"### {KINDS[kind].capitalize()}", machine(_counts(own[~none], kind), _times(own[~none]))]
+        blocks += [f"#### {KINDS[kind].capitalize()}", machine(_counts(own[~none], kind), _times(own[~none]))]
         if len(refusing):
             line = "{solver} | {problems} | {why_not}"
             heads = "solver | problems | commonest reason"
@@ -125,7 +141,7 @@ def _profiles(store: Store) -> Part:
     own = found[(found["kind"] == CONVEX) & (found["size"] == ALL) & (found["tolerance"] == middle)]
     if own.empty:
         return Part("")
-    text = prose(f"""## Profiles
+    text = prose(f"""### Profiles
 
 On the {own["problems"].iloc[0]} convex problems, asked for {middle:.0e}: left the share of problems that a solver
 solves in at most so many times what the quickest takes for each (Dolan, Moré, Math. Program. 91 (2002) 201-213),
@@ -144,7 +160,7 @@ def _sizes(store: Store) -> Part:
     middle = tolerances(found)[len(found["tolerance"].unique()) // 2]
     own = found[found["tolerance"] == middle]
     convex = own[own["kind"] == CONVEX]
-    text = prose(f"""## By size and kind
+    text = prose(f"""### By size and kind
 
 Solutions of so many problems, and the shifted mean in seconds, asked for {middle:.0e}; sizes are numbers of
 unknowns.""")
@@ -172,7 +188,7 @@ def _cell(row: dict[Any, Any] | None) -> str:
 
 def _ablation(store: Store) -> Part:
     """What each setting of OSQP is worth."""
-    heading = "## OSQP, setting by setting"
+    heading = "### OSQP, setting by setting"
     if not store.has_table("osqp_effects"):
         return joined(heading, machine(f"Not measured here; `{COMMAND} --ablation` does."))
     found = store.table("osqp_effects")
@@ -195,7 +211,7 @@ def _limits(store: Store) -> Part:
     whole = store.table("solver_summary")
     asked = whole[whole["size"] == ALL]
     killed = share(float(asked["timed_out"].sum() / asked["problems"].sum()), 1)
-    text = prose(f"""## Limits and machine
+    text = prose(f"""### Limits and machine
 
 A solve is killed after {number(float(about["limit_s"]))} s of processor time ({killed} of all that was to be solved),
 so that shares of large problems are shares within that limit. Who was killed over a tolerance is not asked for a
@@ -210,13 +226,12 @@ least {REPEATED}; `--against` compares them.""")
     return joined(text, repeat, listed, commands([COMMAND, f"{COMMAND} --ablation", against]))
 
 
-# the collection of problems goes first, other programs after the ablation
 SECTIONS: tuple[Callable[[Store], Part], ...] = (_solvers, _profiles, _sizes, _ablation, _limits)
 
 CHAPTER = Chapter(
     "arena",
-    "Arena of solvers",
-    "frozen contact problems before public solvers and our algorithms: who solves how many, and who claims too much.",
+    "The arena",
+    "a collection of frozen contact problems, public solvers and our algorithms on it, and how to enter one's own.",
     arena_page,
-    needs=("solver_problems", "solver_summary", "solver_profiles", "solver_run"),
+    needs=("problems", "problems_left_out"),
 )
