@@ -21,7 +21,7 @@ from studies.step import Step
 from studies.store.atomic import plain
 from studies.store.tables import Table
 from studies.trust.field import arrays_of, as_written
-from studies.trust.foreign import Foreign, Refused
+from studies.trust.foreign import ClaimError, Foreign
 from studies.trust.recompute import Opened, Recomputed
 
 AGREE, RESOLVED = 1e-9, 1e-6  # relative
@@ -32,27 +32,26 @@ ALWAYS_CLAIMED = ("counters", "times", "machine", "history")
 
 
 def claims_success(record: Mapping[str, Any]) -> bool:
-    """Whether outcome and class of a record claim an equilibrium; raises Refused where the two exclude each other."""
+    """Whether outcome and class claim an equilibrium; raises ClaimError where the two exclude each other."""
     outcome, kind = record["outcome"], record["class"]
     if (outcome == CERTIFIED) != (kind in (CONVERGED, UNSTABLE, WRONG)) or (outcome == UNSUPPORTED) != (
         kind == UNSUPPORTED
     ):
-        raise Refused("class", f"claimed {kind!r} of a cell whose outcome is {outcome!r}")
+        raise ClaimError("class", f"claimed {kind!r} of a cell whose outcome is {outcome!r}")
     return bool(outcome == CERTIFIED)
 
 
 def check_request(record: Mapping[str, Any], request: Request) -> None:
-    """Raise Refused unless the record is of this request."""
+    """Raise ClaimError unless the record is of this request."""
     wanted = {name: getattr(request, name) for name in ASKED}
-    wanted |= {"mesh": "x".join(map(str, request.mesh)), "settings": {**request.settings, "steps": request.steps}}
-    for name, value in plain(wanted).items():
-        told = record.get(name)
-        if name == "settings":
-            for key in sorted({*value, *told}):
-                if told.get(key) != value.get(key):
-                    raise Refused("request", f"{key} claimed {told.get(key)!r}, the plan asks for {value.get(key)!r}")
-        elif told != value:
-            raise Refused("request", f"{name} claimed {told!r}, the plan asks for {value!r}")
+    wanted["mesh"] = "x".join(map(str, request.mesh))
+    settings = {**request.settings, "steps": request.steps}
+    for told, asked in ((record, wanted), (record["settings"], plain(settings))):
+        for name, value in asked.items():
+            if told.get(name) != value:
+                raise ClaimError("request", f"{name} claimed {told.get(name)!r}, the plan asks for {value!r}")
+    for name in sorted(record["settings"].keys() - settings.keys()):
+        raise ClaimError("request", f"{name} is no setting of {request.scene}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +64,7 @@ class Verified:
 
 
 def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Verified:
-    """Recompute what a record claims from its field; raises Refused with the first claim that is not so."""
+    """Recompute what a record claims from its field; raises ClaimError with the first claim that is not so."""
     check_request(record, request)
     opened = Opened.of(request)
     steps, stage = record["steps"], opened.stage
@@ -88,7 +87,7 @@ def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Ver
 def _load(steps: Sequence[Mapping[str, Any]], stage: Stage) -> float:
     """At which the field is judged: the last one that was asked for, or the end that a curve claims."""
     if not steps:
-        raise Refused("outcome", "claimed converged, without a single load")
+        raise ClaimError("outcome", "claimed converged, without a single load")
     if not isinstance(stage, CurveStage):
         return float(stage.targets[-1])
     return _number(next(iter(steps[-1].values()), None), "load")
@@ -99,16 +98,16 @@ def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, s
     if isinstance(stage, CurveStage):
         until = getattr(stage.continuation, "to_limit", False)
         if not until and load < (1 - AGREE) * stage.targets[-1]:
-            raise Refused("load", f"claimed converged at {load:g}, the request goes to {stage.targets[-1]:g}")
+            raise ClaimError("load", f"claimed converged at {load:g}, the request goes to {stage.targets[-1]:g}")
         return
     wanted = found.recorded + len(stage.targets)
     if len(steps) != wanted:
-        raise Refused("outcome", f"claimed converged with {len(steps)} loads of {wanted}")
+        raise ClaimError("outcome", f"claimed converged with {len(steps)} loads of {wanted}")
     key, value = next(iter((found.seen.step or {"": None}).items()))
     for step, target in zip(steps[found.recorded :], stage.targets, strict=True):
         asked = target if value == load else value
         if not _close(told := _number(step.get(key), key), float(asked), AGREE):
-            raise Refused("load", f"{key} claimed {told!r}, the request asks for {asked:g}")
+            raise ClaimError("load", f"{key} claimed {told!r}, the request asks for {asked:g}")
 
 
 def _residuals(step: Mapping[str, Any], found: Recomputed) -> None:
@@ -122,11 +121,11 @@ def _residuals(step: Mapping[str, Any], found: Recomputed) -> None:
     }
     told = step.get("kkt")
     if not isinstance(told, dict):
-        raise Refused("kkt", "is not claimed at all")
+        raise ClaimError("kkt", "is not claimed at all")
     for name, value in found.kkt.items():
         claimed = _number(told.get(name), name)
         if not value <= (1 + RESOLVED) * claimed + rounding[name]:
-            raise Refused(name, f"claimed {claimed:.3g}, found {value:.3g}")
+            raise ClaimError(name, f"claimed {claimed:.3g}, found {value:.3g}")
 
 
 def _verdict(record: Mapping[str, Any], found: Recomputed) -> None:
@@ -136,16 +135,16 @@ def _verdict(record: Mapping[str, Any], found: Recomputed) -> None:
     if not isinstance(told, list) or not {*found.failures} <= {*told}:
         worst = found.failures[0]
         has = {**found.kkt, **found.verdict.balances}[worst]
-        raise Refused("failures", f"claimed {told or 'none'}, the judge finds {worst} = {has:.3g}")
+        raise ClaimError("failures", f"claimed {told or 'none'}, the judge finds {worst} = {has:.3g}")
     if any(step.keys() != last.keys() for step in steps):
-        raise Refused("steps", "do not claim the same of every load")
+        raise ClaimError("steps", "do not claim the same of every load")
     words = [_word(step) for step in steps]
     if words[-1] != found.stable:
-        raise Refused("stability", f"claimed {words[-1]!r}, found {found.stable!r}")
+        raise ClaimError("stability", f"claimed {words[-1]!r}, found {found.stable!r}")
     failed, unstable = any(step.get("failures") for step in steps), UNSTABLE_WORD in words and not found.curve
     follows = WRONG if failed else UNSTABLE if unstable else CONVERGED
     if record["class"] != follows:
-        raise Refused("class", f"claimed {record['class']!r}, its loads come to {follows!r}")
+        raise ClaimError("class", f"claimed {record['class']!r}, its loads come to {follows!r}")
 
 
 def _word(step: Mapping[str, Any]) -> str:
@@ -155,7 +154,7 @@ def _word(step: Mapping[str, Any]) -> str:
         or not isinstance(told.get("word"), str)
         or not isinstance(step.get("failures"), list)
     ):
-        raise Refused("stability", "is not claimed of every load")
+        raise ClaimError("stability", "is not claimed of every load")
     return str(told["word"])
 
 
@@ -174,10 +173,10 @@ def _quantities(record: Mapping[str, Any], found: Recomputed) -> Iterator[str]:
         if name not in found.seen.quantities:
             _agrees(name, told.get(name), value, RESOLVED, value)
     if last.keys() != seen.keys():
-        raise Refused("quantities", f"{', '.join(sorted(last.keys() ^ seen.keys()))} is not what the scene reads")
+        raise ClaimError("quantities", f"{', '.join(sorted(last.keys() ^ seen.keys()))} is not what the scene reads")
     for name in told.keys() - found.seen.quantities.keys() - found.before.keys():
         if not found.curve:
-            raise Refused("quantities", f"the scene reads no {name}")
+            raise ClaimError("quantities", f"the scene reads no {name}")
         yield name
 
 
@@ -185,36 +184,37 @@ def _agrees(name: str, told: Any, ours: Any, share: float, shaken: Any) -> None:
     """The same but for rounding; what is no number is the same word."""
     if not isinstance(ours, int | float) or isinstance(ours, bool):
         if told != ours:
-            raise Refused(name, f"claimed {told!r}, found {ours!r}")
+            raise ClaimError(name, f"claimed {told!r}, found {ours!r}")
         return
     claimed = _number(told, name)
     moved = abs(float(shaken) - float(ours)) if isinstance(shaken, int | float) else 0.0
     if not _close(claimed, float(ours), share, SHAKEN * moved):
         off = f"{abs(claimed - ours) / abs(ours):.3g} of it" if ours else f"{abs(claimed):.3g}"
-        raise Refused(name, f"claimed {claimed:.12g}, found {ours:.12g}, off by {off}")
+        raise ClaimError(name, f"claimed {claimed:.12g}, found {ours:.12g}, off by {off}")
 
 
 def _counters(record: Mapping[str, Any], found: Recomputed) -> None:
     """Those that need no solve: the unknowns, and that operations are the sum of their kinds."""
     counters, total = record["counters"], sum(record["work"].values())
     if counters.get("dofs") != found.dofs:
-        raise Refused("dofs", f"claimed {counters.get('dofs')}, the model has {found.dofs}")
+        raise ClaimError("dofs", f"claimed {counters.get('dofs')}, the model has {found.dofs}")
     if counters.get("operations") != total:
-        raise Refused("operations", f"claimed {counters.get('operations')}, their kinds sum to {total}")
+        raise ClaimError("operations", f"claimed {counters.get('operations')}, their kinds sum to {total}")
 
 
 def check_table(name: str, ours: Table, rows: Sequence[Sequence[str]]) -> None:
     """The last rows of a table beside the record are those of its last load."""
     head, told = rows[0], rows[1:][-len(ours) :] if len(ours) else []
     if len(told) != len(ours) or not {*ours.columns} <= {*head}:
-        raise Refused(f"{name}.csv", f"has {len(told)} rows of {', '.join(head)}; {len(ours)} belong to its last load")
+        said = f"has {len(told)} rows of {', '.join(head)}; {len(ours)} belong to its last load"
+        raise ClaimError(f"{name}.csv", said)
     for column, values in ours.columns.items():
         at = head.index(column)
         numbers = [abs(value) for value in values if isinstance(value, int | float) and math.isfinite(value)]
         allowed = RESOLVED * max(numbers, default=0.0)
         for row, value in zip(told, values, strict=True):
             if not _cell_agrees(row[at], value, allowed):
-                raise Refused(f"{name}.csv", f"{column} claimed {row[at] or 'nothing'!r}, found {value!r}")
+                raise ClaimError(f"{name}.csv", f"{column} claimed {row[at] or 'nothing'!r}, found {value!r}")
 
 
 def _cell_agrees(text: str, value: Any, allowed: float) -> bool:
@@ -229,11 +229,11 @@ def _cell_agrees(text: str, value: Any, allowed: float) -> bool:
 
 
 def _number(value: Any, name: str) -> float:
-    """A number of a record; raises Refused for what is none."""
+    """A number of a record; raises ClaimError for what is none."""
     if value in ("inf", "-inf"):
         return float(value)
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Refused(name, f"claimed {value!r}, which is no number")
+        raise ClaimError(name, f"claimed {value!r}, which is no number")
     return float(value)
 
 

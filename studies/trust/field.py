@@ -21,7 +21,7 @@ from contact.problem import ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.solid.body import SolidDiscretisation
 from studies.scene import SceneModel, ShellSceneModel, candidates_at
-from studies.trust.foreign import Refused
+from studies.trust.foreign import ClaimError
 
 ARRAY = re.compile(rb'<DataArray type="(Float64|Int64)" Name="([^"]+)"[^>]*>\n([A-Za-z0-9+/=]*)\n</DataArray>')
 RESULTANT = "H_"  # how the names of resultants begin
@@ -42,10 +42,10 @@ def as_written(model: SceneModel, state: ContactSolution) -> tuple[bytes, Arrays
 
 
 def arrays_of(text: bytes, wanted: Arrays) -> dict[str, np.ndarray]:
-    """The arrays by name, each with the type and as many values as in ``wanted``; raises Refused."""
+    """The arrays by name, each with the type and as many values as in ``wanted``; raises ClaimError."""
     blocks = {name: (kind, packed) for kind, name, packed in _blocks(text)}
     if blocks.keys() != wanted.keys():
-        raise Refused("field", f"has the arrays {', '.join(blocks) or 'of nothing'}, not {', '.join(wanted)}")
+        raise ClaimError("field", f"has the arrays {', '.join(blocks) or 'of nothing'}, not {', '.join(wanted)}")
     return {name: _unpacked(*blocks[name], wanted[name], name) for name in wanted}
 
 
@@ -61,22 +61,22 @@ def _unpacked(kind: bytes, packed: bytes, wanted: np.ndarray | None, name: str) 
     try:
         data = engine.decompress(base64.b64decode(packed[HEAD:], validate=True), most + 1 if most else 0)
     except (zlib.error, binascii.Error, ValueError) as error:
-        raise Refused("field", f"{name} cannot be unpacked: {error}") from None
+        raise ClaimError("field", f"{name} cannot be unpacked: {error}") from None
     if wanted is not None and (len(data) != most or wanted.dtype != dtype):
         has = f"more than {most}" if len(data) > most else str(len(data))
-        raise Refused("field", f"{name} has {has} bytes, {most} belong to this mesh")
+        raise ClaimError("field", f"{name} has {has} bytes, {most} belong to this mesh")
     return np.frombuffer(data, dtype)
 
 
 def state_of(model: SceneModel, arrays: Arrays, m: int) -> ContactSolution:
-    """The state with m candidates whose field this is; raises Refused for a field that the model cannot have.
+    """The state with m candidates whose field this is; raises ClaimError for a field that the model cannot have.
 
     The unknowns are read off the nodes that own them. The field that they give must be this one: with supports, images,
     hanging nodes, points, candidates and resultants.
     """
     for name, values in arrays.items():
         if not np.all(np.isfinite(values)):
-            raise Refused("field", f"{name} has {int(np.sum(~np.isfinite(values)))} values that are no numbers")
+            raise ClaimError("field", f"{name} has {int(np.sum(~np.isfinite(values)))} values that are no numbers")
     body, nodes = _body(model)
     moved = arrays["displacement"].reshape(-1, 3)
     if isinstance(body, Discretisation):
@@ -103,15 +103,16 @@ def _agree(name: str, told: np.ndarray, ours: np.ndarray, share: float, arrays: 
     off = float(np.max(np.abs(told - ours), initial=0.0))
     if off > share * size:
         of = {"Points": "the mesh of the request", "displacement": "its supports", "pressure": "its candidates"}
-        raise Refused("field", f"{name} differs by {off:.3g} from what belongs to {of.get(name, 'its displacements')}")
+        belongs = of.get(name, "its displacements")
+        raise ClaimError("field", f"{name} differs by {off:.3g} from what belongs to {belongs}")
 
 
 def _body(model: SceneModel) -> tuple[Discretisation | SolidDiscretisation, np.ndarray]:
-    """What the unknowns are of, and the candidate of each node; raises Refused where no field can be read back."""
+    """What the unknowns are of, and the candidate of each node; raises ClaimError where no field can be read back."""
     if isinstance(model, ShellSceneModel):
         return model.shell.discretisation, model.candidate_of_node
     told: Any = model
     body = getattr(getattr(told, "body", None), "discretisation", None)
     if not isinstance(body, SolidDiscretisation):
-        raise Refused("field", "of this scene cannot be read back")
+        raise ClaimError("field", "of this scene cannot be read back")
     return body, candidates_at(told.nodes, len(body.mesh.x))

@@ -37,7 +37,7 @@ KEPT = (  # of a record; whatever else stands there is left
 )
 
 
-class Refused(ValueError):
+class ClaimError(ValueError):
     """A claim that is not taken: its name, and one line of what is wrong with it."""
 
     def __init__(self, claim: str, said: str) -> None:
@@ -58,16 +58,16 @@ class Foreign:
         return names
 
     def planned(self, campaign: str) -> list[tuple[Cell, str | None]]:
-        """Cells of a campaign with the identities that they claim; raises Refused."""
+        """Cells of a campaign with the identities that they claim; raises ClaimError."""
         data = _json(self.read(f"campaigns/{campaign}.json", LARGEST_RECORD))
         if data.get("schema") != SCHEMA or not isinstance(data.get("cells"), list):
-            raise Refused("plan", f"campaign {campaign} is none of schema {SCHEMA}")
+            raise ClaimError("plan", f"campaign {campaign} is none of schema {SCHEMA}")
         return [_cell(row) for row in data["cells"]]
 
     def record(self, cell_id: str) -> dict[str, Any] | None:
-        """The record of a cell, its keys and types checked; None when there is none. Raises Refused."""
+        """The record of a cell, its keys and types checked; None when there is none. Raises ClaimError."""
         if not ID.fullmatch(cell_id):
-            raise Refused("identity", f"{cell_id[:40]!r} is none")
+            raise ClaimError("identity", f"{cell_id[:40]!r} is none")
         try:
             data = _json(self.read(f"cells/{cell_id}.json", LARGEST_RECORD))
         except FileNotFoundError:
@@ -75,43 +75,43 @@ class Foreign:
         return _checked(data, cell_id)
 
     def table(self, cell_id: str, name: str) -> list[list[str]]:
-        """The rows of a table beside a record, its head first; raises Refused."""
+        """The rows of a table beside a record, its head first; raises ClaimError."""
         if not TABLE.fullmatch(name):
-            raise Refused("files", f"{name[:60]!r} is neither a table nor {FIELDS}")
+            raise ClaimError("files", f"{name[:60]!r} is neither a table nor {FIELDS}")
         text = _text(self._beside(cell_id, name, LARGEST_TABLE), name)
         try:
             rows = list(csv.reader(io.StringIO(text), strict=True))
         except csv.Error as error:
-            raise Refused(name, str(error)) from None
+            raise ClaimError(name, str(error)) from None
         if not rows or any(len(row) != len(rows[0]) for row in rows):
-            raise Refused(name, "is no table: its rows differ in length")
+            raise ClaimError(name, "is no table: its rows differ in length")
         return rows
 
     def fields(self, cell_id: str, largest: int) -> bytes:
-        """The fields beside a record, of at most so many bytes; raises Refused."""
+        """The fields beside a record, of at most so many bytes; raises ClaimError."""
         return self._beside(cell_id, FIELDS, largest)
 
     def _beside(self, cell_id: str, name: str, largest: int) -> bytes:
         try:
             return self.read(f"cells/{cell_id}/{name}", largest)
         except FileNotFoundError:
-            raise Refused("files", f"{name} is not there") from None
+            raise ClaimError("files", f"{name} is not there") from None
 
     def read(self, place: str, largest: int) -> bytes:
-        """A regular file inside the store; raises Refused for a link, or for one of more bytes than ``largest``."""
+        """A regular file inside the store; raises ClaimError for a link, and for more bytes than ``largest``."""
         path = self.root
         for part in Path(place).parts:
             path /= part
             if path.is_symlink():
-                raise Refused("files", f"{place} leads through a link, which is not followed")
+                raise ClaimError("files", f"{place} leads through a link, which is not followed")
         descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe must not hold us up
         with os.fdopen(descriptor, "rb") as file:
             told = os.fstat(file.fileno())
             if not stat.S_ISREG(told.st_mode):
-                raise Refused("files", f"{place} is no regular file")
+                raise ClaimError("files", f"{place} is no regular file")
             data = file.read(largest + 1)
         if len(data) > largest:
-            raise Refused("files", f"{place} has {told.st_size} bytes, more than the {largest} that it may have")
+            raise ClaimError("files", f"{place} has {told.st_size} bytes, more than the {largest} that it may have")
         return data
 
 
@@ -119,18 +119,18 @@ def _text(data: bytes, name: str) -> str:
     try:
         return data.decode("utf-8")
     except UnicodeDecodeError:
-        raise Refused(name, "is no text") from None
+        raise ClaimError(name, "is no text") from None
 
 
 def _json(data: bytes) -> dict[str, Any]:
     try:
         found = json.loads(_text(data, "record"), parse_float=_finite, parse_constant=_finite)
-    except Refused:
+    except ClaimError:
         raise
     except (ValueError, RecursionError):
-        raise Refused("record", "cannot be read as JSON") from None
+        raise ClaimError("record", "cannot be read as JSON") from None
     if not isinstance(found, dict):
-        raise Refused("record", "is none")
+        raise ClaimError("record", "is none")
     return found
 
 
@@ -138,65 +138,72 @@ def _finite(word: str) -> float:
     """A number of JSON, which has neither NaN nor infinities, nor one by so many digits."""
     value = float(word)
     if not math.isfinite(value):
-        raise Refused("record", f"{word[:40]} is no finite number")
+        raise ClaimError("record", f"{word[:40]} is no finite number")
     return value
 
 
 def _cell(row: Any) -> tuple[Cell, str | None]:
     """A row of a plan as a cell; what is resolved, and how it is named, is found here anew."""
     if not isinstance(row, dict):
-        raise Refused("plan", "a row of it is none")
+        raise ClaimError("plan", "a row of it is none")
     options, settings, cell_id = row.get("options"), row.get("settings"), row.get("id")
     told = [row.get("label"), row.get("scene"), row.get("expected", ""), row.get("group", "")]
     if not all(isinstance(each, str) and len(each) <= LONGEST and each.isprintable() for each in told):
-        raise Refused("plan", "a row of it has no label, or no scene")
-    words = isinstance(settings, dict) and all(isinstance(each, str) for each in settings.values())
-    known = isinstance(options, dict) and all(
-        key in OPTIONS and isinstance(value, int if key == "steps" else str) for key, value in options.items()
-    )
-    if not words or not known or not (cell_id is None or isinstance(cell_id, str)):
-        raise Refused("plan", f"{told[0]!r} asks for what no cell can ask for")
+        raise ClaimError("plan", "a row of it has no label, or no scene")
+    if not isinstance(options, dict) or not isinstance(settings, dict):
+        raise ClaimError("plan", f"{told[0]!r} has no options, or no settings")
+    known = all(key in OPTIONS and isinstance(value, _kind(key)) for key, value in options.items())
+    words = all(isinstance(value, str) for value in settings.values())
+    if not words or not known or not isinstance(cell_id, str | None):
+        raise ClaimError("plan", f"{told[0]!r} asks for what no cell can ask for")
     label, scene, expected, group = told
     files = row.get("files") is True
     return Cell(label, scene, dict(options), dict(settings), artefacts=files, expected=expected, group=group), cell_id
 
 
+def _kind(option: str) -> type:
+    """What the value of an option is."""
+    return int if option == "steps" else str
+
+
 def _checked(data: Mapping[str, Any], cell_id: str) -> dict[str, Any]:
-    """The keys of a record that are kept; raises Refused for a type that none of ours has."""
+    """The keys of a record that are kept; raises ClaimError for a type that none of ours has."""
     missing = [key for key in (*KEYS, "outcome", "provenance") if key not in data]
-    if missing or data["schema"] != SCHEMA or data["id"] != cell_id:
-        raise Refused("record", f"lacks {', '.join(missing)}" if missing else f"is not of {cell_id}, schema {SCHEMA}")
+    if missing:
+        raise ClaimError("record", f"lacks {', '.join(missing)}")
+    if data["schema"] != SCHEMA or data["id"] != cell_id:
+        raise ClaimError("record", f"is of {data['id']!r}, schema {data['schema']!r}, not of {cell_id}, {SCHEMA}")
     record = {"measure": "", "work": {}, "cuts": [], "notes": [], **{key: data[key] for key in KEPT if key in data}}
     for key in ("settings", "quantities", "counters", "work", "timing_s", "provenance"):
         if not isinstance(record[key], dict):
-            raise Refused(key, "is no set of values by name")
+            raise ClaimError(key, "is no set of values by name")
     for key in ("counters", "work", "timing_s"):
         for name, value in record[key].items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or not 0 <= value:
-                raise Refused(key, f"{name} = {value!r} must be a number of at least 0")
+            if isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
+                raise ClaimError(key, f"{name} = {value!r} must be a number of at least 0")
     if not isinstance(record["steps"], list) or not all(isinstance(each, dict) for each in record["steps"]):
-        raise Refused("steps", "are no list of loads")
+        raise ClaimError("steps", "are no list of loads")
     files = record["files"]
     if not isinstance(files, list) or not all(name == FIELDS or TABLE.fullmatch(str(name)) for name in files):
-        raise Refused("files", f"must be {FIELDS} and tables NAME.csv")
+        raise ClaimError("files", f"must be {FIELDS} and tables NAME.csv")
     _check_origin(record["provenance"])
     if record["class"] not in CLASSES:
-        raise Refused("class", f"{record['class']!r} must be one of {', '.join(CLASSES)}")
+        raise ClaimError("class", f"{record['class']!r} must be one of {', '.join(CLASSES)}")
     for told in _texts(record):
         if len(told) > LONGEST or not told.isprintable():
-            raise Refused("record", f"has a text of {len(told)} characters that cannot be printed on a line")
+            raise ClaimError("record", f"has a text of {len(told)} characters that cannot be printed on a line")
     return record
 
 
 def _check_origin(told: Mapping[str, Any]) -> None:
-    """Raise Refused unless it has the form that :func:`studies.store.provenance.provenance` gives it."""
+    """Raise ClaimError unless it has the form that :func:`studies.store.provenance.provenance` gives it."""
     words = all(isinstance(told.get(key), str) for key in ("version", "commit", "date"))
     named = all(
         isinstance(told.get(key), dict) and not any(isinstance(each, dict | list) for each in told[key].values())
         for key in ("packages", "blas", "machine")
     )
     if not words or not named or "threads" not in told["blas"]:
-        raise Refused("provenance", "does not say version, commit, date, packages, BLAS and machine")
+        raise ClaimError("provenance", "does not say version, commit, date, packages, BLAS and machine")
 
 
 def _texts(data: Any) -> list[str]:

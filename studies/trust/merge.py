@@ -27,19 +27,20 @@ from studies.request import Request, UsageError
 from studies.result import WRONG
 from studies.store.atomic import as_text, write_by, write_text
 from studies.store.layout import Archive, DamagedError
-from studies.trust.again import check_again, drawn
+from studies.trust.again import Again, drawn, solving
 from studies.trust.claims import check_request, claims_success, verify
-from studies.trust.foreign import FIELDS, Foreign, Refused
+from studies.trust.foreign import FIELDS, ClaimError, Foreign
 
 VERIFIED, SOLVED_AGAIN, UNVERIFIED = "verified", "solved again", "unverified failure"
 STATUSES = (VERIFIED, SOLVED_AGAIN, UNVERIFIED)
+NOT_SOLVED, ALREADY = "not solved there", "here already"
 SAME = 1e-6  # relative: quantities of two machines that say the same
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out
 
 
 @dataclass(frozen=True)
 class Asked:
-    """A cell of the foreign plan: as it is asked for, its row as it is planned here, and the identity that it claims."""
+    """A cell of the foreign plan: as it is asked for, its row as planned here, the identity that it claims."""
 
     cell: Cell
     row: Row
@@ -84,13 +85,13 @@ def merge(
         new = [
             cell_id for cell_id in asked if not archive.record_path(cell_id).exists() and _is_there(foreign, cell_id)
         ]
-        lot = drawn(new, again)
-        for done, (cell_id, each) in enumerate(asked.items()):
-            progress(done, len(asked), each.cell.label)
-            try:
-                summary.count(_taken(foreign, archive, cell_id, each, again=cell_id in lot))
-            except Refused as refused:
-                _refuse(summary, say, f"{each.cell.label} ({cell_id}): {refused}")
+        with solving(drawn(new, again)) as checks:
+            for done, (cell_id, each) in enumerate(asked.items()):
+                progress(done, len(asked), each.cell.label)
+                try:
+                    summary.count(_taken(foreign, archive, cell_id, each, checks))
+                except ClaimError as refused:
+                    _refuse(summary, say, f"{each.cell.label} ({cell_id}): {refused}")
         progress(len(asked), len(asked), "done")
     return summary
 
@@ -100,8 +101,8 @@ def _refuse(summary: Summary, say: Callable[[str], None], line: str) -> None:
     say(line)
 
 
-def _is_there(foreign: Foreign, cell_id: str) -> bool:
-    return (foreign.root / "cells" / f"{cell_id}.json").exists()
+def _is_there(store: Foreign | Archive, cell_id: str) -> bool:
+    return Archive(store.root).record_path(cell_id).exists()
 
 
 def _asked(
@@ -112,7 +113,7 @@ def _asked(
         rows = []
         try:
             planned = foreign.planned(name)
-        except (Refused, OSError) as refused:
+        except (ClaimError, OSError) as refused:
             _refuse(summary, say, f"campaign {name}: {refused}")
             continue
         for cell, claimed in planned:
@@ -124,26 +125,32 @@ def _asked(
             rows.append(row)
             if row.id is not None:
                 yield row.id, Asked(cell, row, claimed)
+            elif claimed is not None:
+                _refuse(summary, say, f"{cell.label} ({claimed}): request: {row.reason}")
         if not archive.index_path(name).exists():
             title = f"the cells {name} of another store"
             write_plan(archive, Campaign(name, title, tuple(row.cell for row in rows)), rows)
 
 
-def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, *, again: bool) -> str:
-    """What has become of a cell, in a word; raises Refused."""
+def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, checks: Again) -> str:
+    """What has become of a cell, in a word; raises ClaimError."""
+    if asked.claimed is None:
+        return NOT_SOLVED
     if asked.claimed != cell_id:
-        raise Refused("identity", f"claimed {asked.claimed}, here it is {cell_id}: other sources, or another request")
+        said = f"claimed {asked.claimed}, here it is {cell_id}: other sources, or another request"
+        raise ClaimError("identity", said)
     record = foreign.record(cell_id)
     if record is None:
-        return "not solved there"
+        return NOT_SOLVED
     if _is_here(archive, cell_id, record):
-        return "there already"
+        return ALREADY
     assert asked.row.request is not None
     request = Request.of(asked.row.request)
     check_request(record, request)
     success = claims_success(record)
+    again = cell_id in checks.lot
     if again:
-        check_again(cell_id, asked.cell, record)
+        checks.check(cell_id, asked.cell, record)
     if success and FIELDS in record["files"]:
         found = verify(record, request, foreign)
         if record["class"] != WRONG or found.failures:
@@ -155,26 +162,26 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, *, ag
         claimed = ["times", "machine"]
         return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, claimed)
     if success:
-        raise Refused("field", "none is kept that would bear it out: footprint run --fields keeps them, or --again all")
+        raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them, or --again all")
     empty: dict[str, Any] = {key: {} for key in OF_A_FAILURE}
     return _keep(archive, foreign, {**record, **empty, "steps": [], "files": []}, UNVERIFIED, ["outcome", "reason"])
 
 
 def _is_here(archive: Archive, cell_id: str, record: Mapping[str, Any]) -> bool:
-    """Whether the store has the cell and says the same of it; raises Refused where it says something else."""
+    """Whether the store has the cell and says the same of it; raises ClaimError where it says something else."""
     try:
         ours = archive.record(cell_id)
     except DamagedError as error:
-        raise Refused("here", f"{error}; footprint run sets it aside") from None
+        raise ClaimError("here", f"{error}; footprint run sets it aside") from None
     if ours is None:
         return False
     if ours["class"] != record["class"]:
-        raise Refused("class", f"claimed {record['class']!r}, the cell here has {ours['class']!r} and stays")
+        raise ClaimError("class", f"claimed {record['class']!r}, the cell here has {ours['class']!r} and stays")
     for name, value in ours["quantities"].items():
         told = record["quantities"].get(name)
         numbers = isinstance(told, int | float) and isinstance(value, int | float)
         if told != value and not (numbers and abs(told - value) <= SAME * abs(value)):
-            raise Refused(name, f"claimed {told}, the cell here has {value} and stays")
+            raise ClaimError(name, f"claimed {told}, the cell here has {value} and stays")
     return True
 
 

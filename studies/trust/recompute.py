@@ -21,7 +21,7 @@ from studies.request import Request, UsageError
 from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage
 from studies.scenes import SCENES
 from studies.trust.field import Arrays, state_of
-from studies.trust.foreign import Refused
+from studies.trust.foreign import ClaimError
 from studies.walk import walk
 
 BEFORE = 1e-9  # of a large gap: where the foundation is that meets what was solved before, here and there
@@ -75,17 +75,17 @@ class Opened:
 
     @classmethod
     def of(cls, request: Request, scene: Scene | None = None) -> Opened:
-        """Build it, and solve all stages but the last; raises Refused where that is not possible."""
+        """Build it, and solve all stages but the last; raises ClaimError where that is not possible."""
         try:
             model = (scene or SCENES[request.scene]).build(request)
             algorithm = configured(request.contact, request.settings)
         except ValueError as error:  # a UsageError is one
-            raise Refused("scene", str(error)) from None
-        stages, before, recorded = tuple(model.stages()), {}, 0
-        previous = None
+            raise ClaimError("scene", str(error)) from None
+        stages, previous, recorded = tuple(model.stages()), None, 0
+        before: dict[str, float] = {}
         for visited in walk(stages[:-1], algorithm, request.steps):
             if not visited.converged:
-                raise Refused("outcome", f"the stage {visited.stage.name!r} does not converge here")
+                raise ClaimError("outcome", f"the stage {visited.stage.name!r} does not converge here")
             seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
             before |= seen.quantities
             recorded += seen.step is not None
@@ -93,7 +93,7 @@ class Opened:
         try:
             begun = stages[-1].begin(previous)
         except UsageError as error:
-            raise Refused("scene", str(error)) from None
+            raise ClaimError("scene", str(error)) from None
         return cls(request, model, algorithm, stages, before, recorded, begun)
 
     @property
@@ -102,7 +102,7 @@ class Opened:
         return self.stages[-1]
 
     def at(self, load: float, arrays: Arrays, touching: int | None) -> Recomputed:
-        """Judge and read a field at a load of the last stage; raises Refused for one that the model cannot have.
+        """Judge and read a field at a load of the last stage; raises ClaimError for one that the model cannot have.
 
         touching: how many nodes are told to be in contact; what has no pressure and no gap counts where that fits.
         """
@@ -143,7 +143,7 @@ class Opened:
             try:
                 found.append((self.stage.observe(problem, used, load), used))
             except UsageError as error:
-                raise Refused("scene", str(error)) from None
+                raise ClaimError("scene", str(error)) from None
         fitting = (each for each in found if (each[0].step or {}).get("contact_nodes") == touching)
         return next(fitting, found[0])
 
