@@ -29,6 +29,7 @@ LARGEST_RECORD, LARGEST_TABLE = 32 * MB, 256 * MB
 LONGEST = 4000  # characters of a text
 FIELDS = "fields.vtu"
 ID, NAME, TABLE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
+MARKUP = "|<>`["  # what a table of a page could take for its own
 OPTIONS = ("measure", "contact", "newton", "model", "mesh", "steps")
 KEPT = (  # of a record; whatever else stands there is left
     *("schema", "id", "scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings"),
@@ -173,6 +174,9 @@ def _checked(data: Mapping[str, Any], cell_id: str) -> dict[str, Any]:
         raise ClaimError("record", f"lacks {', '.join(missing)}")
     if data["schema"] != SCHEMA or data["id"] != cell_id:
         raise ClaimError("record", f"is of {data['id']!r}, schema {data['schema']!r}, not of {cell_id}, {SCHEMA}")
+    mark = data.get("merged")
+    if isinstance(mark, dict) and not data["timing_s"]:  # it was merged there, too, and its seconds are kept apart
+        data = {**data, "timing_s": mark.get("timing_s")}
     record = {"measure": "", "work": {}, "cuts": [], "notes": [], **{key: data[key] for key in KEPT if key in data}}
     for key in ("settings", "quantities", "counters", "work", "timing_s", "provenance"):
         if not isinstance(record[key], dict):
@@ -204,6 +208,8 @@ def _check_origin(told: Mapping[str, Any]) -> None:
     )
     if not words or not named or "threads" not in told["blas"]:
         raise ClaimError("provenance", "does not say version, commit, date, packages, BLAS and machine")
+    if any(each in text for text in _texts(told) for each in MARKUP):
+        raise ClaimError("provenance", f"has one of {MARKUP} in it")
 
 
 def _texts(data: Any) -> list[str]:

@@ -6,6 +6,7 @@
   solved again (:mod:`studies.trust.again`). Without either it is refused.
 - Of a cell that claims none only that, and its reason, are taken: an unverified failure, no quantity and no load of it.
 - A cell that is here stays as it is. When it says the same, nothing is to be done; when not, that is named.
+- Its seconds are kept apart: they are of another machine, and nothing bears them out.
 - What was stopped there (time, memory, crash) is of that machine, and is not taken; nor are tables of experiments.
 
 Each record comes last and whole, so that a merge that was stopped is gone on with by starting it again.
@@ -198,8 +199,9 @@ def _quoted(word: str) -> str:
 
 
 def _keep(archive: Archive, foreign: Foreign, record: Mapping[str, Any], status: str, claimed: list[str]) -> str:
-    """Put the record with a mark of how far it was verified; returns the status."""
+    """Put the record with a mark of how far it was verified, where its seconds are, too; returns the status."""
     when = datetime.now(UTC).isoformat(timespec="seconds")
     mark = {"from": foreign.root.resolve().name, "status": status, "claimed": claimed, "date": when}
-    archive.keep(record["id"], as_text({**record, "merged": mark}))
+    mark["timing_s"] = record["timing_s"]
+    archive.keep(record["id"], as_text({**record, "timing_s": {}, "merged": mark}))
     return status
