@@ -27,6 +27,7 @@ COMMANDS = {
     "problems": "frozen contact problems for other programs, and what their answers are worth",
     "judge-field": "hold what another program has found for a scene against it",
     "run": "solve the missing cells of a campaign",
+    "merge": "take the cells of another store, recomputed before they are believed",
     "table": "the cells of a campaign, what was asked and what became of them",
     "time": "time the converged cells of a campaign, one at a time",
     "analyse": "the tables of fronts, profiles, attribution and advice of a campaign",
@@ -38,7 +39,7 @@ COMMANDS = {
     "fuzz": "solve one random case again and hold it against its laws",
     "bench": "what all that a solve does costs, its growth, the harness, peers, and solvers",
 }
-ON_A_STORE = {"run", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign
+ON_A_STORE = {"run", "merge", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
 
 

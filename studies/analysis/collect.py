@@ -6,14 +6,17 @@ meshes are too coarse on purpose, and would be taken for rungs of the ladders of
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from studies.analysis.answers import Answers, number
+from studies.analysis.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
 from studies.bench.timing_lane import interval, read_times, times_path
 from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
@@ -28,9 +31,9 @@ SETTINGS = ("section", "load", "epsilon", "tolerance")
 COLUMNS = (
     *("label", "id", "scene", "measure", "contact", "newton", "mesh", "n1", "n2", "model"),
     *("element", "section", "load", "epsilon", "tolerance", "outcome", "reason"),
-    *("path_end", "path_end_at", "path_end_by", "command", "canary", "request"),
+    *("path_end", "path_end_at", "path_end_by", "command", "canary", "machine", "merged", "seconds_there", "request"),
 )
-NUMBERS = ("epsilon", "tolerance", "path_end_at")
+NUMBERS = ("epsilon", "tolerance", "path_end_at", "seconds_there")
 
 
 def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
@@ -41,6 +44,8 @@ def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     t.seconds: processor time, the median of the timing lane with its interval t.seconds_low to t.seconds_high where the
     cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
     "moved" where the cell was timed in vain, nothing where it was not timed.  c.operations: of all kinds.
+    machine: that solved the cell; only the seconds of one count, see :mod:`studies.analysis.machines`.  merged: how far
+    a cell of another store was verified, whose seconds as it claims them are seconds_there.
     request: what was asked, by whose key rows are compared.
     outcome: a class of :data:`studies.result.CLASSES`, or "missing".  q: headline quantities and the numbers of the
     last step.  path_end: kind of what the path of the problem itself ends at, with its parameter and what has found
@@ -49,9 +54,10 @@ def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     """
     answers = Answers.of(store, campaign)
     rows = (planned for planned in answers.planned.values() if (planned.get("group") in APART) == apart)
-    timed = _timed(store, campaign)
-    table = pd.DataFrame([{**_row(answers, planned), **timed.get(planned["id"], {})} for planned in rows])
-    table = table.assign(canary=table["canary"].fillna("") if "canary" in table else "")
+    table = pd.DataFrame([_row(answers, planned) for planned in rows])
+    for name in ("machine", "merged"):
+        table[name] = table[name].fillna("") if name in table else ""
+    table = _with_lane(of_one_machine(table, home_of(table, _timed_on(store, campaign))), _timed(store, campaign))
     more = [name for kind in "qcwtk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
     table = table.reindex(columns=[*COLUMNS, *more])
     for name in NUMBERS:
@@ -73,6 +79,7 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
     return {
         **row,
         **{"outcome": found["class"], "reason": found["reason"]},
+        **of_record(found),
         **_end(found.get("path_end") or {}),
         **{f"q.{key}": number(value) for key, value in {**numbers, **found["quantities"]}.items()},
         **{f"c.{key}": value for key, value in found["counters"].items()},
@@ -93,6 +100,28 @@ def _seconds(timing: Mapping[str, float]) -> dict[str, float]:
     """The processor time of a cell; where an old record has none, the time on the clock."""
     spent = timing.get("cpu", timing.get("total"))
     return {} if spent is None else {"t.seconds": spent}
+
+
+def _with_lane(table: pd.DataFrame, timed: Mapping[str, Mapping[str, Any]]) -> pd.DataFrame:
+    """The table with what the timing lane says of its cells, by their ids."""
+    names = dict.fromkeys(name for each in timed.values() for name in each)
+    for name in names:
+        known = table[name] if name in table else pd.Series(np.nan, table.index, dtype=object)
+        lane = table["id"].map(lambda cell, name=name: timed.get(cell, {}).get(name))
+        table[name] = lane.where(lane.notna(), known)
+        if name.startswith("t."):
+            table[name] = pd.to_numeric(table[name])
+    return table.assign(canary=table["canary"].fillna("") if "canary" in table else "")
+
+
+def _timed_on(store: Path, campaign: str) -> str:
+    """The machine of the timing lane; nothing where the campaign was not timed, or the samples do not say."""
+    path = times_path(store, campaign)
+    if not path.exists():
+        return ""
+    read_times(store, campaign)  # says in one line what cannot be read
+    told = machine_of(json.loads(path.read_text(encoding="utf-8")).get("provenance") or {})
+    return "" if told == UNKNOWN else told
 
 
 def _timed(store: Path, campaign: str) -> dict[str, dict[str, Any]]:

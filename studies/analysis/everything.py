@@ -32,6 +32,7 @@ from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.findings.price_of_accuracy import price_of_accuracy
 from studies.analysis.findings.regimes import regimes
 from studies.analysis.fronts import family_fronts, fronts
+from studies.analysis.machines import machines
 from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
 from studies.analysis.predicted_seconds import predicted_seconds
 from studies.analysis.profiles import profiles, solved
@@ -106,6 +107,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
     made = {name: (store / "tables" / f"{source}.csv", fit) for name, (source, fit) in FITTED.items()}
     return {
         "rules": pd.DataFrame([RULES]),
+        "machines": machines(every),
         **published(every),
         "convergence": sequences,
         "convergence_errors": errors,

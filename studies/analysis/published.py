@@ -35,6 +35,9 @@ ASKED: Mapping[str, tuple[str, str]] = {  # unit and description of what was ask
     "path_end_at": ("as the load", "where the path ends"),
     "path_end_by": ("", "what has found the end of the path"),
     "canary": ("", "quiet: seconds are of the timing lane; moved: it was timed in vain; empty: it was not timed"),
+    "machine": ("", "that solved the cell: processor, cores, system, BLAS and its threads; seconds are of one machine"),
+    "merged": ("", "of a cell from another store how far it was verified: verified, solved again, unverified failure"),
+    "seconds_there": (CLOCK, "processor time that a merged cell claims, of its own machine; it counts nowhere"),
     "command": ("", "solves the cell again"),
 }
 COUNTED: Mapping[str, tuple[str, str]] = {

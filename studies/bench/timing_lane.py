@@ -139,7 +139,7 @@ def time_campaign(
     rows = {row.cell.label: (cell_id, row.cell) for cell_id, row in solved_rows(wanted)}
     records = {label: archive.record(cell_id) for label, (cell_id, _) in rows.items()}
     right = {label: record for label, record in records.items() if record and record["class"] in SOLVED}
-    right = {label: record for label, record in right.items() if record["timing_s"]["cpu"] <= longest}
+    right = {label: record for label, record in right.items() if _spent(record) <= longest}
     if not right:
         within = f" within {longest:g} s" if longest < math.inf else ""
         raise UsageError(f"{store}: no converged cell of {campaign.name!r} to time{within}: footprint run comes first")
@@ -157,13 +157,18 @@ def time_campaign(
 
     try:
         watch = Stopwatch(child.end, lambda: float(ask(Task("canary", "canary"))["seconds"]), cell)
-        shared = shares({label: record["timing_s"]["cpu"] for label, record in right.items()})
+        shared = shares({label: _spent(record) for label, record in right.items()})
         found = sample(shared, watch, blocks, rounds, progress)
     finally:
         child.end()
     with archive.claimed():
         _keep(archive, campaign.name, {label: rows[label][0] for label in right}, found, rounds)
     return summary(archive.root, campaign.name)
+
+
+def _spent(record: Mapping[str, Any]) -> float:
+    """Seconds of the solve that made a record, be it on another machine: enough to share out blocks."""
+    return float((record.get("merged") or record)["timing_s"]["cpu"])
 
 
 def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples, rounds: int) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 from studies.campaigns.file import Campaign
@@ -52,10 +52,12 @@ def run(
     say: Callable[[str], None] = lambda line: None,
     *,
     resume: bool = False,
+    fields: bool = False,
 ) -> Summary:
     """Solve what is missing of a campaign. Raises UsageError, and StoreFullError with everything finished kept.
 
-    resume: refuse to begin a campaign that this store does not know.
+    resume: refuse to begin a campaign that this store does not know.  fields: keep those of every cell, so that
+    another store can recompute what the cells claim; the plan and the identities stay as they are.
     """
     archive, work = Archive(store), engine_of(engine)
     if resume and not archive.index_path(campaign.name).exists():
@@ -63,7 +65,7 @@ def run(
     rows = plan(campaign)
     with archive.claimed():
         try:
-            tasks = _begun(archive, campaign, rows, say)
+            tasks = _begun(archive, campaign, rows, say, fields=fields)
             done, summary = len(rows) - len(tasks), Summary(len(rows))
             progress(done, len(rows), "")
             for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
@@ -92,16 +94,18 @@ def classes(archive: Archive, rows: list[Row]) -> Counter[str]:
     return found
 
 
-def _begun(archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None]) -> list[Task]:
+def _begun(
+    archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
+) -> list[Task]:
     """Write the plan; what is left to do of it. Raises StoreFullError."""
     try:
-        _write_plan(archive, campaign, rows)
-        return [*_tables(campaign), *_missing(archive, campaign, rows, say)]
+        write_plan(archive, campaign, rows)
+        return [*_tables(campaign), *_missing(archive, campaign, rows, say, fields=fields)]
     except OSError as error:
         raise StoreFullError(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from None
 
 
-def _write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
+def write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
     """The index, and what the pages need to know of the scenes; the same bytes for the same campaign."""
     references = [
         {"scene": scene, **asdict(reference)} for scene in sorted(SCENES) for reference in SCENES[scene].references
@@ -122,14 +126,17 @@ def _used(campaign: Campaign) -> tuple[str, ...]:
     return (*used(), *campaign.use)
 
 
-def _missing(archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None]) -> list[Task]:
-    """The cells without a record; a damaged one is set aside."""
+def _missing(
+    archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
+) -> list[Task]:
+    """The cells without a record, or without the files that are wanted; a damaged one is set aside."""
     tasks = []
     for cell_id, row in solved_rows(rows):
+        cell = replace(row.cell, artefacts=row.cell.artefacts or fields)
         try:
-            if archive.has(cell_id, files=row.cell.artefacts):
+            if archive.has(cell_id, files=cell.artefacts):
                 continue
         except DamagedError as error:
             say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
-        tasks.append(Task("cell", cell_id, row.cell, _used(campaign)))
+        tasks.append(Task("cell", cell_id, cell, _used(campaign)))
     return tasks

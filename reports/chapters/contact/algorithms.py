@@ -64,6 +64,8 @@ def _times(solved: list[Entry]) -> Part:
     rows = []
     for entry in solved:
         times = entry.cell.result["timing_s"]
+        if "total" not in times:  # merged: of another machine
+            continue
         total = float(times["total"])
         shares = [share(float(times.get(name, 0.0)) / total, 0) for name in PARTS]
         rows.append([entry.way, *entry.case, fixed(total, 2), *shares])

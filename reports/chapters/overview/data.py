@@ -7,7 +7,7 @@ import pandas as pd
 from reports.chapter import Chapter
 from reports.chapters.overview.outcomes import WORDS
 from reports.markdown import Part, folded, joined, listing, machine, prose, table
-from reports.origin import counted, origin
+from reports.origin import counted, machines, origin
 from reports.store.tables import Store
 
 DATA = "data"
@@ -44,6 +44,7 @@ column.""")
         _completeness(store, counts),
         _citing(),
         origin(store),
+        machines(store),
     )
 
 

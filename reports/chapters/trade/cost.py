@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 import pandas as pd
 
 from reports.chapter import Chapter
@@ -36,13 +39,18 @@ Times are of one run each, on the machine of the [overview](index.md); what is c
     )
 
 
+def _times(spent: Mapping[str, float]) -> dict[str, float]:
+    """Of a cell by name; NaN where it has none that count, as one of another machine."""
+    return {**dict.fromkeys(TIMES, 0.0 if spent else math.nan), **spent}
+
+
 def _models(store: Store) -> Part:
     """Parts of the tyre beside the whole."""
     found, same_at = store.analysis("tyre_models"), store.rules()["same_model"]
     records = []
     for row in found.to_dict("records"):
         result = store.find(group="models", plies=PLIES[row["plies"]], model=row["model"], mesh=row["mesh"]).result
-        records.append({**row, **result["counters"], **dict.fromkeys(TIMES, 0.0), **result["timing_s"]})
+        records.append({**row, **result["counters"], **_times(result["timing_s"])})
 
     def off(value: float) -> str:
         return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.answers import HERE, Answer, Answers
+from studies.analysis.machines import machine_of
 from studies.campaigns.report_cells import MODELS
 
 DELTA = 20.0  # mm
@@ -30,10 +31,16 @@ def tyre_models(answers: Answers) -> pd.DataFrame:
         if (whole := wholes.get(_plies(each))) is None:
             continue
         off = differences(each, whole)
-        share = each.record["timing_s"]["total"] / whole.record["timing_s"]["total"]
+        share = _seconds(each, whole) / _seconds(whole, whole)
         named = [_plies(each), each.record["model"], each.record["mesh"]]
         rows.append([*named, *off, max(off) <= SAME, share, each.label, each.command])
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _seconds(answer: Answer, beside: Answer) -> float:
+    """On the clock; NaN where it was solved on another machine than what it is compared with, or merged."""
+    same = machine_of(answer.record["provenance"]) == machine_of(beside.record["provenance"])
+    return float(answer.record["timing_s"].get("total", math.nan)) if same else math.nan
 
 
 def _plies(answer: Answer) -> str:

@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_store(parser)
     parser.add_argument("--engine", default="serial", help="serial, local:N or dask:ADDRESS; default serial")
     parser.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
+    parser.add_argument("--fields", action="store_true", help="keep the fields of every cell, for footprint merge")
     usual, short = Limits(), fuzz.LIMITS
     told = f"of one cell, default {usual.time_s:g}; of a random case {short.time_s:g}"
     parser.add_argument("--time-limit", type=float, metavar="S", help=told)
@@ -46,6 +47,7 @@ def run(options: argparse.Namespace) -> int:
             advance,
             lambda line: print(f"footprint: {line}", file=sys.stderr),
             resume=options.resume,
+            fields=options.fields,
         )
     print(f"{campaign.name}: {summary.line}")
     return OK
@@ -60,6 +62,8 @@ def _limits(options: argparse.Namespace, usual: Limits) -> Limits:
 
 def _run_fuzz(options: argparse.Namespace) -> int:
     """Examine the missing random cases; a broken law is a failed check."""
+    if options.fields:
+        raise UsageError(f"--fields is of cells, {fuzz.NAME} has none")
     limits = _limits(options, fuzz.LIMITS)
     cases = fuzz.CASES if options.cases is None else options.cases
     with progress_bar(fuzz.NAME) as advance:

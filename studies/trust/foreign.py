@@ -1,0 +1,221 @@
+"""Reading a store that nobody vouches for: plain files inside it alone, bounded in size, and only text and numbers.
+
+No link is followed, nothing is unpickled, no name of a foreign store becomes a path before it has the form of one, and
+nothing is written here. What the numbers mean does not enter.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import re
+import stat
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from studies.campaigns.cell import Cell
+from studies.request import UsageError
+from studies.result import CLASSES
+from studies.store.atomic import SCHEMA
+from studies.store.layout import KEYS, Archive
+
+MB = 2**20
+LARGEST_RECORD, LARGEST_TABLE = 32 * MB, 256 * MB
+LONGEST = 4000  # characters of a text
+FIELDS = "fields.vtu"
+ID, NAME, TABLE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
+MARKUP = "|<>`["  # what a table of a page could take for its own
+OPTIONS = ("measure", "contact", "newton", "model", "mesh", "steps")
+KEPT = (  # of a record; whatever else stands there is left
+    *("schema", "id", "scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings"),
+    *("outcome", "class", "path_end", "reason", "notes", "quantities", "steps", "cuts", "counters", "work"),
+    *("timing_s", "provenance", "files"),
+)
+
+
+class ClaimError(ValueError):
+    """A claim that is not taken: its name, and one line of what is wrong with it."""
+
+    def __init__(self, claim: str, said: str) -> None:
+        super().__init__(f"{claim}: {said}")
+
+
+@dataclass(frozen=True)
+class Foreign:
+    """A store by its directory; everything in it is a claim."""
+
+    root: Path
+
+    def campaigns(self) -> list[str]:
+        """Names of its campaigns; raises UsageError when it has none."""
+        names = [name for name in Archive(self.root).campaigns() if NAME.fullmatch(name)]
+        if not names:
+            raise UsageError(f"{self.root} is no store: it has no campaign")
+        return names
+
+    def planned(self, campaign: str) -> list[tuple[Cell, str | None]]:
+        """Cells of a campaign with the identities that they claim; raises ClaimError."""
+        data = _json(self.read(f"campaigns/{campaign}.json", LARGEST_RECORD))
+        if data.get("schema") != SCHEMA or not isinstance(data.get("cells"), list):
+            raise ClaimError("plan", f"campaign {campaign} is none of schema {SCHEMA}")
+        return [_cell(row) for row in data["cells"]]
+
+    def record(self, cell_id: str) -> dict[str, Any] | None:
+        """The record of a cell, its keys and types checked; None when there is none. Raises ClaimError."""
+        if not ID.fullmatch(cell_id):
+            raise ClaimError("identity", f"{cell_id[:40]!r} is none")
+        try:
+            data = _json(self.read(f"cells/{cell_id}.json", LARGEST_RECORD))
+        except FileNotFoundError:
+            return None
+        return _checked(data, cell_id)
+
+    def table(self, cell_id: str, name: str) -> list[list[str]]:
+        """The rows of a table beside a record, its head first; raises ClaimError."""
+        if not TABLE.fullmatch(name):
+            raise ClaimError("files", f"{name[:60]!r} is neither a table nor {FIELDS}")
+        text = _text(self._beside(cell_id, name, LARGEST_TABLE), name)
+        try:
+            rows = list(csv.reader(io.StringIO(text), strict=True))
+        except csv.Error as error:
+            raise ClaimError(name, str(error)) from None
+        if not rows or any(len(row) != len(rows[0]) for row in rows):
+            raise ClaimError(name, "is no table: its rows differ in length")
+        return rows
+
+    def fields(self, cell_id: str, largest: int) -> bytes:
+        """The fields beside a record, of at most so many bytes; raises ClaimError."""
+        return self._beside(cell_id, FIELDS, largest)
+
+    def _beside(self, cell_id: str, name: str, largest: int) -> bytes:
+        try:
+            return self.read(f"cells/{cell_id}/{name}", largest)
+        except FileNotFoundError:
+            raise ClaimError("files", f"{name} is not there") from None
+
+    def read(self, place: str, largest: int) -> bytes:
+        """A regular file inside the store; raises ClaimError for a link, and for more bytes than ``largest``."""
+        path = self.root
+        for part in Path(place).parts:
+            path /= part
+            if path.is_symlink():
+                raise ClaimError("files", f"{place} leads through a link, which is not followed")
+        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe must not hold us up
+        with os.fdopen(descriptor, "rb") as file:
+            told = os.fstat(file.fileno())
+            if not stat.S_ISREG(told.st_mode):
+                raise ClaimError("files", f"{place} is no regular file")
+            data = file.read(largest + 1)
+        if len(data) > largest:
+            raise ClaimError("files", f"{place} has {told.st_size} bytes, more than the {largest} that it may have")
+        return data
+
+
+def _text(data: bytes, name: str) -> str:
+    try:
+        return data.decode("utf-8")
+    except UnicodeDecodeError:
+        raise ClaimError(name, "is no text") from None
+
+
+def _json(data: bytes) -> dict[str, Any]:
+    try:
+        found = json.loads(_text(data, "record"), parse_float=_finite, parse_constant=_finite)
+    except ClaimError:
+        raise
+    except (ValueError, RecursionError):
+        raise ClaimError("record", "cannot be read as JSON") from None
+    if not isinstance(found, dict):
+        raise ClaimError("record", "is none")
+    return found
+
+
+def _finite(word: str) -> float:
+    """A number of JSON, which has neither NaN nor infinities, nor one by so many digits."""
+    value = float(word)
+    if not math.isfinite(value):
+        raise ClaimError("record", f"{word[:40]} is no finite number")
+    return value
+
+
+def _cell(row: Any) -> tuple[Cell, str | None]:
+    """A row of a plan as a cell; what is resolved, and how it is named, is found here anew."""
+    if not isinstance(row, dict):
+        raise ClaimError("plan", "a row of it is none")
+    options, settings, cell_id = row.get("options"), row.get("settings"), row.get("id")
+    told = [row.get("label"), row.get("scene"), row.get("expected", ""), row.get("group", "")]
+    if not all(isinstance(each, str) and len(each) <= LONGEST and each.isprintable() for each in told):
+        raise ClaimError("plan", "a row of it has no label, or no scene")
+    if not isinstance(options, dict) or not isinstance(settings, dict):
+        raise ClaimError("plan", f"{told[0]!r} has no options, or no settings")
+    known = all(key in OPTIONS and isinstance(value, _kind(key)) for key, value in options.items())
+    words = all(isinstance(value, str) for value in settings.values())
+    if not words or not known or not isinstance(cell_id, str | None):
+        raise ClaimError("plan", f"{told[0]!r} asks for what no cell can ask for")
+    label, scene, expected, group = told
+    files = row.get("files") is True
+    return Cell(label, scene, dict(options), dict(settings), artefacts=files, expected=expected, group=group), cell_id
+
+
+def _kind(option: str) -> type:
+    """What the value of an option is."""
+    return int if option == "steps" else str
+
+
+def _checked(data: Mapping[str, Any], cell_id: str) -> dict[str, Any]:
+    """The keys of a record that are kept; raises ClaimError for a type that none of ours has."""
+    missing = [key for key in (*KEYS, "outcome", "provenance") if key not in data]
+    if missing:
+        raise ClaimError("record", f"lacks {', '.join(missing)}")
+    if data["schema"] != SCHEMA or data["id"] != cell_id:
+        raise ClaimError("record", f"is of {data['id']!r}, schema {data['schema']!r}, not of {cell_id}, {SCHEMA}")
+    mark = data.get("merged")
+    if isinstance(mark, dict) and not data["timing_s"]:  # it was merged there, too, and its seconds are kept apart
+        data = {**data, "timing_s": mark.get("timing_s")}
+    record = {"measure": "", "work": {}, "cuts": [], "notes": [], **{key: data[key] for key in KEPT if key in data}}
+    for key in ("settings", "quantities", "counters", "work", "timing_s", "provenance"):
+        if not isinstance(record[key], dict):
+            raise ClaimError(key, "is no set of values by name")
+    for key in ("counters", "work", "timing_s"):
+        for name, value in record[key].items():
+            if isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
+                raise ClaimError(key, f"{name} = {value!r} must be a number of at least 0")
+    if not isinstance(record["steps"], list) or not all(isinstance(each, dict) for each in record["steps"]):
+        raise ClaimError("steps", "are no list of loads")
+    files = record["files"]
+    if not isinstance(files, list) or not all(name == FIELDS or TABLE.fullmatch(str(name)) for name in files):
+        raise ClaimError("files", f"must be {FIELDS} and tables NAME.csv")
+    _check_origin(record["provenance"])
+    if record["class"] not in CLASSES:
+        raise ClaimError("class", f"{record['class']!r} must be one of {', '.join(CLASSES)}")
+    for told in _texts(record):
+        if len(told) > LONGEST or not told.isprintable():
+            raise ClaimError("record", f"has a text of {len(told)} characters that cannot be printed on a line")
+    return record
+
+
+def _check_origin(told: Mapping[str, Any]) -> None:
+    """Raise ClaimError unless it has the form that :func:`studies.store.provenance.provenance` gives it."""
+    words = all(isinstance(told.get(key), str) for key in ("version", "commit", "date"))
+    named = all(
+        isinstance(told.get(key), dict) and not any(isinstance(each, dict | list) for each in told[key].values())
+        for key in ("packages", "blas", "machine")
+    )
+    if not words or not named or "threads" not in told["blas"]:
+        raise ClaimError("provenance", "does not say version, commit, date, packages, BLAS and machine")
+    if any(each in text for text in _texts(told) for each in MARKUP):
+        raise ClaimError("provenance", f"has one of {MARKUP} in it")
+
+
+def _texts(data: Any) -> list[str]:
+    """Every text in it, names included."""
+    if isinstance(data, dict):
+        return [text for key, value in data.items() for text in (key, *_texts(value))]
+    if isinstance(data, list):
+        return [text for value in data for text in _texts(value)]
+    return [data] if isinstance(data, str) else []

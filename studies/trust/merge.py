@@ -1,0 +1,207 @@
+"""Taking the cells of a foreign store into one of ours: what holds is kept, what does not is named, one line each.
+
+- A cell is asked for by its label and settings; request and identity are found here. Another identity means other
+  sources or another request: it is refused.
+- A cell that claims an equilibrium is taken when its field bears it out (:mod:`studies.trust.claims`), or when it was
+  solved again (:mod:`studies.trust.again`). Without either it is refused.
+- Of a cell that claims none only that, and its reason, are taken: an unverified failure, no quantity and no load of it.
+- A cell that is here stays as it is. When it says the same, nothing is to be done; when not, that is named.
+- Its seconds are kept apart: they are of another machine, and nothing bears them out.
+- What was stopped there (time, memory, crash) is of that machine, and is not taken; nor are tables of experiments.
+
+Each record comes last and whole, so that a merge that was stopped is gone on with by starting it again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+from studies.campaigns.cell import Cell
+from studies.campaigns.file import Campaign
+from studies.campaigns.plan import Row, plan
+from studies.campaigns.run import Progress, write_plan
+from studies.request import Request, UsageError
+from studies.result import WRONG
+from studies.store.atomic import as_text, write_by, write_text
+from studies.store.layout import Archive, DamagedError
+from studies.trust.again import Again, drawn, solving
+from studies.trust.claims import check_request, claims_success, verify
+from studies.trust.foreign import FIELDS, ClaimError, Foreign
+
+VERIFIED, SOLVED_AGAIN, UNVERIFIED = "verified", "solved again", "unverified failure"
+STATUSES = (VERIFIED, SOLVED_AGAIN, UNVERIFIED)
+NOT_SOLVED, ALREADY = "not solved there", "here already"
+SAME = 1e-6  # relative: quantities of two machines that say the same
+OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A cell of the foreign plan: as it is asked for, its row as planned here, the identity that it claims."""
+
+    cell: Cell
+    row: Row
+    claimed: str | None
+
+
+@dataclass
+class Summary:
+    """How a merge has ended: cells by what became of them, and a line on each that was refused."""
+
+    counts: dict[str, int] = field(default_factory=dict)
+    refused: list[str] = field(default_factory=list)
+
+    def count(self, what: str) -> None:
+        """One more."""
+        self.counts[what] = self.counts.get(what, 0) + 1
+
+    @property
+    def line(self) -> str:
+        """One line."""
+        told = [f"{count} {what}" for what, count in self.counts.items()]
+        return ", ".join([*told, *([f"{len(self.refused)} refused"] if self.refused else [])]) or "no cell"
+
+
+def merge(
+    source: Path,
+    store: Path,
+    again: int = 0,
+    progress: Progress = lambda done, planned, label: None,
+    say: Callable[[str], None] = lambda line: None,
+) -> Summary:
+    """Take what holds; raises UsageError for a source that is no store, or is the store itself.
+
+    again: how many cells, drawn by lot, are solved again.  say: is told each refusal as it comes.
+    """
+    foreign, archive, summary = Foreign(source), Archive(store), Summary()
+    if source.resolve() == store.resolve():
+        raise UsageError(f"{source} cannot be merged into itself")
+    names = foreign.campaigns()
+    with archive.claimed():
+        asked = dict(_asked(foreign, archive, names, summary, say))
+        new = [
+            cell_id for cell_id in asked if not archive.record_path(cell_id).exists() and _is_there(foreign, cell_id)
+        ]
+        with solving(drawn(new, again)) as checks:
+            for done, (cell_id, each) in enumerate(asked.items()):
+                progress(done, len(asked), each.cell.label)
+                try:
+                    summary.count(_taken(foreign, archive, cell_id, each, checks))
+                except ClaimError as refused:
+                    _refuse(summary, say, f"{each.cell.label} ({cell_id}): {refused}")
+        progress(len(asked), len(asked), "done")
+    return summary
+
+
+def _refuse(summary: Summary, say: Callable[[str], None], line: str) -> None:
+    summary.refused.append(line)
+    say(line)
+
+
+def _is_there(store: Foreign | Archive, cell_id: str) -> bool:
+    return Archive(store.root).record_path(cell_id).exists()
+
+
+def _asked(
+    foreign: Foreign, archive: Archive, names: list[str], summary: Summary, say: Callable[[str], None]
+) -> Iterator[tuple[str, Asked]]:
+    """The cells that are solved, by their identity here; a plan that is not here yet is written."""
+    for name in names:
+        rows = []
+        try:
+            planned = foreign.planned(name)
+        except (ClaimError, OSError) as refused:
+            _refuse(summary, say, f"campaign {name}: {refused}")
+            continue
+        for cell, claimed in planned:
+            try:
+                (row,) = plan(Campaign(name, "", (cell,)))
+            except UsageError as error:
+                _refuse(summary, say, f"{cell.label}: scene: {error}")
+                continue
+            rows.append(row)
+            if row.id is not None:
+                yield row.id, Asked(cell, row, claimed)
+            elif claimed is not None:
+                _refuse(summary, say, f"{cell.label} ({claimed}): request: {row.reason}")
+        if not archive.index_path(name).exists():
+            title = f"the cells {name} of another store"
+            write_plan(archive, Campaign(name, title, tuple(row.cell for row in rows)), rows)
+
+
+def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, checks: Again) -> str:
+    """What has become of a cell, in a word; raises ClaimError."""
+    if asked.claimed is None:
+        return NOT_SOLVED
+    if asked.claimed != cell_id:
+        said = f"claimed {asked.claimed}, here it is {cell_id}: other sources, or another request"
+        raise ClaimError("identity", said)
+    record = foreign.record(cell_id)
+    if record is None:
+        return NOT_SOLVED
+    if _is_here(archive, cell_id, record):
+        return ALREADY
+    assert asked.row.request is not None
+    request = Request.of(asked.row.request)
+    check_request(record, request)
+    success = claims_success(record)
+    again = cell_id in checks.lot
+    if again:
+        checks.check(cell_id, asked.cell, record)
+    if success and FIELDS in record["files"]:
+        found = verify(record, request, foreign)
+        if record["class"] != WRONG or found.failures:
+            tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
+            _keep_files(archive.files(cell_id), found.fields, tables)
+            return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, found.claimed)
+        success = False  # what has made it wrong lies before its last load
+    if again:
+        claimed = ["times", "machine"]
+        return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, claimed)
+    if success:
+        raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them, or --again all")
+    empty: dict[str, Any] = {key: {} for key in OF_A_FAILURE}
+    return _keep(archive, foreign, {**record, **empty, "steps": [], "files": []}, UNVERIFIED, ["outcome", "reason"])
+
+
+def _is_here(archive: Archive, cell_id: str, record: Mapping[str, Any]) -> bool:
+    """Whether the store has the cell and says the same of it; raises ClaimError where it says something else."""
+    try:
+        ours = archive.record(cell_id)
+    except DamagedError as error:
+        raise ClaimError("here", f"{error}; footprint run sets it aside") from None
+    if ours is None:
+        return False
+    if ours["class"] != record["class"]:
+        raise ClaimError("class", f"claimed {record['class']!r}, the cell here has {ours['class']!r} and stays")
+    for name, value in ours["quantities"].items():
+        told = record["quantities"].get(name)
+        numbers = isinstance(told, int | float) and isinstance(value, int | float)
+        if told != value and not (numbers and abs(told - value) <= SAME * abs(value)):
+            raise ClaimError(name, f"claimed {told}, the cell here has {value} and stays")
+    return True
+
+
+def _keep_files(folder: Path, fields: bytes, tables: Mapping[str, list[list[str]]]) -> None:
+    """The field as it was judged, and the tables as they were read."""
+    for name, rows in tables.items():
+        write_text(folder / name, "".join(",".join(map(_quoted, row)) + "\n" for row in rows))
+    write_by(folder / FIELDS, lambda path: path.write_bytes(fields))
+
+
+def _quoted(word: str) -> str:
+    """A value of a table, as csv writes it."""
+    return '"' + word.replace('"', '""') + '"' if any(each in word for each in ',"\n\r') else word
+
+
+def _keep(archive: Archive, foreign: Foreign, record: Mapping[str, Any], status: str, claimed: list[str]) -> str:
+    """Put the record with a mark of how far it was verified, where its seconds are, too; returns the status."""
+    when = datetime.now(UTC).isoformat(timespec="seconds")
+    mark = {"from": foreign.root.resolve().name, "status": status, "claimed": claimed, "date": when}
+    mark["timing_s"] = record["timing_s"]
+    archive.keep(record["id"], as_text({**record, "timing_s": {}, "merged": mark}))
+    return status

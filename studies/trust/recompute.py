@@ -1,0 +1,155 @@
+"""A converged cell from its field alone: the problem at its last load, the judge's residuals, the scene's quantities.
+
+The problem is built here, its load is that of the request, and stages before the last one are solved here again: the
+field of a record is that of its last load. What is claimed does not enter here, but for the point of a traced curve.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from contact.continuation.stability import UNSTABLE, stability
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+from contact.verify import Verdict, claim, gap_residuals, judge
+from studies.algorithm_settings import configured
+from studies.request import Request, UsageError
+from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage
+from studies.scenes import SCENES
+from studies.trust.field import Arrays, state_of
+from studies.trust.foreign import ClaimError
+from studies.walk import walk
+
+BEFORE = 1e-9  # of a large gap: where the foundation is that meets what was solved before, here and there
+NOISE = 4 * float(np.finfo(float).eps)  # of the largest displacement: the last digits of a field
+
+
+@dataclass(frozen=True, eq=False)
+class Recomputed:
+    """What the field of a cell comes to at its last load.
+
+    verdict, failures: of the judge, by the law and the tolerance of the request.  kkt: with the true gaps.
+    gap_share: of a large gap that is none.  seen, shaken: what the scene reads of the field, and of the same with
+    other last digits.  before: headline quantities of earlier stages, solved here, and how many steps they recorded.
+    """
+
+    state: ContactSolution
+    dofs: int
+    verdict: Verdict
+    failures: list[str]
+    kkt: Mapping[str, float]
+    gap_share: float
+    stable: str
+    seen: Observation
+    shaken: Observation
+    before: Mapping[str, float]
+    recorded: int
+    stage: Stage
+
+    @property
+    def curve(self) -> bool:
+        """Whether it is the end of a curve by arc length, whose other points are not kept."""
+        return isinstance(self.stage, CurveStage)
+
+    @property
+    def unstable(self) -> bool:
+        """Whether nobody could stand there; a traced curve leads through such states on purpose."""
+        return self.stable == UNSTABLE and not self.curve
+
+
+@dataclass(frozen=True, eq=False)
+class Opened:
+    """The model of a request and its last stage, begun from what the stages before it have come to here."""
+
+    request: Request
+    model: SceneModel
+    algorithm: ContactAlgorithm
+    stages: tuple[Stage, ...]
+    before: Mapping[str, float]
+    recorded: int
+    begun: Any
+
+    @classmethod
+    def of(cls, request: Request, scene: Scene | None = None) -> Opened:
+        """Build it, and solve all stages but the last; raises ClaimError where that is not possible."""
+        try:
+            model = (scene or SCENES[request.scene]).build(request)
+            algorithm = configured(request.contact, request.settings)
+        except ValueError as error:  # a UsageError is one
+            raise ClaimError("scene", str(error)) from None
+        stages, previous, recorded = tuple(model.stages()), None, 0
+        before: dict[str, float] = {}
+        for visited in walk(stages[:-1], algorithm, request.steps):
+            if not visited.converged:
+                raise ClaimError("outcome", f"the stage {visited.stage.name!r} does not converge here")
+            seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
+            before |= seen.quantities
+            recorded += seen.step is not None
+            previous = visited.state
+        try:
+            begun = stages[-1].begin(previous)
+        except UsageError as error:
+            raise ClaimError("scene", str(error)) from None
+        return cls(request, model, algorithm, stages, before, recorded, begun)
+
+    @property
+    def stage(self) -> Stage:
+        """The last one."""
+        return self.stages[-1]
+
+    def at(self, load: float, arrays: Arrays, touching: int | None) -> Recomputed:
+        """Judge and read a field at a load of the last stage; raises ClaimError for one that the model cannot have.
+
+        touching: how many nodes are told to be in contact; what has no pressure and no gap counts where that fits.
+        """
+        problem = self.begun[0](load)
+        if isinstance(self.stage, CurveStage):
+            problem = replace(problem, energy=None)
+        state = state_of(self.model, arrays, len(problem.weights))
+        epsilon, n = self.algorithm.epsilon, len(state.u)
+        verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
+        shares = {"penetration": BEFORE, "complementarity": BEFORE} if len(self.stages) > 1 else {}
+        bounds = claim(self.request.number("tolerance"), n) | shares
+        read = partial(self._read, problem, load, verdict, touching)
+        seen, used = read(state)
+        return Recomputed(
+            state=used,
+            dofs=self.model.n_unknowns,
+            verdict=verdict,
+            failures=verdict.failures(**bounds),
+            kkt=verdict.kkt | gap_residuals(problem, state.u, state.pressure, np.inf),
+            gap_share=shares.get("penetration", 0.0),
+            stable=stability(problem, used, epsilon).word,
+            seen=seen,
+            shaken=read(_shaken(used))[0],
+            before=self.before,
+            recorded=self.recorded,
+            stage=self.stage,
+        )
+
+    def _read(
+        self, problem: ContactProblem, load: float, verdict: Verdict, touching: int | None, state: ContactSolution
+    ) -> tuple[Observation, ContactSolution]:
+        """What the scene reads, and the state with the contact set that it was read with."""
+        pressed = state.pressure > 0
+        near = pressed | (problem.gap(state.u) <= verdict.gap_bound(BEFORE))
+        found = []
+        for active in (pressed, near):
+            used = replace(state, active=active)
+            try:
+                found.append((self.stage.observe(problem, used, load), used))
+            except UsageError as error:
+                raise ClaimError("scene", str(error)) from None
+        fitting = (each for each in found if (each[0].step or {}).get("contact_nodes") == touching)
+        return next(fitting, found[0])
+
+
+def _shaken(state: ContactSolution) -> ContactSolution:
+    """The same with other last digits, always the same ones."""
+    random = np.random.default_rng(0)
+    u = state.u + NOISE * float(np.max(np.abs(state.u), initial=0.0)) * random.choice([-1.0, 1.0], len(state.u))
+    return replace(state, u=u)
