@@ -12,17 +12,16 @@ from reports.store.tables import Store
 HEADING = "## The collection"
 COMMAND = "footprint problems make --out problems"
 KINDS = ("definite", "indefinite", "not symmetric")
-EQUATIONS = "equations on the set"
 
 
 def collection_part(store: Store) -> Part:
     """The collection; its manifest comes with the suite, so every store has it."""
     kept, left_out = store.table("problems"), store.table("problems_left_out")
-    text = prose(f"""{sentence(kept)} Each is a step of Newton's method as an algorithm met it, in a file that needs
-nothing of ours to be read; published obstacle problems and linear complementarity problems are beside them. A step is
-taken when its combination of classes is new in its family: size, candidates, share pressed, kind of matrix, coupling,
-condition, touching. *Touching* problems have candidates raised until they touch and carry nothing;
-*condensed* ones are the dual in the nodal forces. Answers are not in the files.""")
+    text = prose("""Each problem is a step of Newton's method as an algorithm met it, in a file that needs nothing of
+ours to be read; published obstacle problems and linear complementarity problems are beside them. A step is taken when
+its combination of classes is new in its family: size, candidates, share pressed, kind of matrix, coupling, condition,
+touching. *Touching* problems have candidates raised until they touch and carry nothing; *condensed* ones are the dual
+in the nodal forces. Answers are not in the files.""")
     heads = (
         "family | problems | unknowns | candidates | definite | indefinite | not symmetric | consistent | touching | MB"
     )
@@ -33,18 +32,6 @@ on the collection is compared on what somebody could certify.""")
     why = listing("Left out", reasons(left_out), "family | steps | why", "{family} | {steps} | {why}", words=3)
     drawn = picture("arena-collection.svg", "Unknowns and candidates of every problem, by kind of matrix", draw(kept))
     return joined(HEADING, text, drawn, families, warning, why, commands([COMMAND]))
-
-
-def sentence(kept: pd.DataFrame) -> str:
-    """How many there are, how large, and how they are certified."""
-    ways = kept["confirmed_by"].str.count(" and ") + 2  # that which found it, and those that confirm it
-    sizes = f"{kept['unknowns'].min():,} to {kept['unknowns'].max():,} unknowns"
-    sizes += f" and {kept['candidates'].min():,} to {kept['candidates'].max():,} candidates"
-    certified = int((kept["confirmed_by"].str.contains(EQUATIONS)).sum())
-    return (
-        f"{len(kept)} problems from {kept['family'].nunique()} families, {sizes}, {kept['bytes'].sum() / 1e6:.1f} MB; "
-        f"{certified} are certified by two independent ways at least, {int((ways > 2).sum())} of them by three."
-    )
 
 
 def _row(family: str, own: pd.DataFrame) -> tuple[object, ...]:

@@ -1,4 +1,4 @@
-"""What is said of solvers on frozen contact problems."""
+"""What is said of frozen contact problems, and of solvers on them."""
 
 from __future__ import annotations
 
@@ -7,6 +7,22 @@ from collections.abc import Iterator
 import pandas as pd
 
 from studies.analysis.statements.record import OPENING, Statement
+
+
+def collection(problems: pd.DataFrame) -> Iterator[Statement]:
+    """How many problems there are, how large they are, and by how many ways their answers are certified."""
+    ways = problems["confirmed_by"].str.count(" and ") + 2  # what found it, and what confirms it
+    values: dict[str, float | str] = {"problems": float(len(problems)), "families": float(problems["family"].nunique())}
+    values |= {"smallest": float(problems["unknowns"].min()), "largest": float(problems["unknowns"].max())}
+    values |= {"most": float(problems["candidates"].max()), "size": float(problems["bytes"].sum() / 1e6)}
+    values |= {"two": float((problems["confirmed_by"] != "").sum()), "three": float((ways > 2).sum())}
+    text = (
+        "The collection has {problems:.0f} frozen contact problems of {families:.0f} families, {smallest:.0f} to "
+        "{largest:.0f} unknowns and up to {most:.0f} candidates, in {size:.0f} MB. The answers of {two:.0f} are "
+        "certified by two ways, of {three:.0f} by a third one, too."
+    )
+    scope = "what no way certifies is not in the collection, and listed"
+    yield Statement("problems", "arena", text, values, len(problems), scope, OPENING)
 
 
 def arena(solver_summary: pd.DataFrame, solver_problems: pd.DataFrame, solver_run: pd.DataFrame) -> Iterator[Statement]:
@@ -31,4 +47,4 @@ def arena(solver_summary: pd.DataFrame, solver_problems: pd.DataFrame, solver_ru
     yield Statement("arena", "arena", text, values, int(strict["problems"].max()), scope, OPENING, machine=True)
 
 
-MAKERS = (arena,)
+MAKERS = (collection, arena)

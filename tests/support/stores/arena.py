@@ -30,7 +30,30 @@ def made_up_arena() -> dict[str, pd.DataFrame]:
         "solver_profiles": profiles,
         "solver_run": pd.DataFrame(about.items(), columns=["name", "value"]),
         "osqp_effects": effects(summary(variants, LIMIT_S)),
+        "problems": _collection(),
+        "problems_left_out": pd.DataFrame(
+            [
+                ("tyre-1", "tyre", "9.3 MB are too many"),
+                ("tyre-2", "tyre", "8.1 MB are too many"),
+                ("ring-1", "ring", "semismooth: the linear system is singular to working precision"),
+            ],
+            columns=["name", "family", "why"],
+        ),
     }
+
+
+def _collection() -> pd.DataFrame:
+    """Four problems of two families; one is certified by a third way, one touches."""
+    shared = {"bytes": 250_000, "coupling": "lumped", "touching": 0, "confirmed_by": "equations on the set"}
+    rows = [
+        {"name": "a", "family": "ring", "unknowns": 88, "candidates": 9, "kind": "definite"},
+        {"name": "b", "family": "ring", "unknowns": 2_000, "candidates": 90, "kind": "indefinite", "touching": 3},
+        {"name": "c", "family": "tyre", "unknowns": 20_000, "candidates": 900, "kind": "definite"},
+        {"name": "d", "family": "tyre", "unknowns": 300, "candidates": 30, "kind": "not symmetric"},
+    ]
+    rows[0]["confirmed_by"] = "equations on the set and convex programme by an interior point"
+    rows[3]["coupling"] = "consistent"
+    return pd.DataFrame([shared | row for row in rows])
 
 
 def _table(solvers: tuple[str, ...]) -> pd.DataFrame:

@@ -18,7 +18,7 @@ def page(store: Path) -> Part:
 
 
 def test_solutions_and_false_claims_by_tolerance(page: Part) -> None:
-    assert "4 of them (3 convex, 1 not symmetric) are put" in page.text
+    assert "4 problems (3 convex, 1 not symmetric) are put" in page.text
     assert "| solver | problems | solved, 1e-04 | solved, 1e-06 | solved, 1e-08 | false, 1e-04 |" in page.text
     assert "| semismooth | 3 | 3 | 3 | 3 | 0 | 0 | 0 |" in page.text
     assert "| OSQP | 3 | 3 | 3 | 0 | 0 | 0 | 3 |" in page.text
@@ -61,3 +61,29 @@ def test_the_figure_names_the_solvers(page: Part) -> None:
     drawn = page.pictures["arena-profiles.svg"]()
     assert drawn.startswith("<?xml")
     assert drawn.count("<svg") == 1
+
+
+def test_the_collection_opens_the_page(store: Path, page: Part) -> None:
+    """Two families; kinds, consistent coupling and touching are counted in each."""
+    opening = of_page(load_store(store), "arena")
+    assert (
+        "has 4 frozen contact problems of 2 families, 88 to 20000 unknowns and up to 900 candidates, in 1 MB"
+        in opening
+    )
+    assert "The answers of 4 are certified by two ways, of 1 by a third one, too." in opening
+    assert "| ring | 2 | 88 to 2,000 | 9 to 90 | 1 | 1 | – | – | 1 | 0.50 |" in page.text
+    assert "| tyre | 2 | 300 to 20,000 | 30 to 900 | 1 | – | 1 | 1 | – | 0.50 |" in page.text
+    assert page.pictures["arena-collection.svg"]().startswith("<?xml")
+
+
+def test_what_was_left_out_is_counted_by_its_reason(page: Part) -> None:
+    assert "3 steps were left out before the rule could ask whether they are new: 2 for the size" in page.text
+    assert "| tyre | 2 | # MB are too many |" in page.text
+
+
+def test_without_a_run_of_solvers_the_page_says_how_to_make_one(own_store: Path) -> None:
+    for name in ("solver_summary", "solver_problems", "solver_profiles", "solver_run"):
+        (own_store / "tables" / f"{name}.csv").unlink()
+    text = arena_page(load_store(own_store)).text
+    assert "Not measured here; `footprint bench solvers" in text
+    assert "## The collection" in text
