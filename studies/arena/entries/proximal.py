@@ -39,7 +39,7 @@ class Proximal(Crossover):
     Source: Keith, Surowiec, Proximal Galerkin, Found. Comput. Math. (2024), arXiv:2307.12444; example 36 of MFEM.
     """
 
-    alpha: float = 3.0
+    alpha: float = 10.0
     growth: float = 3.0
     crossover: float = 1e-3
     name: ClassVar[str] = "proximal"
