@@ -31,7 +31,7 @@ class Barrier(Crossover):
     A foundation that has come, or that touches, stands back by sigma, s = g + sigma, and comes on by ds = -sigma as the
     body yields. The filter shortens each step until no s is less than a twentieth of what it was; mu falls by
     ``reduction`` after each that goes half of its way.
-    Once mu is ``crossover`` of the first, the set is where p > c s, and exact steps settle and correct it there.
+    Once mu is ``crossover`` of the first, the set is where p > c g, and exact steps settle and correct it there.
     reach: d over the depth h to which the first linearised step enters the foundation when nothing resists; the first
     mu is c h d, with the stiffness per area c of all candidates that do.
     Source: Li et al., Incremental Potential Contact, ACM Trans. Graph. 39 (2020) 49; Wright, Primal-Dual

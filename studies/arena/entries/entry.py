@@ -63,8 +63,8 @@ class Crossover(Entry, ABC):
         """By the approach from ``start``, and by exact steps from where that ends.
 
         The exact steps weigh pressure against gap by the c of the structure: by the stiffness of the candidates alone,
-        which is a thousand times that of a thin body that bends, they would take a gap that is no more than the rest of
-        a Newton step for one that is open, and drop the whole set.
+        a thousand times that and more where a thin body bends, they would take a gap that is no more than the rest of a
+        Newton step for one that is open, and drop the whole set.
         """
         run, spent = self.run(problem), f"{self.name.replace('-', '_')}_iterations"
         run.tally.counters[spent] = 0

@@ -38,7 +38,9 @@ class InteriorPoint(Entry):
         (M + diag(w/z)) dz = t/z - (M z + q),    w + dw = M (z + dz) + q
 
     with t = 0 to predict, and with t = sigma mu - dz dw of what was predicted to correct, sigma = (mu'/mu)^3. Steps go
-    ``boundary`` of the way to zero, z and w alike. The set is where z > w once z w is ``complementarity`` of the first.
+    ``boundary`` of the way to zero, z and w alike. The set is where z > w once the mean of z w is ``complementarity``;
+    at 1e-3 exact steps correct it, on thin strips at most candidates, without another factorisation; at 1e-8, by twice
+    the iterations, at few.
     Where M is monotone, symmetric or not, there is a path to follow: exchanging states keeps that. A tangent that is
     indefinite on the candidates may have none: the set is left to the exact steps then, and the history says so.
     Sources: Mehrotra, SIAM J. Optim. 2 (1992) 575-601; Wright, Primal-Dual Interior-Point Methods (1997), chapter 8;
@@ -51,7 +53,7 @@ class InteriorPoint(Entry):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("boundary", "share of the way to zero that a step may go", low=0.5, high=0.99999),
-        Parameter("complementarity", "of the answer over that of the start", low=1e-14, high=0.1),
+        Parameter("complementarity", "mean z w of the answer, in units of the largest q", low=1e-14, high=0.1),
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
