@@ -10,36 +10,37 @@ from typing import ClassVar
 import numpy as np
 from scipy.linalg import lapack
 
-from contact.algorithms.base import NewtonAlgorithm
 from contact.catalogue import ALGORITHMS
 from contact.events import Event, EventKind
 from contact.newton.condensed import Condensed
 from contact.newton.held import holdable
-from contact.newton.loop import Step, decide_set, iterate, settle_set
+from contact.newton.loop import Decide, Step, iterate, settle_set
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.parameters import SHARED, Parameter
 from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.lcp_pivoting import unit
-from studies.scene import Setting
+from studies.arena.entries.entry import Entry
 
-MOST = 60  # iterations: 5 to 20 where there is a path
+MOST = 60  # iterations: 2 to 20 where there is a path
 SPENT, PROGRAMMES = "interior_point_iterations", "interior_point_programmes"
 
 
 @dataclass(frozen=True)
-class InteriorPoint(NewtonAlgorithm):
+class InteriorPoint(Entry):
     """0 < z, 0 < w = M z + q, z w = mu to zero on the candidates of a linearised step; then exact steps on its set.
 
-    M and q are those of the candidates whose state the expected set has wrong, joined by those that the answer
-    misplaces: z is a force outside that set and a slack in it, w the other of the two (Condensed). All else is
-    eliminated by one sparse factorisation; an iteration is a dense one with two solutions::
+    M and q are those of the candidates whose state the expected set has wrong, with their neighbourhood, joined by
+    those that the answer misplaces: z is a force outside that set and a slack in it, w the other of the two
+    (Condensed). All else is eliminated by one sparse factorisation; an iteration is a dense one with two solutions::
 
         (M + diag(w/z)) dz = t/z - (M z + q),    w + dw = M (z + dz) + q
 
     with t = 0 to predict, and with t = sigma mu - dz dw of what was predicted to correct, sigma = (mu'/mu)^3. Steps go
-    ``boundary`` of the way to zero, z and w alike. The set is where z > w once z w is ``complementarity`` of the first.
+    ``boundary`` of the way to zero, z and w alike. The set is where z > w once the mean of z w is ``complementarity``;
+    at 1e-3 exact steps correct it, on thin strips at most candidates, without another factorisation; at 1e-8, by twice
+    the iterations, at few.
     Where M is monotone, symmetric or not, there is a path to follow: exchanging states keeps that. A tangent that is
     indefinite on the candidates may have none: the set is left to the exact steps then, and the history says so.
     Sources: Mehrotra, SIAM J. Optim. 2 (1992) 575-601; Wright, Primal-Dual Interior-Point Methods (1997), chapter 8;
@@ -47,18 +48,13 @@ class InteriorPoint(NewtonAlgorithm):
     """
 
     boundary: float = 0.99
-    complementarity: float = 1e-8
+    complementarity: float = 1e-3
     name: ClassVar[str] = "interior-point"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("boundary", "share of the way to zero that a step may go", low=0.5, high=0.99999),
-        Parameter("complementarity", "of the answer over that of the start", low=1e-14, high=0.1),
+        Parameter("complementarity", "mean z w of the answer, in units of the largest q", low=1e-14, high=0.1),
     )
-
-    def __post_init__(self) -> None:
-        """Raises ValueError with the value and its range."""
-        for parameter in self.parameters:
-            Setting.of(parameter, None).parse(getattr(self, parameter.key))
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs forces that are each a candidate's own: lumped coupling, and an area for every candidate."""
@@ -86,13 +82,38 @@ class InteriorPoint(NewtonAlgorithm):
                 told.append(Event(EventKind.SUBSTITUTE, text))
             return (found.z > found.w) & found.ended
 
-        claimed = decide_set(run, at, linear, decide).active
+        claimed = _with_neighbours(run, at, linear, decide)
         step = settle_set(run, at, claimed, linear=linear)
         wrong = int(np.sum(claimed ^ step.active))
         if wrong:
             told.append(Event(EventKind.SUBSTITUTE, f"set of the interior point corrected at {wrong} nodes"))
         events = [*told, *([step.event] if step.event else [])]
         return replace(step, event=reduce(add, events) if events else None, updates=0)
+
+
+def _with_neighbours(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -> np.ndarray:
+    """The set (m,) that ``decide`` makes of the misplaced candidates and of those that are near to being so.
+
+    Near is who presses, or stands off, by no more than the misplaced of the same state pull or enter on the mean. Were
+    the misplaced alone decided, the set would lose one row of elements with each programme, and the number of
+    programmes would grow with the mesh.
+    """
+    active, decided = linear.base, np.zeros(len(at.gap), bool)
+    while True:
+        gap, pressure = linear.foreseen(active)
+        way = max(at.length, float(np.max(np.abs(gap - at.gap), initial=0.0)))
+        reached = replace(at, gap=gap, pressure=pressure, active=active, length=way)
+        wrong, margin = run.misplaced(reached, solved=True), np.where(active, pressure, gap)
+        decided |= active ^ linear.base
+        if not np.any(wrong & ~decided):
+            return active
+        for side in (active, ~active):
+            if np.any(wrong & side):
+                decided |= side & (margin <= -np.mean(margin[wrong & side]))
+        nodes = np.flatnonzero(decided)
+        changed = decide(*linear.block(nodes), linear.base[nodes])
+        active = linear.base.copy()
+        active[nodes[changed]] ^= True
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,17 +126,19 @@ class Central:
     ended: bool
 
 
-def central_path(M: np.ndarray, q: np.ndarray, complementarity: float = 1e-8, boundary: float = 0.99) -> Central:
-    """The path of w = M z + q, z w = mu (n,), from z = w = 1 in units of a unit diagonal and the largest |q|.
+def central_path(M: np.ndarray, q: np.ndarray, complementarity: float = 1e-3, boundary: float = 0.99) -> Central:
+    """The path of w = M z + q, z w = mu (n,), in units of a unit diagonal and the largest |q|.
 
+    It is entered where it would be at mu = mean(q^2) were M the identity: w - z = q, z w = mu.
     M (n, n): monotone, v.M.v >= 0, or there may be no path.
     """
     size, n = unit(M), len(q)
-    M, q = size[:, None] * M * size, size * q / (float(np.max(np.abs(size * q), initial=0.0)) or 1.0)
-    z, w = np.ones(n), np.ones(n)
+    M, q = size[:, None] * M * size, size * q / (float(np.max(np.abs(size * q))) or 1.0)
+    apart = np.sqrt(q * q + 4 * (float(np.mean(q * q)) or 1.0))  # w + z
+    z, w = (apart - q) / 2, (apart + q) / 2
     for iteration in range(MOST):
-        mu, off = float(z @ w) / n if n else 0.0, M @ z + q - w
-        if mu <= complementarity and np.max(np.abs(off), initial=0.0) <= complementarity:
+        mu, off = float(z @ w) / n, M @ z + q - w
+        if mu <= complementarity and np.max(np.abs(off)) <= complementarity:
             return Central(z, w, iteration, True)
         spend(DENSE_PIVOTS, dense_solution(n, 2) + 4.0 * M.size)
         lu, pivots, singular = lapack.dgetrf(M + np.diag(w / z))
