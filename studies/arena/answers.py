@@ -106,10 +106,10 @@ def _from_npz(path: Path) -> Given:
 def _given(du: Any, pressure: Any, claims: Any) -> Given:
     if not isinstance(claims, dict):
         raise ValueError("claims must be a JSON object")
-    numbers = [np.asarray(values, dtype=float) for values in (du, pressure)]
-    if any(values.ndim != 1 for values in numbers):
+    u, p = (np.asarray(values, dtype=float) for values in (du, pressure))
+    if u.ndim != 1 or p.ndim != 1:
         raise ValueError("du and pressure must each be a list of numbers")
-    return Given(*numbers, claims)
+    return Given(u, p, claims)
 
 
 def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Judgement:

@@ -119,8 +119,7 @@ def derived(of: Candidate, answer: Certified) -> Iterator[Candidate]:
     """Forms of a step whose answer is known, where it has them and is not large."""
     if of.step.K.nnz > LARGE:
         return
-    for form, make in ((TOUCHING, touching), (CONDENSED, condensed)):
-        step = make(of.step, answer) if form == TOUCHING else make(of.step)
+    for form, step in ((TOUCHING, touching(of.step, answer)), (CONDENSED, condensed(of.step))):
         if step is not None:
             yield Candidate(form, f"{of.name}-{form}", of.origin | {"form": form}, step, of.licence)
 

@@ -129,8 +129,9 @@ def exact_on(step: FrozenStep, pressed: np.ndarray) -> tuple[np.ndarray, np.ndar
     W = sparse.diags_array(step.weights, format="csc") if step.coupling is None else sparse.csc_matrix(step.coupling)
     push = sparse.csc_matrix(step.G.T @ W)[:, nodes]
     unit = float(np.max(np.abs(step.K.diagonal()), initial=0.0) / max(np.max(np.abs(push.data), initial=0.0), 1e-300))
-    closed = sparse.csr_matrix((len(nodes), len(nodes)))
-    A = sparse.csc_matrix(sparse.block_array([[step.K, -unit * push], [step.G[nodes], closed]]))
+    upper = sparse.hstack([step.K, -unit * push])
+    lower = sparse.hstack([step.G[nodes], sparse.csr_matrix((len(nodes), len(nodes)))])
+    A = sparse.csc_matrix(sparse.vstack([upper, lower]))
     b = np.concatenate([-step.r, -step.gap[nodes]])
     long = sparse.csr_matrix((A.data, A.indices, A.indptr), shape=A.shape[::-1]).T.astype(np.longdouble)
     try:

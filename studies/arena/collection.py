@@ -83,25 +83,21 @@ class Rule:
         size = ENTRY * (step.K.nnz + step.G.nnz)
         if not len(step.gap):
             return None
-        if size > MOST or self.spent + size > self.largest:
-            return self._left_out(candidate, f"{size / 1e6:.1f} MB are too many")
         try:
+            if size > MOST or self.spent + size > self.largest:
+                raise NotCertifiedError(f"{size / 1e6:.1f} MB are too many")
             first = find(step)
             own = traits(step, first)
             if own.classes in before:
                 return None
             answer = confirm(step, first, own.condition)
-        except NotCertifiedError as error:
-            return self._left_out(candidate, str(error))
-        except ArithmeticError as error:  # what a singular step raises
-            return self._left_out(candidate, f"{type(error).__name__}: {error}")
+        except ArithmeticError as error:  # NotCertifiedError, and what a singular step raises
+            self.left_out.append({"name": candidate.name, "family": candidate.family, "why": str(error)})
+            return None
         found = Taken(candidate, answer, own, _news(own.classes, before))
         before.add(own.classes)
         self.spent += size
         return found
-
-    def _left_out(self, candidate: Candidate, why: str) -> None:
-        self.left_out.append({"name": candidate.name, "family": candidate.family, "why": why})
 
 
 def _news(classes: tuple[object, ...], before: set[tuple[object, ...]]) -> str:
