@@ -93,10 +93,28 @@ def test_output_of_a_run_that_was_stopped_before_its_first_step(cantilever: Prob
         read_results(written(tmp_path / "out.dat", ""), cantilever)
 
 
-def test_a_line_that_breaks_off_is_told(cantilever: Problem, tmp_path: Path) -> None:
-    text = PRINTED.format(time=1.0).replace("3.000000E-01", "3.000000E-01\n         4  1.0")
-    with pytest.raises(UsageError, match="breaks within displacements for set BODY"):
-        read_results(written(tmp_path / "out.dat", text), cantilever)
+ROW, TOTAL = "         3  1.000000E+00 -2.000000E+00  3.000000E-01", "        1.000000E-08  0.000000E+00 -4.000000E+00"
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "said"),
+    [
+        (ROW, f"{ROW}\n         4  1.0", "breaks within displacements for set BODY"),
+        (ROW, "         3  1.0", "breaks within displacements for set BODY"),
+        (ROW, "", "breaks within displacements for set BODY"),
+        (TOTAL, "", "breaks within total force for set HELD"),
+        ("        2.500000E+01", "", "breaks within total internal energy for set BODY"),
+        ("         3 ", "   1000000 ", "has node 1000000, the body 32; is the mesh the same"),
+        ("         3 ", "         0 ", "is the mesh the same"),
+    ],
+)
+def test_a_block_that_breaks_off_is_told(
+    there: str, instead: str, said: str, cantilever: Problem, tmp_path: Path
+) -> None:
+    text = PRINTED.format(time=1.0)
+    assert there in text
+    with pytest.raises(UsageError, match=said):
+        read_results(written(tmp_path / "out.dat", text.replace(there, instead)), cantilever)
 
 
 def test_other_blocks_of_printed_output_are_left_alone(cantilever: Problem, tmp_path: Path) -> None:
