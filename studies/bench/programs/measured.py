@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from studies.bench.programs import calculix
-from studies.bench.programs.cases import Case
+from studies.bench.programs.case import Case
 from studies.bench.programs.held_axes import inflated_equator
 from studies.columns import columns
 from studies.exchange.deck import deck

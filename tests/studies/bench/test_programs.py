@@ -14,7 +14,8 @@ import pytest
 from studies.analysis.comparisons.program_agreement import agreement, program_tables
 from studies.bench.peers.problems import problems
 from studies.bench.programs import calculix, held_axes, measured
-from studies.bench.programs.cases import CASES, Case
+from studies.bench.programs.case import Case
+from studies.bench.programs.cases import CASES
 from studies.cli import main
 from studies.exchange.deck import ELEMENTS
 from studies.exchange.of_scene import problem_of

@@ -14,7 +14,7 @@ from studies.exchange.balances import energy_balance, force_balance
 from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
-from studies.exchange.results import Found
+from studies.exchange.results import GROWTH, Found
 from studies.result import Result
 from studies.scenes.benchmarks import cantilever as scene
 
@@ -55,6 +55,21 @@ def test_a_field_is_compared_with_every_reference_at_its_load(
     rows = compared(cantilever, [Found(1.0, {}, field)], ours, 0.01)
     exact = {row.quantity: row.value for row in rows if "elastica" in row.against}
     assert exact == dict(zip(("tip_shortening_mm", "tip_deflection_mm"), scene.ELASTICA[-1][1:], strict=True))
+
+
+def test_small_displacements_are_not_held_against_references_of_large_ones() -> None:
+    linear = problem_of("cantilever", {"load_fraction": "1"}, MESH, measure="linear")
+    rows = compared(
+        linear, [Found(1.0, {"tip_deflection_mm": 40.0})], our_solution(linear, [1.0], {}, measure="linear"), 0.01
+    )
+    assert [row.against for row in rows] == ["ours"]
+
+
+def test_growth_under_inflation_is_compared_with_that_of_our_column() -> None:
+    problem = problem_of("tyre", {"delta_mm": "0"}, "8x8")
+    ours = our_solution(problem, [0.0], {"delta_mm": "0"}, "12x12")
+    (row,) = compared(problem, [Found(0.0, {GROWTH: 1.1 * ours.quantities[GROWTH]})], ours, 0.01)
+    assert (row.against, row.difference) == ("ours", pytest.approx(-0.1))  # it shrinks
 
 
 def test_a_wrong_field_is_beyond(cantilever: Problem, ours: Result, field: np.ndarray) -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
-from studies.exchange.results import read_results
+from studies.exchange.results import GROWTH, read_results
 from studies.request import UsageError
 
 
@@ -163,3 +163,12 @@ def test_the_travel_of_a_tyre_counts_from_its_own_first_touch(tyre: Problem, tmp
     first = tyre.bricks.x[tyre.crown, 0] + growth
     assert [each.load for each in found] == pytest.approx([5 + first - tyre.touched, 10 + first - tyre.touched])
     assert [each.quantities["plane_force_N"] for each in found] == [100.0, 300.0]
+
+
+def test_the_growth_of_a_tyre_that_is_inflated_alone_is_that_of_its_crown(tmp_path: Path) -> None:
+    problem = problem_of("tyre", {"delta_mm": "0"}, "8x8")
+    assert problem.crown is not None
+    text = f" displacements (vx,vy,vz) for set BODY and time 1.0\n\n{problem.crown + 1:10d} -1.5 0.25 0.1\n"
+    (found,) = read_results(written(tmp_path / "out.dat", text), problem)
+    assert found.load == 0.0
+    assert found.quantities == {GROWTH: pytest.approx(-1.5)}

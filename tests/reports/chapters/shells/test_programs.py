@@ -13,8 +13,8 @@ from support.stores.programs import made_up_programs
 def test_the_opening_counts_and_gives_reasons() -> None:
     said = sentences(agreement(made_up_programs()))
     assert said == [
-        "CalculiX (ccx 2.20) runs 4 scenes from our decks; on the finest mesh of each, 1 of 4 values (1 scenes) are within"
-        " 1 % of ours.",
+        "CalculiX (ccx 2.20) runs 4 scenes from our decks; on the finest mesh of each, 1 of 4 values (1 scenes) are"
+        " within 1 % of ours.",
         "inward_mm of hemisphere is -2.00 % off, and falls with the mesh at the rate 2.0.",
         "inflated_equator_outer_mm of tyre, angle plies, inflated is -20.00 % off: a deck has one direction of plies a"
         " brick, and our own solid under that rule is +1.00 % from it on the same mesh.",
