@@ -53,4 +53,4 @@ def _apart(peers: pd.DataFrame | None, case: str, quantity: str, program: str) -
 
 
 def _finest(own: pd.DataFrame) -> float:
-    return float(own.loc[own["unknowns"].idxmax(), "value"]) if len(own) else np.nan
+    return float(own["value"].iloc[int(own["unknowns"].argmax())]) if len(own) else np.nan

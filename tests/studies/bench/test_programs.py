@@ -83,6 +83,7 @@ def test_reasons_are_found_in_the_numbers() -> None:
     assert rates["ring"] == pytest.approx(np.log2(0.02 / 0.03))
 
 
+@pytest.mark.slow
 def test_cases_are_scenes_that_can_be_exported() -> None:
     assert len({case.of for case in CASES}) >= 6
     assert len({case.name for case in CASES}) == len(CASES)

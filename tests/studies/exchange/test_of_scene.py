@@ -152,7 +152,7 @@ def test_angle_plies_ask_for_the_whole_tyre() -> None:
 
 @pytest.mark.parametrize(("walls", "model"), [({}, "full"), ({"E_MPa": 20.0, "nu": 0.45}, "quarter")])
 def test_no_travel_is_inflation_alone(walls: dict[str, float], model: str) -> None:
-    problem = asked("tyre", delta_mm=0.0, load="follower", pressure_area="face", **walls)
+    problem = asked("tyre", None, delta_mm=0.0, load="follower", pressure_area="face", **walls)
     assert problem.plane is None
     assert problem.request.model == model
     (step,) = problem.steps
