@@ -23,6 +23,7 @@ from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY
 from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.peer_factors import peer_factors
 from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
+from studies.analysis.comparisons.program_agreement import program_tables
 from studies.analysis.comparisons.solid_shell import solid_shell
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
 from studies.analysis.comparisons.tyre_models import SAME, grids_reaching, tyre_models
@@ -119,6 +120,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         **tyre_comparison(answers),
         "solid_shell": solid_shell(answers),
         "tyre_models": tyre_models(answers),
+        **program_tables(store / "tables"),
         **{name: fit(pd.read_csv(path)) for name, (path, fit) in made.items() if path.exists()},
     }
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.columns import columns
 from studies.commands import FAILED, NOT_CONVERGED, OK, bench_solvers
-from studies.commands.options import count, progress_bar
+from studies.commands.options import STORE, count, progress_bar
 from studies.scene import UsageError
 
 MESH, REPEATS, ROUNDS = "42x40", 9, 3
@@ -20,7 +20,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
     parser.add_argument("--largest", action="store_true", help="factorise 250,000 unknowns, too")
     parser.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
-    tables = parser.add_subparsers(metavar="newton|scaling|overhead|peers|solvers", parser_class=type(parser))
+    names = "newton|scaling|overhead|peers|programs|solvers"
+    tables = parser.add_subparsers(metavar=names, parser_class=type(parser))
 
     newton = tables.add_parser("newton", help="cost of one Newton iteration, as ratios")
     newton.add_argument("--mesh", default=MESH, metavar="N1xN2", help=f"default {MESH}")
@@ -42,6 +43,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     peers.add_argument("--rounds", type=int, default=ROUNDS, help=f"default {ROUNDS}")
     peers.add_argument("--table", type=Path, metavar="FILE", help="write the table as CSV")
     peers.set_defaults(bench=_peers)
+
+    programs = tables.add_parser("programs", help="CalculiX on decks of ours, scene by scene; resumes")
+    programs.add_argument("--only", metavar="CASE", help="one case, e.g. hemisphere")
+    programs.add_argument("--store", "--out", type=Path, default=STORE, metavar="STORE", help=f"default {STORE}")
+    programs.set_defaults(bench=_programs)
 
     bench_solvers.add_arguments(tables.add_parser("solvers", help="who solves frozen contact problems, and how well"))
 
@@ -126,3 +132,20 @@ def _peers(options: argparse.Namespace) -> int:
     print("medians of processor time; one unit: factorisation of 9840 unknowns by SuperLU")
     print("\n".join(lines_of(table)))
     return NOT_CONVERGED if table["value"].isna().any() else OK
+
+
+def _programs(options: argparse.Namespace) -> int:
+    from studies.bench.programs.cases import CASES
+    from studies.bench.programs.measured import OPEN, TABLE, lines_of, measured
+    from studies.store.atomic import write_table
+
+    chosen = [case for case in CASES if options.only in (None, case.name)]
+    if not chosen:
+        names = ", ".join(repr(case.name) for case in CASES)
+        raise UsageError(f"--only {options.only!r} must be one of {names}")
+    with progress_bar("programs") as advance:
+        table = measured(chosen, options.store, advance)
+    if options.only is None:
+        write_table(options.store / "tables" / f"{TABLE}.csv", table)
+    print("\n".join(lines_of(table)))
+    return FAILED if (table["reason"] == OPEN).any() else OK

@@ -28,6 +28,7 @@ from studies.scenes.contact.base import ContactModel
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
 from studies.scenes.statics import StaticModel
 from studies.scenes.tyre.model import InflatedTyre, TyreModel
+from studies.scenes.tyre.parts import mirrored
 from studies.scenes.tyre.press import PressedTyre
 from studies.scenes.tyre.solid import SolidTyreModel
 from studies.scenes.tyre.wall import checked_wall
@@ -62,6 +63,9 @@ def problem_of(
     scene, request = complete(name, given, mesh, **options)
     if request.model in TURNED:
         request = replace(request, model="full", model_reason="a part that turns into the whole has no plane to cut at")
+    if request.model == "axisymmetric":
+        part = "quarter" if mirrored(request.settings) else "full"
+        request = replace(request, model=part, model_reason="a column between two planes does not stay between them")
     model = scene.build(request)
     if isinstance(model, SolidTyreModel | SolidRingModel) and through != 1:
         raise UsageError(f"through = {through} does not apply to {name}, a solid has bricks of its own: set per_ply")
@@ -113,7 +117,10 @@ def _before_plane(scene: Scene, request: Request, model: ContactModel, through: 
 
 
 def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, through: int) -> Problem:
-    """Inflation with the plane out of reach, then its travel from where it touches first, by our own inflation."""
+    """Inflation with the plane out of reach, then its travel from where it touches first, by our own inflation.
+
+    No travel at all is inflation alone, without a plane.
+    """
     if isinstance(model, TyreModel):
         body, finer = _of_shell(scene, request, model.shell, through)
         loads = of_shell.loads_of(_shell(finer), model.shell.discretisation, body.bricks)
@@ -121,12 +128,15 @@ def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, thr
         body = _of_solid(model.body, checked_wall(request.settings)[0])
         loads = of_solid.loads_of(model.body, body.bricks)
     normal = _plane(model.foundation).normal
+    crown, copies = int(np.argmax(body.bricks.x @ normal)), model.wall.part.copies
+    if tuple(model.deltas) == (0.0,):
+        alone = (LoadStep("inflation", 0.0, *loads),)
+        return _problem(scene, request, "delta_mm", body, alone, crown=crown, copies=copies)
     rest, touched = _first_touch(scene, request, model, normal)
     start = max(rest, touched) + CLEARANCE * abs(touched - rest)
     steps = [LoadStep("inflation", None, *loads, start)]
     steps += [LoadStep(f"delta_mm {delta:g}", delta, *loads, touched - delta) for delta in model.deltas]
-    crown = int(np.argmax(body.bricks.x @ normal))
-    told = {"touched": touched, "crown": crown, "copies": model.wall.part.copies}
+    told = {"touched": touched, "crown": crown, "copies": copies}
     return _problem(scene, request, "delta_mm", body, tuple(steps), Plane(normal, start), **told)
 
 

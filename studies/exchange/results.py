@@ -27,8 +27,10 @@ from studies.request import UsageError
 FIELD = ("ux_mm", "uy_mm", "uz_mm")
 NODE = "node"
 PLANE_FORCE, STRAIN_ENERGY = "plane_force_N", "strain_energy_Nmm"
+GROWTH = "inflated_equator_outer_mm"  # of a tyre that is inflated alone
 REACTION = ("reaction_x_N", "reaction_y_N", "reaction_z_N")
 PRINTED = ".dat"  # how the printed output of CalculiX ends
+WIDTHS = {"displacements": 4, "total force": 3, "total internal energy": 1}  # numbers of a line, of what is read
 _BLOCK = re.compile(r"^ *(\w.*?)(?: \(.*\))? for set (\w+) and time +(\S+)", re.MULTILINE)  # kind, set, time
 
 
@@ -88,12 +90,16 @@ def _printed(text: str, problem: Problem) -> list[Found]:
     blocks: dict[int, dict[str, np.ndarray]] = {}
     heads = list(_BLOCK.finditer(text))
     for head, end in zip(heads, [*(head.start() for head in heads), len(text)][1:], strict=True):
+        if head[1] not in WIDTHS:
+            continue
         rows = [line.split() for line in text[head.end() : end].splitlines() if _numeric(line)]
         try:
-            values = np.array(rows, float)
+            values, time = np.array(rows, float), float(head[3])
         except ValueError:
-            raise UsageError(f"the printed output ends or breaks within {head[1]} for set {head[2]}") from None
-        blocks.setdefault(round(float(head[3])) - 1, {})[f"{head[1]} {head[2]}"] = values
+            values = np.zeros((0, 0))
+        if not len(values) or values.shape[1] != WIDTHS[head[1]]:
+            raise UsageError(f"the printed output ends or breaks within {head[1]} for set {head[2]}")
+        blocks.setdefault(round(time) - 1, {})[f"{head[1]} {head[2]}"] = values
     steps = {i: told for i, told in blocks.items() if 0 <= i < len(problem.steps)}
     touched = _touched(steps, problem)
     return [_of_step(problem, i, told, touched) for i, told in steps.items() if problem.steps[i].load is not None]
@@ -131,12 +137,18 @@ def _of_step(problem: Problem, i: int, told: Mapping[str, np.ndarray], touched: 
         quantities |= dict(zip(REACTION, map(float, told["total force HELD"][0] - standing), strict=True))
     if "total force PLANE" in told and problem.plane is not None:
         quantities[PLANE_FORCE] = -float(told["total force PLANE"][0] @ problem.plane.normal)
+    if problem.crown is not None and problem.plane is None:
+        outwards = problem.bricks.x[problem.crown]
+        quantities[GROWTH] = float(u[problem.crown] @ outwards / np.linalg.norm(outwards))
     return Found(load, quantities, u)
 
 
 def _displacements(told: Mapping[str, np.ndarray], problem: Problem) -> np.ndarray:
     u = np.full_like(problem.bricks.x, np.nan)
     rows = told.get("displacements BODY")
-    if rows is not None and len(rows):
-        u[rows[:, 0].astype(int) - 1] = rows[:, 1:4]
+    if rows is not None:
+        nodes = rows[:, 0].astype(int)
+        if nodes.min() < 1 or nodes.max() > len(u):
+            raise UsageError(f"the printed output has node {nodes.max()}, the body {len(u)}; is the mesh the same?")
+        u[nodes - 1] = rows[:, 1:]
     return u

@@ -41,6 +41,7 @@ from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
 from support.stores.made_up import analysed_again, linked, said_again
 from support.stores.manufactured import made_up_manufactured, made_up_statements, made_up_touching
+from support.stores.programs import made_up_programs
 from support.stores.rings import made_up_laws, made_up_ring
 from support.stores.sheets import BUILT, DRAWN, cube_text, sheet_answer
 from support.stores.walls import made_up_walls
@@ -358,6 +359,7 @@ def write_tables(directory: Path) -> None:
         "manufactured_contact": made_up_touching(),
         "manufactured_statements": made_up_statements(),
         "shell_limits": made_up_walls(),
+        "programs": made_up_programs(),
         "fuzz": random_cases(),
         "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
         **made_up_arena(),

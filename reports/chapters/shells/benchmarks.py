@@ -11,6 +11,7 @@ import pandas as pd
 from reports.chapter import Chapter
 from reports.chapters.shells import figures_benchmarks
 from reports.chapters.shells.newton_steps import newton_part
+from reports.chapters.shells.programs import programs_part
 from reports.formats import fixed, percent
 from reports.markdown import Part, commands, joined, picture, prose, table
 from reports.store.tables import Store
@@ -76,7 +77,7 @@ BENCHMARKS = (
 def benchmarks_page(store: Store) -> Part:
     """The whole page."""
     parts = [part for benchmark in BENCHMARKS for part in (_values(store, benchmark), _pictures(store, benchmark))]
-    return joined(INTRODUCTION, *parts, newton_part(store), _equilibrium(store))
+    return joined(INTRODUCTION, *parts, newton_part(store), _equilibrium(store), programs_part(store))
 
 
 def _values(store: Store, benchmark: Benchmark) -> Part:

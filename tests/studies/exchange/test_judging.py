@@ -14,9 +14,10 @@ from studies.exchange.balances import energy_balance, force_balance
 from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
-from studies.exchange.results import Found
+from studies.exchange.results import GROWTH, Found
 from studies.result import Result
 from studies.scenes.benchmarks import cantilever as scene
+from studies.scenes.statics import StaticModel
 
 MESH = "8x1"
 
@@ -37,6 +38,7 @@ def field(cantilever: Problem, ours: Result) -> np.ndarray:
     assert cantilever.shell is not None
     assert ours.last is not None
     u = np.full_like(cantilever.bricks.x, np.nan)
+    assert isinstance(ours.model, StaticModel)
     for face, displacement in enumerate(ours.model.shell.discretisation.cartesian(ours.last.u)):
         u[cantilever.shell[:, face]] = displacement
     return u
@@ -57,6 +59,22 @@ def test_a_field_is_compared_with_every_reference_at_its_load(
     assert exact == dict(zip(("tip_shortening_mm", "tip_deflection_mm"), scene.ELASTICA[-1][1:], strict=True))
 
 
+def test_small_displacements_are_not_held_against_references_of_large_ones() -> None:
+    linear = problem_of("cantilever", {"load_fraction": "1"}, MESH, measure="linear")
+    rows = compared(
+        linear, [Found(1.0, {"tip_deflection_mm": 40.0})], our_solution(linear, [1.0], {}, measure="linear"), 0.01
+    )
+    assert [row.against for row in rows] == ["ours"]
+
+
+def test_growth_under_inflation_is_compared_with_that_of_our_column() -> None:
+    problem = problem_of("tyre", {"delta_mm": "0"}, "8x8")
+    ours = our_solution(problem, [0.0], {"delta_mm": "0"}, "12x12")
+    (row,) = compared(problem, [Found(0.0, {GROWTH: 1.1 * ours.quantities[GROWTH]})], ours, 0.01)
+    assert row.against == "ours"
+    assert row.difference == pytest.approx(-0.1)  # it shrinks
+
+
 def test_a_wrong_field_is_beyond(cantilever: Problem, ours: Result, field: np.ndarray) -> None:
     rows = compared(cantilever, [Found(1.0, {}, 1.02 * field)], ours, 0.01)
     beyond = {row.quantity: row.difference for row in rows if row.against == "ours" and not row.within}
@@ -72,6 +90,7 @@ def test_a_field_with_a_hole_is_not_read(cantilever: Problem, ours: Result, fiel
 
 def test_strain_energy_is_compared_with_ours(cantilever: Problem, ours: Result) -> None:
     assert ours.last is not None
+    assert isinstance(ours.model, StaticModel)
     shell = ours.model.shell.scaled(0.0)
     value = shell.energy(ours.last.u)
     (row,) = compared(cantilever, [Found(1.0, {"strain_energy_Nmm": 1.5 * value})], ours, 0.01)

@@ -150,6 +150,18 @@ def test_angle_plies_ask_for_the_whole_tyre() -> None:
     assert isotropic.copies == 4
 
 
+@pytest.mark.parametrize(("walls", "model"), [({}, "full"), ({"E_MPa": 20.0, "nu": 0.45}, "quarter")])
+def test_no_travel_is_inflation_alone(walls: dict[str, float], model: str) -> None:
+    problem = asked("tyre", None, delta_mm=0.0, load="follower", pressure_area="face", **walls)
+    assert problem.plane is None
+    assert problem.request.model == model
+    (step,) = problem.steps
+    assert (step.load, step.offset) == (0.0, None)
+    assert np.all(step.pressure == problem.request.settings["p0_MPa"])
+    assert problem.crown is not None
+    np.testing.assert_allclose(problem.bricks.x[problem.crown, 1:], 0, atol=1e-9)
+
+
 def test_a_shear_correction_is_one_of_the_ply() -> None:
     (ply,) = asked("pinched-cylinder", shear_correction=1000.0).materials
     assert ply.G[1] == pytest.approx(1000 * ply.G[0])

@@ -9,7 +9,7 @@ import pytest
 
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
-from studies.exchange.results import read_results
+from studies.exchange.results import GROWTH, read_results
 from studies.request import UsageError
 
 
@@ -93,10 +93,28 @@ def test_output_of_a_run_that_was_stopped_before_its_first_step(cantilever: Prob
         read_results(written(tmp_path / "out.dat", ""), cantilever)
 
 
-def test_a_line_that_breaks_off_is_told(cantilever: Problem, tmp_path: Path) -> None:
-    text = PRINTED.format(time=1.0).replace("3.000000E-01", "3.000000E-01\n         4  1.0")
-    with pytest.raises(UsageError, match="breaks within displacements for set BODY"):
-        read_results(written(tmp_path / "out.dat", text), cantilever)
+ROW, TOTAL = "         3  1.000000E+00 -2.000000E+00  3.000000E-01", "        1.000000E-08  0.000000E+00 -4.000000E+00"
+
+
+@pytest.mark.parametrize(
+    ("there", "instead", "said"),
+    [
+        (ROW, f"{ROW}\n         4  1.0", "breaks within displacements for set BODY"),
+        (ROW, "         3  1.0", "breaks within displacements for set BODY"),
+        (ROW, "", "breaks within displacements for set BODY"),
+        (TOTAL, "", "breaks within total force for set HELD"),
+        ("        2.500000E+01", "", "breaks within total internal energy for set BODY"),
+        ("         3 ", "   1000000 ", "has node 1000000, the body 32; is the mesh the same"),
+        ("         3 ", "         0 ", "is the mesh the same"),
+    ],
+)
+def test_a_block_that_breaks_off_is_told(
+    there: str, instead: str, said: str, cantilever: Problem, tmp_path: Path
+) -> None:
+    text = PRINTED.format(time=1.0)
+    assert there in text
+    with pytest.raises(UsageError, match=said):
+        read_results(written(tmp_path / "out.dat", text.replace(there, instead)), cantilever)
 
 
 def test_other_blocks_of_printed_output_are_left_alone(cantilever: Problem, tmp_path: Path) -> None:
@@ -145,3 +163,12 @@ def test_the_travel_of_a_tyre_counts_from_its_own_first_touch(tyre: Problem, tmp
     first = tyre.bricks.x[tyre.crown, 0] + growth
     assert [each.load for each in found] == pytest.approx([5 + first - tyre.touched, 10 + first - tyre.touched])
     assert [each.quantities["plane_force_N"] for each in found] == [100.0, 300.0]
+
+
+def test_the_growth_of_a_tyre_that_is_inflated_alone_is_that_of_its_crown(tmp_path: Path) -> None:
+    problem = problem_of("tyre", {"delta_mm": "0"}, "8x8")
+    assert problem.crown is not None
+    text = f" displacements (vx,vy,vz) for set BODY and time 1.0\n\n{problem.crown + 1:10d} -1.5 0.25 0.1\n"
+    (found,) = read_results(written(tmp_path / "out.dat", text), problem)
+    assert found.load == 0.0
+    assert found.quantities == {GROWTH: pytest.approx(-1.5)}

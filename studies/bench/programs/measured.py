@@ -1,0 +1,162 @@
+"""The table of ``footprint bench programs``: what a program finds for every scene on every mesh, beside ours.
+
+Each mesh of each scene is one file in the store, so that a run that was stopped goes on; it is made anew when the
+sources, the case or the program change.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.bench.programs import calculix
+from studies.bench.programs.case import Case
+from studies.bench.programs.held_axes import inflated_equator
+from studies.columns import columns
+from studies.exchange.deck import deck
+from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
+from studies.exchange.of_scene import problem_of
+from studies.exchange.problem import Problem
+from studies.exchange.results import GROWTH
+from studies.request import UsageError, text_of
+from studies.store.atomic import write_table_once
+from studies.store.source_hash import sources_hash
+
+FOLDER, TABLE = "programs", "programs"
+WITHIN = 0.01  # relative difference to ours
+HELD_WITHIN = 0.02  # the same, to our solid under the rule of one direction a brick
+OF_CASE = ["case", "program", "quantity", "step"]
+MESH, PLIES, OPEN = "mesh", "plies", "open"  # reasons of a difference beyond WITHIN
+
+
+def measured(
+    cases: Sequence[Case],
+    store: Path,
+    progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
+) -> pd.DataFrame:
+    """A row a quantity, load and mesh; raises UsageError where the program is not there or does not end.
+
+    theirs, ours; difference: relative.  reference, source, uncertainty: what is published, the first that holds.  held:
+    our solid under the rule of one direction of plies a brick.  nodes, elements: of the deck.  seconds: wall time of
+    the program.  step: number of the load from 0.  within, reason, rate: see :func:`explained`.
+    """
+    version = calculix.version()
+    sources = sources_hash((__name__,))
+    works = [(case, mesh) for case in cases for mesh in case.meshes]
+    paths = []
+    for done, (case, mesh) in enumerate(works):
+        progress(done, len(works), f"{case.name} {mesh}")
+        path = store / FOLDER / f"{re.sub(r'[^a-z0-9]+', '-', case.name)}-{mesh}.csv"
+        identity = "\n".join((sources, version, repr(case), mesh))
+        write_table_once(path, identity, partial(_table, case, mesh, version))
+        paths.append(path)
+    progress(len(works), len(works), "done")
+    return explained(pd.concat(map(pd.read_csv, paths), ignore_index=True))
+
+
+def _table(case: Case, mesh: str, version: str) -> pd.DataFrame:
+    problem = problem_of(case.of, case.settings, mesh, measure=case.measure)
+    begun = perf_counter()
+    found = calculix.found_by(deck(problem, case.integration), problem)
+    seconds = perf_counter() - begun
+    loads = [each.load for each in found]
+    ours = our_solution(problem, loads, case.settings, case.ours, measure=case.measure)
+    if not ours.outcome.converged:
+        raise UsageError(f"our solution of {case.name} on {case.ours} did not converge: {ours.reason}")
+    rows = compared(problem, found, ours, WITHIN)
+    common = {
+        "case": case.name,
+        "scene": case.of,
+        "settings": "; ".join(f"{key}={text_of(value)}" for key, value in case.settings.items()),
+        "measure": case.measure,
+        "mesh": mesh,
+        "program": calculix.NAME,
+        "version": version,
+        "elements": _elements(problem, case),
+        "bricks": len(problem.bricks.elements),
+        "nodes": len(problem.bricks.x),
+        "our_mesh": case.ours,
+        "seconds": seconds,
+        "held": inflated_equator(problem) if case.held else np.nan,
+    }
+    return pd.DataFrame([{**common, **told} for told in _values(rows, loads)])
+
+
+def _elements(problem: Problem, case: Case) -> str:
+    """As the deck itself has it."""
+    lines = deck(problem, case.integration)
+    return next(line.split("TYPE=")[1].split(",")[0] for line in lines if line.startswith("*ELEMENT, TYPE="))
+
+
+def _values(rows: Sequence[Comparison], loads: Sequence[float]) -> Iterator[dict[str, Any]]:
+    """Of each comparison with ours, with the first reference of the same quantity and load."""
+    published = {(row.load, row.quantity): row for row in reversed(rows) if row.against not in (OURS, WORK, NOTHING)}
+    for row in (row for row in rows if row.against == OURS):
+        known = published.get((row.load, row.quantity))
+        yield {
+            "quantity": row.quantity,
+            "step": loads.index(row.load),
+            "load": row.load,
+            "theirs": row.found,
+            "ours": row.value,
+            "difference": row.difference,
+            "reference": np.nan if known is None else known.value,
+            "source": "" if known is None else known.against,
+        }
+
+
+def explained(table: pd.DataFrame) -> pd.DataFrame:
+    """With ``within`` WITHIN, the ``rate`` at which differences fall from the coarser mesh, and a ``reason``.
+
+    rate: of |difference| in the size of bricks, nan on the coarsest mesh.  held_difference: theirs over ``held``, less
+    one.  reason: of what is beyond, PLIES where our solid under the rule of one direction a brick agrees within
+    HELD_WITHIN; MESH where the difference is smaller than on the coarser mesh, or has none that is coarser and one that
+    is finer and smaller; else OPEN.
+    """
+    table = table.assign(
+        within=table["difference"].abs() <= WITHIN,
+        held_difference=np.where(table["quantity"] == GROWTH, table["theirs"] / table["held"] - 1, np.nan),
+        rate=np.nan,
+        falls=False,
+    )
+    for _, own in table.groupby(OF_CASE, sort=False):
+        own = own.sort_values("bricks", kind="stable")
+        size = own["difference"].abs().to_numpy()
+        falls = size[1:] < size[:-1]
+        finer = [max(_ratios(*pair)) for pair in zip(own["mesh"][:-1], own["mesh"][1:], strict=True)]
+        table.loc[own.index[1:], "rate"] = np.log(size[:-1] / size[1:]) / np.log(finer)
+        table.loc[own.index[1:], "falls"] = falls
+        if len(falls):
+            table.loc[own.index[0], "falls"] = falls[0]
+    reasons = np.select(
+        [table["within"], table["held_difference"].abs() <= HELD_WITHIN, table["falls"]], ["", PLIES, MESH], OPEN
+    )
+    return table.assign(reason=reasons).drop(columns="falls")
+
+
+def _ratios(coarse: str, fine: str) -> tuple[float, ...]:
+    pairs = zip(map(int, coarse.split("x")), map(int, fine.split("x")), strict=True)
+    return tuple(many / few for few, many in pairs)
+
+
+def lines_of(table: pd.DataFrame) -> Iterator[str]:
+    """The table for a terminal."""
+    rows = [("case", "mesh", "elements", "quantity", "load", "theirs", "ours", "off/%", "reference", "s", "reason")]
+    for row in table.to_dict("records"):
+        reference = "" if np.isnan(row["reference"]) else f"{row['reference']:.5g}"
+        numbers = (
+            f"{row['load']:.4g}",
+            f"{row['theirs']:.6g}",
+            f"{row['ours']:.6g}",
+            f"{100 * row['difference']:+.2f}",
+        )
+        named = (row["case"], row["mesh"], row["elements"], row["quantity"])
+        rows.append((*named, *numbers, reference, f"{row['seconds']:.0f}", row["reason"] or "within"))
+    yield from columns(rows, right=range(4, 10))
