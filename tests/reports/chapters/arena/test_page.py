@@ -67,8 +67,7 @@ def test_the_collection_opens_the_page(store: Path, page: Part) -> None:
     """Two families; kinds, consistent coupling and touching are counted in each."""
     opening = of_page(load_store(store), "arena")
     assert (
-        "has 4 frozen contact problems of 2 families, 88 to 20000 unknowns and up to 900 candidates, in 1 MB"
-        in opening
+        "has 4 frozen contact problems of 2 families, 88 to 20000 unknowns and up to 900 candidates, in 1 MB" in opening
     )
     assert "The answers of 4 are certified by two ways, of 1 by a third one, too." in opening
     assert "| ring | 2 | 88 to 2,000 | 9 to 90 | 1 | 1 | – | – | 1 | 0.50 |" in page.text
