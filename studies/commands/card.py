@@ -1,4 +1,4 @@
-"""``footprint card``: what a newcomer adds, whether it keeps the laws, what it claims and what it costs, on one page."""
+"""``footprint card``: what a newcomer adds, which laws it keeps, what it claims and what it costs, on one page."""
 
 from __future__ import annotations
 

@@ -73,7 +73,7 @@ class Card:
         """One sentence: passed or failed, on how many problems, and what failed."""
         counts = {word: len(self.ended(word)) for word in ENDS}
         told = f"solves {counts.pop(SOLVED)} of {len(self.own)} problems"
-        told += "".join(f", {count} {_PLURAL[word]}" for word, count in counts.items() if count)
+        told += "".join(f", {word} on {count}" for word, count in counts.items() if count)
         told += "" if counts[FALSE] else ", no claim is false"
         laws = len(self.laws) - len(self.broken)
         told += f"; {laws} of {len(self.laws)} laws are kept"
@@ -101,8 +101,8 @@ class Card:
         """
         keys = ["group", "problem"]
         unit = self.tries[(self.tries["who"] == self.reference) & (self.tries["ended"] == SOLVED)]
-        unit = unit.set_index(keys)[["operations", "seconds"]]
-        rows = self.tries.join(unit, on=keys, rsuffix="_of_reference")
+        unit = unit.set_index(keys)[["operations", "seconds"]].add_suffix("_of_reference")
+        rows = self.tries.join(unit, on=keys)
         solved = rows["ended"] == SOLVED
         for cost in ("operations", "seconds"):
             of = rows[f"{cost}_of_reference"]
@@ -139,15 +139,6 @@ class Card:
         """How everybody ends at the hard points: a row a point, a column a part."""
         rows = self.tries[self.tries["group"] == HARD]
         return rows.pivot(index="problem", columns="who", values="ended").reindex(rows["problem"].unique())
-
-
-_PLURAL = {
-    "false claim": "false claims",
-    "not solved": "not solved",
-    "refused": "refused",
-    "raised": "exceptions",
-    "over the limit": "over the limit",
-}
 
 
 def _listed(names: list[str] | pd.Series, most: int = 5) -> str:
@@ -195,7 +186,9 @@ def _kit(subject: Subject) -> Iterator[Law]:
     for laws in found.values():
         worst = max(laws, key=lambda law: (not law.kept, law.found))
         broken = sum(not law.kept for law in laws)
-        yield replace(worst, said=f"broken on {broken} of {len(laws)}, as {worst.said}" if broken else f"on {len(laws)}")
+        yield replace(
+            worst, said=f"broken on {broken} of {len(laws)}, as {worst.said}" if broken else f"on {len(laws)}"
+        )
     if subject.kind == MEASURE:
         yield _at_rest(subject.name)
 

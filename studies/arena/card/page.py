@@ -135,7 +135,7 @@ def _cost(card: Card, picture: str) -> list[str]:
 def _hard(card: Card) -> list[str]:
     table = card.hard()
     names = [card.subject.name, *(name for name in table if name != card.subject.name)]
-    rows = [[point, *(table.loc[point, name] for name in names)] for point in table.index]
+    rows = [[point, *(told[name] for name in names)] for point, told in table.to_dict("index").items()]
     return _table(["point", *(f"`{name}`" for name in names)], rows)
 
 
@@ -146,7 +146,7 @@ def _place(card: Card) -> list[str]:
         "seconds": f"share solved in at most {TWICE:g} times the least processor time",
     }
     rows = [
-        [meaning[row.figure], f"{row.rank} of {row.of}", f"{row.value:.0%}", f"{row.best:.0%} (`{row.who}`)"]
+        [meaning[str(row.figure)], f"{row.rank} of {row.of}", f"{row.value:.0%}", f"{row.best:.0%} (`{row.who}`)"]
         for row in card.place().itertuples()
     ]
     asked = len(card.own) - len(card.ended(REFUSED))

@@ -54,9 +54,9 @@ class Asked:
 
 
 SCENES = (
-    Asked(SCENE, "strip-contact", "16x1"),
-    Asked(SCENE, "heavy-strip", "16x1"),
-    Asked(SCENE, "plate-contact", "16x1"),
+    Asked(SCENE, "strip-contact", "8x1"),
+    Asked(SCENE, "heavy-strip", "8x1"),
+    Asked(SCENE, "plate-contact", "8x1"),
     Asked(SCENE, "ring", "1x16", {"delta_mm": "1,35"}),
     Asked(SCENE, "panel", "6x6"),
     Asked(SCENE, "panel", "6x6", {"foundation": "ball"}),

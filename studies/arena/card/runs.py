@@ -7,7 +7,6 @@ left when that is spent are not begun.
 from __future__ import annotations
 
 import math
-import pickle
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -15,6 +14,7 @@ from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import product
+from typing import Any
 
 import numpy as np
 
@@ -40,11 +40,9 @@ from studies.arena.card.trials import (
 )
 from studies.arena.solver_table import judged
 from studies.arena.solvers.base import Answer as Said
-from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.child import Child
 from studies.fuzz.comparing import Answer, difference
-from studies.scene import UsageError
 
 LIMIT_S, BUDGET_S = 10.0, 60.0
 TOLERANCES = (1e-6, 1e-8)
@@ -73,7 +71,7 @@ class Purse:
 
 
 def trials(subject: Subject, tell: Tell) -> Iterator[Trial]:
-    """Of the newcomer and of ours; raises UsageError for a solver that cannot be sent to another process."""
+    """Of the newcomer and of ours."""
     if subject.kind == ALGORITHM:
         return _algorithms(subject, tell)
     if subject.kind == SOLVER:
@@ -155,10 +153,6 @@ def _options(kind: str, name: str) -> dict[str, str]:
 
 def _solvers(subject: Subject, tell: Tell) -> Iterator[Trial]:
     """In a process of their own, which is killed when it takes too long; judged from the file alone."""
-    try:
-        pickle.dumps(SOLVERS[subject.name])
-    except Exception as error:  # pickle raises whatever it meets
-        raise UsageError(f"{subject.name!r} cannot be sent to the process that solves: {error}") from error
     everyone = [SOLVERS[name] for name in (*(each for each in BESIDE if each != subject.name), subject.name)]
     killed = Counter[str]()
     with closing(Child(SOLVER_LIMIT_S)) as child:
@@ -182,7 +176,7 @@ def _solvers(subject: Subject, tell: Tell) -> Iterator[Trial]:
 
 def _row(who: str, case: Posed, name: str, said: Said, worth: Mapping[str, object]) -> Trial:
     """Of an answer; where it is as accurate as was asked, its distance is what the problem makes of that."""
-    spent = {"iterations": said.iterations, "seconds": said.seconds}
+    spent: dict[str, Any] = {"iterations": said.iterations, "seconds": said.seconds}
     if np.isnan(said.seconds):
         return Trial(who, case.group, name, LATE, said.reason)
     if not said.claimed:

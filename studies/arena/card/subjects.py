@@ -5,6 +5,7 @@ What a part is worth is not asked here.
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,6 +82,12 @@ def _check(path: Path, subject: Subject) -> None:
     """Raises UsageError for an entry that is not what its catalogue holds; the open door has checked the others."""
     if subject.kind == SOLVER and not isinstance(SOLVERS[subject.name], Solver):
         raise UsageError(f"plug-in {path}: {subject.name!r} of SOLVERS must be a studies.arena.solvers.base.Solver")
+    if subject.kind == SOLVER:
+        try:
+            pickle.dumps(SOLVERS[subject.name])
+        except Exception as error:  # pickle raises whatever it meets
+            said = f"{subject.name!r} cannot be sent to the process that solves"
+            raise UsageError(f"plug-in {path}: {said}: {error}") from error
     share = THICKNESS_STRAINS.get(subject.name, 0.0) if subject.kind == ELEMENT else 0.0
     if not (isinstance(share, float | int) and 0 <= share <= 1):
         raise UsageError(f"plug-in {path}: the share {subject.name!r} = {share!r} must be a number in [0, 1]")

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from types import FrameType
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -169,10 +169,11 @@ def alone(name: str, case: Posed, limit_s: float) -> Ended:
 def followed(scene: Scene, request: Request, limit_s: float) -> Ended:
     """An algorithm along the path of a request, each requested load judged."""
     metered = Metered(configured(request.contact, request.settings))
+    meter = cast("ContactAlgorithm", metered)
 
     def solve() -> Ended:
         answer = None
-        for visited in walk(scene.build(request).stages(), metered, request.steps):
+        for visited in walk(scene.build(request).stages(), meter, request.steps):
             solution = visited.point.solution
             if not visited.converged:
                 refused = visited.point.outcome is Outcome.REFUSED

@@ -12,6 +12,9 @@ import numpy as np
 from contact.algorithms.base import NewtonAlgorithm
 from contact.catalogue import ALGORITHMS
 from contact.newton.loop import Step, iterate
+from contact.newton.state import Iterate
+from contact.newton.step import NewtonRun
+from contact.problem import ContactProblem, ContactSolution
 
 
 @dataclass(frozen=True)
@@ -23,11 +26,11 @@ class MyAlgorithm(NewtonAlgorithm):
 
     name: ClassVar[str] = "my-algorithm"
 
-    def solve(self, problem, start):
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start``; what follows the linearisation is :meth:`settled`."""
         return iterate(self.run(problem), start, self.settled, self.max_iterations)
 
-    def settled(self, run, at):
+    def settled(self, run: NewtonRun, at: Iterate) -> Step:
         """The step du (n,), the pressures and the set (m,) that the linearised problem at ``at`` ends with."""
         active = at.active
         for swaps in range(10 + 20 * len(active)):
