@@ -11,10 +11,10 @@ import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.catalogue import ALGORITHMS
-from contact.newton.loop import Step, iterate
+from contact.newton.loop import Step, StepError, iterate
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactProblem, ContactSolution, Outcome
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class MyAlgorithm(NewtonAlgorithm):
         return iterate(self.run(problem), start, self.settled, self.max_iterations)
 
     def settled(self, run: NewtonRun, at: Iterate) -> Step:
-        """The step du (n,), the pressures and the set (m,) that the linearised problem at ``at`` ends with."""
+        """Step du (n,), pressures and set (m,) that solve the problem linearised at ``at``; raises StepError."""
         active = at.active
         for swaps in range(10 + 20 * len(active)):
             du, pressure = run.step(at.lin, at.u, at.pressure, active)
@@ -39,11 +39,11 @@ class MyAlgorithm(NewtonAlgorithm):
             least = 1e-12 * np.max(np.abs(at.gap), initial=0.0)
             wrong = np.where(active, pressure < 0, gap < -least)
             if not wrong.any():
-                break
+                return Step(du, pressure, active)
             if swaps >= 10:  # all at once may go round in a circle
                 wrong &= np.arange(len(wrong)) == np.argmax(wrong)
             active = active ^ wrong
-        return Step(du, np.maximum(pressure, 0.0), active)
+        raise StepError(Outcome.UNSOLVED, "the set does not settle")
 
 
 ALGORITHMS[MyAlgorithm.name] = MyAlgorithm
