@@ -182,9 +182,8 @@ def test_the_page_shows_every_failure_with_its_reason() -> None:
 # --- laws and tries ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    "name", [name if name == "lcp" else pytest.param(name, marks=pytest.mark.slow) for name in ALGORITHMS]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ALGORITHMS)
 def test_the_algorithms_of_the_suite_keep_every_law(name: str) -> None:
     found = list(laws_of(name))
     assert len(found) == len(LAWS)
