@@ -35,6 +35,7 @@ COMMANDS = {
     "advise": "the cheapest configuration of a scene that meets a tolerance",
     "check": "compare a fresh campaign with the committed baseline",
     "compare": "two stores side by side, as a comment for a review",
+    "card": "what a part of yours keeps, claims and costs, on one page",
     "extremes": "solve and judge one point of a map of extremes",
     "fuzz": "solve one random case again and hold it against its laws",
     "bench": "what all that a solve does costs, its growth, the harness, peers, and solvers",

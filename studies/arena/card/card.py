@@ -1,0 +1,205 @@
+"""The card itself: laws and tries of one part, what follows from them, and the one sentence that says it.
+
+Every number and verdict of the page is worked out here; how it is written is the business of the page.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pandas as pd
+
+from formulations.geometry.grid import Grid
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.quantities import FULL
+from studies.analysis.profiles import within
+from studies.arena.card.laws import Law, laws_of
+from studies.arena.card.problems import HARD
+from studies.arena.card.runs import REFERENCE, trials
+from studies.arena.card.solver_laws import solver_laws
+from studies.arena.card.subjects import ALGORITHM, MEASURE, SOLVER, Subject, element
+from studies.arena.card.trials import DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
+from studies.experiments.conformance import LINES1, LINES2, TORUS, conformance
+from studies.experiments.specimens import ELEMENTS, Element, layup
+
+TWICE = 2.0  # of the least cost: who is within it counts as cheap
+AT_REST = 1e-12  # relative, of tangents
+FIGURES = {"solved share": "", "operations": "operations", "seconds": "seconds"}
+Tell = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Card:
+    """A part, its laws, and all tries (a row each of :class:`studies.arena.card.trials.Trial`), those of ours too."""
+
+    subject: Subject
+    laws: tuple[Law, ...]
+    tries: pd.DataFrame
+
+    @property
+    def own(self) -> pd.DataFrame:
+        """The tries of the part itself."""
+        return self.tries[self.tries["who"] == self.subject.name]
+
+    def ended(self, *words: str) -> pd.DataFrame:
+        """Its tries that ended so."""
+        return self.own[self.own["ended"].isin(words)]
+
+    @property
+    def broken(self) -> list[Law]:
+        """Its laws that are not kept."""
+        return [law for law in self.laws if not law.kept]
+
+    @property
+    def compared(self) -> pd.DataFrame:
+        """Its answers that were held against others."""
+        return self.own[self.own["agreement"] != ""]
+
+    @property
+    def different(self) -> pd.DataFrame:
+        """Its answers that differ without an explanation."""
+        return self.own[self.own["agreement"] == DIFFERS]
+
+    @property
+    def passes(self) -> bool:
+        """Whether all laws are kept, all answers agree or are explained, nothing is raised, and no claim is false."""
+        return not (self.broken or len(self.different) or len(self.ended(FALSE, RAISED)))
+
+    @property
+    def verdict(self) -> str:
+        """One sentence: passed or failed, on how many problems, and what failed."""
+        counts = {word: len(self.ended(word)) for word in ENDS}
+        told = f"solves {counts.pop(SOLVED)} of {len(self.own)} problems"
+        told += "".join(f", {word} on {count}" for word, count in counts.items() if count)
+        told += "" if counts[FALSE] else ", no claim is false"
+        laws = len(self.laws) - len(self.broken)
+        told += f"; {laws} of {len(self.laws)} laws are kept"
+        told += f", {len(self.different)} of {len(self.compared)} answers differ from the exact ones"
+        names = [f"false claims on {_listed(self.ended(FALSE)['problem'])}"] if counts[FALSE] else []
+        names += [f"exceptions on {_listed(self.ended(RAISED)['problem'])}"] if counts[RAISED] else []
+        names += [f"laws broken: {_listed([law.law for law in self.broken])}"] if self.broken else []
+        names += [f"other answers on {_listed(self.different['problem'])}"] if len(self.different) else []
+        word = "passes" if self.passes else "FAILS"
+        failed = f"; {'; '.join(names)}" if names else ""
+        return f"`{self.subject.name}` {word}: it {told}{failed}."
+
+    @property
+    def reference(self) -> str:
+        """The part of ours that its cost is compared with; the next one where it is that itself."""
+        first = REFERENCE[self.subject.kind]
+        if self.subject.name != first:
+            return first
+        return next(name for name in self.tries["who"].unique() if name != first)
+
+    def ratios(self) -> pd.DataFrame:
+        """A row a problem and who: operations and seconds over those of the reference, where both solve it.
+
+        NaN where one of them does not: ``ended`` says how it ended.
+        """
+        keys = ["group", "problem"]
+        unit = self.tries[(self.tries["who"] == self.reference) & (self.tries["ended"] == SOLVED)]
+        unit = unit.set_index(keys)[["operations", "seconds"]].add_suffix("_of_reference")
+        rows = self.tries.join(unit, on=keys)
+        solved = rows["ended"] == SOLVED
+        for cost in ("operations", "seconds"):
+            of = rows[f"{cost}_of_reference"]
+            rows[f"{cost}_ratio"] = (rows[cost] / of.where(of > 0)).where(solved & (rows[cost] > 0))
+        return rows
+
+    def place(self) -> pd.DataFrame:
+        """Its rank among ours in every figure: figure, rank, of, value, best, who is best, problems.
+
+        On the problems that it does not refuse. solved share: of those that are not refused.  operations, seconds:
+        share of the problems solved with at most TWICE the least cost; a failure is never within it, and so counts.
+        """
+        put = self.own.loc[self.own["ended"] != REFUSED, ["group", "problem"]]
+        rows = self.tries.merge(put, on=["group", "problem"])
+        rows = rows[rows["ended"] != REFUSED]
+        found = []
+        for figure, cost in FIGURES.items():
+            if cost:
+                costs = rows[cost].where(rows["ended"] == SOLVED)
+                if not (costs[rows["who"] == self.subject.name] > 0).any():
+                    continue  # it counts none, or solves nothing
+                matrix = rows.assign(cost=costs.fillna(np.inf)).pivot_table(
+                    index=["group", "problem"], columns="who", values="cost", sort=False
+                )
+                shares = _cheap(matrix)
+            else:
+                shares = (rows["ended"] == SOLVED).groupby(rows["who"]).mean()
+            mine = float(shares[self.subject.name])
+            rank = 1 + int((shares > mine + 1e-12).sum())
+            found.append((figure, rank, len(shares), mine, float(shares.max()), str(shares.idxmax()), len(put)))
+        return pd.DataFrame(found, columns=["figure", "rank", "of", "value", "best", "who", "problems"])
+
+    def hard(self) -> pd.DataFrame:
+        """How everybody ends at the hard points: a row a point, a column a part."""
+        rows = self.tries[self.tries["group"] == HARD]
+        return rows.pivot(index="problem", columns="who", values="ended").reindex(rows["problem"].unique())
+
+
+def _listed(names: list[str] | pd.Series, most: int = 5) -> str:
+    told = [str(name) for name in names]
+    more = f" and {len(told) - most} more" if len(told) > most else ""
+    return ", ".join(told[:most]) + more
+
+
+def _cheap(matrix: pd.DataFrame) -> pd.Series:
+    """Share of its problems that each solves at TWICE the least cost; NaN is what it was not asked."""
+    finite = matrix[np.isfinite(matrix.min(axis=1))]
+    return within(finite, (TWICE,)).iloc[0] * len(finite) / finite.notna().sum().clip(lower=1)
+
+
+def card_of(subject: Subject, tell: Tell = lambda name: None) -> Card:
+    """The card of a part; raises UsageError where it cannot be tried."""
+    tell("laws")
+    laws = tuple(_laws(subject))
+    tries = pd.DataFrame([trial.row for trial in trials(subject, tell)])
+    return Card(subject, laws, tries)
+
+
+def _laws(subject: Subject) -> Iterator[Law]:
+    if subject.kind == ALGORITHM:
+        yield from laws_of(subject.name)
+    elif subject.kind == SOLVER:
+        yield from solver_laws(subject.name)
+    else:
+        yield from _kit(subject)
+
+
+def _kit(subject: Subject) -> Iterator[Law]:
+    """The conformance kit on every element that suits a measure, or with the exact measure on those of an option.
+
+    A row a law: of all elements the one that breaks it, or the largest number.
+    """
+    measure = MEASURES[subject.name if subject.kind == MEASURE else "exact"]
+    fixed = {} if subject.kind == MEASURE else element(subject.name)
+    suited = [each for each in dict.fromkeys(Element(**{**vars(e), **fixed}) for e in ELEMENTS) if each.suits(measure)]
+    found: dict[str, list[Law]] = {}
+    for each in suited:
+        for check in conformance(measure, each):
+            law = Law(check.law, check.found, check.low, check.high, said=" ".join(vars(each).values()))
+            found.setdefault(check.law, []).append(law)
+    for laws in found.values():
+        worst = max(laws, key=lambda law: (not law.kept, law.found))
+        broken = sum(not law.kept for law in laws)
+        yield replace(
+            worst, said=f"broken on {broken} of {len(laws)}, as {worst.said}" if broken else f"on {len(laws)}"
+        )
+    if subject.kind == MEASURE:
+        yield _at_rest(subject.name)
+
+
+def _at_rest(name: str) -> Law:
+    """At rest a measure with full gradients has the tangent of the exact one: only its products may differ."""
+    law, measure = "at rest it is the exact one", MEASURES[name]
+    if measure.kinematics != FULL:
+        return Law(law, math.nan, refused="its gradients leave something out")
+    grid = Grid.tensor(LINES1, LINES2)
+    rest = np.zeros(6 * grid.n_nodes)
+    shells = (ELEMENTS[0].shell(each, TORUS, grid, layup()) for each in (measure, MEASURES["exact"]))
+    own, exact = (shell.linearise(rest).tangent for shell in shells)
+    return Law(law, float(abs(own - exact).max() / abs(exact).max()), 0.0, AT_REST)

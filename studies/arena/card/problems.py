@@ -1,0 +1,108 @@
+"""The problems of a card: the frozen sample, problems made from their answer, small scenes, and hard points of scenes.
+
+They are the same for everybody who is tried; nobody is tried here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from contact.interchange.linearised_step import FrozenStep
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from studies.arena.sample import sample
+from studies.fuzz import matrices
+
+FROZEN, MADE, SCENE, HARD = "frozen", "made", "scene", "hard"
+GROUPS = {
+    FROZEN: "frozen steps of the collection",
+    MADE: "random matrices made from their answer",
+    SCENE: "small scenes",
+    HARD: "hard points",
+}
+CASES = range(24)  # of random matrices
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A contact problem alone, its answer, and the step that it is from, if it is frozen."""
+
+    group: str
+    name: str
+    problem: ContactProblem
+    answer: ContactSolution
+    step: FrozenStep | None = None
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A request of a scene; why: what is hard about it."""
+
+    group: str
+    scene: str
+    mesh: str
+    settings: Mapping[str, str] = field(default_factory=dict)
+    why: str = ""
+
+    @property
+    def name(self) -> str:
+        """The request as one line, after what is hard about it."""
+        told = " ".join([self.scene, self.mesh, *(f"{key}={value}" for key, value in self.settings.items())])
+        return f"{self.why}: {told}" if self.why else told
+
+
+SCENES = (
+    Asked(SCENE, "strip-contact", "8x1"),
+    Asked(SCENE, "heavy-strip", "8x1"),
+    Asked(SCENE, "plate-contact", "8x1"),
+    Asked(SCENE, "ring", "1x16", {"delta_mm": "1,35"}),
+    Asked(SCENE, "panel", "6x6"),
+    Asked(SCENE, "panel", "6x6", {"foundation": "ball"}),
+    Asked(SCENE, "tyre", "6x6", {"delta_mm": "5,20"}),
+    Asked(SCENE, "tyre", "6x6", {"delta_mm": "5,20", "coupling": "consistent"}),
+)
+POINTS = (
+    Asked(HARD, "panel", "4x4", {"h_over_R": "0.001"}, "very thin"),
+    Asked(HARD, "panel", "4x4", {"E_ratio": "1000"}, "stiff ratio"),
+    Asked(HARD, "panel", "4x4", {"nu": "0.49999"}, "nearly incompressible"),
+    Asked(HARD, "panel", "4x4", {"shape": "plate", "delta_mm": "0"}, "touch without pressure"),
+    Asked(HARD, "panel", "4x4", {"shape": "plate", "delta_mm": "1e-08"}, "hardly a travel"),
+    Asked(HARD, "panel", "4x4", {"shape": "plate", "delta_mm": "0", "inflation": "0.1"}, "contact everywhere"),
+    Asked(HARD, "panel", "4x4", {"foundation": "ball", "ball_mm": "0.1", "delta_mm": "0.5"}, "one node"),
+    Asked(HARD, "panel", "4x4", {"delta_mm": "5"}, "a large step"),
+    Asked(HARD, "tyre", "6x6", {"delta_mm": "20", "p0_MPa": "0.05"}, "indefinite tangent"),
+    Asked(HARD, "tyre", "6x6", {"delta_mm": "20", "load": "follower"}, "follower load"),
+)
+BENT = (Asked(SCENE, "cantilever", "8x1"), Asked(SCENE, "hemisphere", "6x6"))  # without contact
+
+
+def posed(epsilon: float) -> Iterator[Posed]:
+    """The frozen sample, and random matrices whose answers obey the law of an epsilon [MPa/mm]."""
+    yield from frozen()
+    yield from made(epsilon)
+
+
+def frozen() -> Iterator[Posed]:
+    """The sample with its certified answers."""
+    for taken in sample():
+        step, found = taken.candidate.step, taken.answer
+        answer = ContactSolution(found.du, found.pressure, found.pressed, Outcome.CONVERGED)
+        yield Posed(FROZEN, taken.candidate.name, step.problem(), answer, step)
+
+
+def made(epsilon: float) -> Iterator[Posed]:
+    """Random matrices, a number each; see :mod:`studies.fuzz.matrices`."""
+    for seed in CASES:
+        yield Posed(MADE, f"matrices {seed}", *matrices.made(seed, epsilon))
+
+
+def frozen_of(case: Posed) -> FrozenStep:
+    """The step of a problem that is linear in its displacements."""
+    if case.step is not None:
+        return case.step
+    problem, rest = case.problem, np.zeros_like(case.answer.u)
+    lin = problem.linearise(rest, None)
+    rows = problem.gap_jacobian(rest)
+    return FrozenStep(lin.tangent, lin.residual, rows, problem.gap(rest), problem.weights, lin.scale, problem.coupling)

@@ -1,0 +1,191 @@
+"""All tries of a card, kind by kind: the newcomer and those of ours, one problem after another, in one run.
+
+Nothing is concluded here. The newcomer may take BUDGET_S in all and LIMIT_S for a try, on the clock; tries that are
+left when that is spent are not begun.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactSolution, Outcome
+from studies.arena.accuracy import Scales
+from studies.arena.card.problems import BENT, POINTS, SCENES, Asked, Posed, frozen_of, posed
+from studies.arena.card.subjects import ALGORITHM, ELEMENT, MEASURE, SOLVER, Subject, element
+from studies.arena.card.trials import (
+    AGREES,
+    ALIKE,
+    FAILED,
+    FALSE,
+    LATE,
+    REFUSED,
+    SOLVED,
+    Ended,
+    Trial,
+    against,
+    alone,
+    asked,
+    epsilon_of,
+)
+from studies.arena.solver_table import judged
+from studies.arena.solvers.base import Answer as Said
+from studies.arena.solvers.catalogue import SOLVERS
+from studies.arena.solvers.child import Child
+from studies.fuzz.comparing import Answer, difference
+
+LIMIT_S, BUDGET_S = 10.0, 60.0
+TOLERANCES = (1e-6, 1e-8)
+SOLVER_LIMIT_S, PATIENCE = 5.0, 3  # of processor time; so often it may be killed
+BESIDE = ("semismooth", "Lemke", "condensed QP, finished", "OSQP, scaled", "Clarabel, scaled", "HiGHS, scaled")
+REFERENCE = {ALGORITHM: "semismooth", MEASURE: "exact", SOLVER: "semismooth", ELEMENT: "balanced"}  # of ratios of cost
+EXACT = ("semismooth", "lcp")  # whose answer is the right one on a scene
+Tell = Callable[[str], None]
+
+
+@dataclass
+class Purse:
+    """What the newcomer may still take of the clock."""
+
+    left_s: float = BUDGET_S
+    begun: float = field(default_factory=time.monotonic)
+
+    def take(self, attempt: Callable[[float], Ended]) -> Ended:
+        """One try, if there is anything left for it."""
+        if self.left_s <= 0:
+            return Ended(LATE, f"not begun: {BUDGET_S:g} s were spent before")
+        begun = time.monotonic()
+        found = attempt(min(LIMIT_S, self.left_s))
+        self.left_s -= time.monotonic() - begun
+        return found
+
+
+def trials(subject: Subject, tell: Tell) -> Iterator[Trial]:
+    """Of the newcomer and of ours."""
+    if subject.kind == ALGORITHM:
+        return _algorithms(subject, tell)
+    if subject.kind == SOLVER:
+        return _solvers(subject, tell)
+    return _parts(subject, tell)
+
+
+# --- algorithms -----------------------------------------------------------------------------------------------------
+
+
+def _algorithms(subject: Subject, tell: Tell) -> Iterator[Trial]:
+    everyone = [*(name for name in subject.ours if name != subject.name), subject.name]
+    purse = Purse()
+    problems = {name: list(posed(epsilon_of(name))) for name in everyone}
+    for i, first in enumerate(problems[subject.name]):
+        tell(first.name)
+        for name in everyone:
+            case = problems[name][i]
+            attempt = partial(alone, name, case)
+            found = purse.take(attempt) if name == subject.name else attempt(LIMIT_S)
+            yield against(name, case, found, _made(name, case))
+    for scene in (*SCENES, *POINTS):
+        tell(scene.name)
+        right: Answer | None = None
+        for name in sorted(everyone, key=lambda each: (each == subject.name, each not in EXACT)):
+            look = partial(_contact, name, scene)
+            found = purse.take(look) if name == subject.name else look(LIMIT_S)
+            comparable = math.isinf(epsilon_of(name))
+            yield against(name, scene, found, right if comparable else None)
+            if right is None and name in EXACT and found.ended == SOLVED:
+                right = found.answer
+
+
+def _contact(name: str, scene: Asked, limit_s: float) -> Ended:
+    return asked(scene, limit_s, contact=name)
+
+
+def _made(name: str, case: Posed) -> Answer | None:
+    """The answer of a problem; of a frozen one it is that of the exact constraint."""
+    epsilon = epsilon_of(name)
+    if case.step is not None and math.isfinite(epsilon):
+        return None
+    return Answer(case.problem, case.answer, ALGORITHMS[name](epsilon=epsilon))
+
+
+# --- measures and elements --------------------------------------------------------------------------------------------
+
+
+def _parts(subject: Subject, tell: Tell) -> Iterator[Trial]:
+    """Each measure, or element option, by an algorithm; the newcomer by a second one, which must agree."""
+    reference = REFERENCE[subject.kind]
+    options = {name: _options(subject.kind, name) for name in dict.fromkeys([reference, *subject.ours, subject.name])}
+    order = sorted(options, key=lambda name: (name == subject.name, name != reference))
+    purse = Purse()
+    for scene in (*BENT, *SCENES, *POINTS):
+        tell(scene.name)
+        usual: Answer | None = None
+        for name in order:
+            look = partial(_by, "semismooth", scene, options[name])
+            found = purse.take(look) if name == subject.name else look(LIMIT_S)
+            second = None
+            if name == subject.name and found.answer is not None and len(found.answer.problem.weights):
+                second = purse.take(partial(_by, "lcp", scene, options[name])).answer
+            if name == reference:
+                usual = found.answer
+            yield against(name, scene, found, second, usual)
+
+
+def _by(contact: str, scene: Asked, options: Mapping[str, str], limit_s: float) -> Ended:
+    return asked(scene, limit_s, contact=contact, **options)
+
+
+def _options(kind: str, name: str) -> dict[str, str]:
+    return {"measure": name} if kind == MEASURE else dict(element(name))
+
+
+# --- solvers --------------------------------------------------------------------------------------------------------
+
+
+def _solvers(subject: Subject, tell: Tell) -> Iterator[Trial]:
+    """In a process of their own, which is killed when it takes too long; judged from the file alone."""
+    everyone = [SOLVERS[name] for name in (*(each for each in BESIDE if each != subject.name), subject.name)]
+    killed = Counter[str]()
+    with closing(Child(SOLVER_LIMIT_S)) as child:
+        for case in posed(math.inf):
+            tell(case.name)
+            step = frozen_of(case)
+            scales = Scales.of(step)
+            for tolerance, solver in product(TOLERANCES, everyone):
+                name = f"{case.name} to {tolerance:g}"
+                refused = solver.missing() or solver.applies(step)
+                if refused is not None:
+                    yield Trial(solver.name, case.group, name, REFUSED, refused)
+                elif killed[solver.name] >= PATIENCE:
+                    yield Trial(solver.name, case.group, name, LATE, f"not begun: killed {PATIENCE} times before")
+                else:
+                    said, _ = child.solve(solver, step, tolerance)
+                    killed[solver.name] += bool(np.isnan(said.seconds))
+                    worth = judged(said, step, tolerance, scales)
+                    yield _row(solver.name, case, name, said, worth)
+
+
+def _row(who: str, case: Posed, name: str, said: Said, worth: Mapping[str, object]) -> Trial:
+    """Of an answer; where it is as accurate as was asked, its distance is what the problem makes of that."""
+    spent: dict[str, Any] = {"iterations": said.iterations, "seconds": said.seconds}
+    if np.isnan(said.seconds):
+        return Trial(who, case.group, name, LATE, said.reason)
+    if not said.claimed:
+        return Trial(who, case.group, name, FAILED, said.reason, **spent)
+    accuracy = float(str(worth["accuracy"]))
+    if worth["false"]:
+        return Trial(who, case.group, name, FALSE, f"its accuracy is {accuracy:.1e}", **spent)
+    found = ContactSolution(said.du, said.pressure, said.pressure > 0, Outcome.CONVERGED)
+    algorithm = ALGORITHMS["semismooth"]()
+    apart = difference(*(Answer(case.problem, state, algorithm) for state in (case.answer, found)))
+    agreement = AGREES if apart <= ALIKE else f"as accurate as asked, {accuracy:.1e}: apart by {apart:.1e}"
+    return Trial(who, case.group, name, SOLVED, "", **spent, apart=apart, agreement=agreement)

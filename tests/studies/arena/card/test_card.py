@@ -1,0 +1,363 @@
+"""Cards: a bad newcomer is found out, a slow right one passes with its price, and what cannot be tried says so."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+import time
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.problem import ContactSolution
+from studies.arena.card import problems, runs
+from studies.arena.card.card import Card, card_of
+from studies.arena.card.laws import LAWS, Law, laws_of
+from studies.arena.card.page import page
+from studies.arena.card.subjects import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
+from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, within
+from studies.arena.card.trials import OvertimeError as Overtime
+from studies.arena.sample import sample
+from studies.cli import main
+
+PARTS = Path(__file__).parent / "parts"
+ENTRIES = Path(__file__).parents[4] / "studies/arena/entries"
+
+
+@pytest.fixture(autouse=True)
+def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Catalogues, modules and the search path are left as they were."""
+    every = [catalogue for catalogues in CATALOGUES.values() for catalogue in catalogues]
+    known, loaded = [dict(catalogue) for catalogue in every], set(sys.modules)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    yield
+    for catalogue, before in zip(every, known, strict=True):
+        catalogue.clear()
+        catalogue.update(before)
+    own = {path.stem for path in (*PARTS.glob("*.py"), *ENTRIES.glob("*.py"))} | {"my_algorithm", "nothing"}
+    for name in own & (set(sys.modules) - loaded):
+        del sys.modules[name]
+
+
+def part(name: str) -> Subject:
+    (found,) = subjects(str(PARTS / f"{name}.py"))
+    return found
+
+
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A card on a few problems and beside one part of ours alone."""
+    monkeypatch.setattr(runs, "posed", lambda epsilon: islice(problems.made(epsilon), 5))
+    monkeypatch.setattr(runs, "SCENES", (problems.Asked("scene", "heavy-strip", "8x1"),))
+    monkeypatch.setattr(runs, "POINTS", (problems.Asked("hard", "panel", "2x2", {}, "coarse"),))
+    monkeypatch.setattr(runs, "BENT", (problems.Asked("scene", "cantilever", "2x1"),))
+    monkeypatch.setattr(runs, "BESIDE", ("semismooth", "Lemke"))
+
+
+def beside(subject: Subject, *ours: str) -> Subject:
+    return Subject(subject.kind, subject.name, subject.file, ours)
+
+
+# --- what a card says -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_nodes_dropped_at_random_are_false_claims_that_are_named(few: None) -> None:
+    found = card_of(beside(part("hasty"), "semismooth", "lcp"))
+    false = found.ended(FALSE)
+    assert len(false) >= 3
+    assert not found.passes
+    assert found.verdict.startswith("`hasty` FAILS: it solves ")
+    assert f"false claim on {len(false)}" in found.verdict
+    assert str(false["problem"].iloc[0]) in found.verdict
+    assert {"answers are those of non-negative least squares", "the same question has the same answer"} <= {
+        law.law for law in found.broken
+    }
+    text = page([found], "footprint card hasty.py")
+    assert all(name in text for name in false["problem"])
+
+
+@pytest.mark.slow
+def test_a_right_one_that_solves_twice_passes_and_costs_twice(few: None) -> None:
+    found = card_of(beside(part("twice"), "semismooth", "lcp"))
+    assert found.passes
+    assert (found.own["ended"] == SOLVED).all()
+    ratios = found.ratios()
+    own = ratios.loc[ratios["who"] == "twice", "operations_ratio"]
+    np.testing.assert_allclose(own, 2.0, rtol=1e-3)
+    place = found.place().set_index("figure")
+    assert place.loc["solved share", "rank"] == 1
+    assert place.loc["operations", "best"] == 1.0
+    assert "median **2.00**" in page([found], "footprint card twice.py")
+
+
+@pytest.mark.slow
+def test_a_wrong_coefficient_of_a_measure_is_found(few: None) -> None:
+    found = card_of(beside(part("slanted"), "exact"))
+    assert not found.passes
+    assert any("rigid motions" in law.law for law in found.broken)
+    assert found.ended(FALSE).empty  # the state is one of this measure: it is the measure that is wrong
+
+
+@pytest.mark.slow
+def test_a_solver_that_claims_what_it_has_not_is_found(few: None) -> None:
+    found = card_of(part("boastful"))
+    assert len(found.ended(FALSE)) >= 2
+    assert not found.passes
+    others = found.tries[found.tries["who"] == "semismooth"]
+    assert (others["ended"] == SOLVED).all()
+
+
+@pytest.mark.slow
+def test_an_element_option_is_solved_with_though_no_scene_knows_it(few: None) -> None:
+    found = card_of(beside(part("halfway"), "balanced"))
+    assert found.passes
+    assert (found.own["away"].dropna() < 0.5).all()
+    assert found.own["away"].max() > 0  # it is not the option of ours under another name
+
+
+# --- verdicts ---------------------------------------------------------------------------------------------------------
+
+
+def made_up(*ends: str, agreement: str = "agrees", laws: tuple[Law, ...] = (Law("a law", 0.0),)) -> Card:
+    rows = []
+    for i, ended in enumerate(ends):
+        same = {"group": "made", "problem": f"problem {i}", "reason": "because", "iterations": 1.0}
+        same |= {"factorisations": 1.0, "apart": 0.0, "away": math.nan}
+        told = agreement if ended == SOLVED else ""
+        own = {"ended": ended, "operations": 30.0, "seconds": 0.3, "agreement": told}
+        ours = {"ended": SOLVED, "operations": 10.0, "seconds": 0.1, "agreement": ""}
+        rows += [{**same, "who": "new", **own}, {**same, "who": "semismooth", **ours}]
+    return Card(Subject(ALGORITHM, "new", "new.py", ("semismooth",)), laws, pd.DataFrame(rows))
+
+
+@pytest.mark.parametrize(
+    ("ended", "passes"), [(SOLVED, 1), (FAILED, 1), (LATE, 1), (REFUSED, 1), (FALSE, 0), (RAISED, 0)]
+)
+def test_what_fails_a_card(ended: str, passes: int) -> None:
+    found = made_up(SOLVED, ended)
+    assert found.passes == bool(passes)
+    assert found.verdict.startswith(f"`new` {'passes' if passes else 'FAILS'}: it solves ")
+    assert f"of 2 problems{'' if ended == SOLVED else f', {ended} on 1'}" in found.verdict
+
+
+def test_a_difference_and_a_broken_law_fail_it_and_a_refused_law_does_not() -> None:
+    assert not made_up(SOLVED, agreement=DIFFERS).passes
+    assert made_up(SOLVED, agreement="within what the tolerance leaves").passes
+    assert not made_up(SOLVED, laws=(Law("a law", 1.0),)).passes
+    assert not made_up(SOLVED, laws=(Law("a law", math.nan),)).passes
+    assert made_up(SOLVED, laws=(Law("a law", math.nan, refused="made for others"),)).passes
+
+
+def test_failures_lower_the_place_and_refusals_do_not() -> None:
+    shares = made_up(SOLVED, FAILED).place().set_index("figure")["value"]
+    assert shares["solved share"] == 0.5
+    assert shares["operations"] == 0.0  # three times the least
+    refusing = made_up(SOLVED, REFUSED).place().set_index("figure")
+    assert refusing.loc["solved share", "value"] == 1.0
+    assert refusing.loc["solved share", "problems"] == 1
+
+
+def test_ratios_are_of_problems_that_both_solve() -> None:
+    ratios = made_up(SOLVED, FALSE, REFUSED).ratios()
+    own = ratios[ratios["who"] == "new"]
+    assert own["operations_ratio"].tolist()[:1] == [3.0]
+    assert own["operations_ratio"].isna().tolist() == [False, True, True]
+
+
+def test_the_page_shows_every_failure_with_its_reason() -> None:
+    text = page([made_up(SOLVED, FALSE, FAILED, REFUSED)], "footprint card new.py", "card-new.svg")
+    assert text.count("because") == 3
+    assert "![Cost over that of semismooth, problem by problem](card-new.svg)" in text
+    assert text.index("**`new` FAILS") < text.index("## Problems")
+    assert len({line.count("|") for line in text.partition("## Laws")[2].partition("##")[0].splitlines() if line}) == 1
+
+
+# --- laws and tries ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ALGORITHMS)
+def test_the_algorithms_of_the_suite_keep_every_law(name: str) -> None:
+    found = list(laws_of(name))
+    assert len(found) == len(LAWS)
+    assert [law for law in found if not law.kept or law.refused] == []
+
+
+def test_an_exception_and_a_loop_without_end_are_ends() -> None:
+    case = next(iter(problems.made(math.inf)))
+
+    class Raising(ALGORITHMS["semismooth"]):  # type: ignore[misc]
+        def solve(self, problem: object, start: object) -> ContactSolution:
+            raise KeyError("lost")
+
+    class Endless(ALGORITHMS["semismooth"]):  # type: ignore[misc]
+        def solve(self, problem: object, start: object) -> ContactSolution:
+            while True:
+                try:
+                    np.ones(3).sum()
+                except Exception:
+                    continue
+
+    ALGORITHMS["raising"], ALGORITHMS["endless"] = Raising, Endless
+    assert alone("raising", case, 5.0).ended == RAISED
+    assert alone("endless", case, 0.2).ended == LATE
+
+
+def test_the_clock_is_put_back() -> None:
+    with pytest.raises(Overtime), within(0.01):
+        time.sleep(5)
+    with within(60.0):
+        pass
+
+
+@pytest.mark.slow
+def test_the_sample_is_small_varied_and_certified() -> None:
+    taken = sample()
+    assert 18 <= len(taken) <= 30
+    assert len({each.candidate.name for each in taken}) == len(taken)
+    assert {each.traits.kind for each in taken} == {"definite", "indefinite", "not symmetric"}
+    assert {each.traits.coupling for each in taken} == {"lumped", "consistent"}
+    assert all(each.answer.confirmed_by for each in taken)
+
+
+# --- who it is of -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("file", "kind", "name"),
+    [
+        ("hasty", ALGORITHM, "hasty"),
+        ("slanted", MEASURE, "slanted"),
+        ("boastful", SOLVER, "boastful"),
+        ("halfway", ELEMENT, "halfway"),
+    ],
+)
+def test_what_a_file_adds_is_found(file: str, kind: str, name: str) -> None:
+    found = part(file)
+    assert (found.kind, found.name) == (kind, name)
+    assert name not in found.ours
+
+
+def test_a_name_is_a_part_of_ours() -> None:
+    assert [each.kind for each in subjects("semismooth")] == [ALGORITHM]
+    assert [each.kind for each in subjects("exact")] == [MEASURE]
+    assert [each.kind for each in subjects("OSQP, scaled")] == [SOLVER]
+    assert [each.kind for each in subjects("nodal")] == [ELEMENT]
+
+
+@pytest.mark.parametrize(
+    ("source", "says"),
+    [
+        (None, "no such file"),
+        ("x = 1", "it adds nothing to any catalogue"),
+        ("1/0", "ZeroDivisionError"),
+        ("from contact.catalogue import ALGORITHMS\nALGORITHMS['half'] = object", "the part has no parameters"),
+        (
+            "from contact.catalogue import ALGORITHMS\nALGORITHMS['lcp'] = ALGORITHMS['qp']",
+            "'lcp' is a part of ours; give it another name",
+        ),
+        ("from studies.arena.solvers.catalogue import SOLVERS\nSOLVERS['new'] = 3", "must be a studies.arena.solvers"),
+        ("from formulations.element.mixed import THICKNESS_STRAINS\nTHICKNESS_STRAINS['new'] = 3", "in [0, 1]"),
+    ],
+)
+def test_a_wrong_file_is_one_line(source: str | None, says: str, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    file = tmp_path / "nothing.py"
+    if source is not None:
+        file.write_text(source, encoding="utf-8")
+    assert main(["card", str(file), "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert says in said
+    assert list(tmp_path.glob("card-*")) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        ([], "card takes one of FILE.py, --of NAME and --template DIR"),
+        (["semismooth", "--of", "lcp"], "card takes one of"),
+        (["--of", "nobody"], "'nobody' must be a file that ends in .py, or one of trial-and-error"),
+    ],
+)
+def test_wrong_use_is_one_line(words: list[str], says: str, capsys: pytest.CaptureFixture) -> None:
+    assert main(["card", *words]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert says in said
+
+
+def test_a_solver_that_cannot_be_sent_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    file = tmp_path / "nothing.py"
+    file.write_text(
+        "from studies.arena.solvers.catalogue import SOLVERS\nfrom studies.arena.solvers.outside import Outside\n"
+        "SOLVERS['new'] = Outside('new', call=lambda programme, eps: None)\n",
+        encoding="utf-8",
+    )
+    assert main(["card", str(file), "--out", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert "'new' cannot be sent to the process that solves" in said
+    assert said.count("\n") == 1
+
+
+# --- the command ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_check_is_the_exit_code_and_one_page_with_its_picture_is_written(
+    few: None, tmp_path: Path, capsys: pytest.CaptureFixture
+) -> None:
+    assert main(["card", str(PARTS / "hasty.py"), "--check", "--out", str(tmp_path)]) == 1
+    assert capsys.readouterr().out.startswith("`hasty` FAILS")
+    assert {path.name for path in tmp_path.iterdir()} == {"card-hasty.md", "card-hasty.svg"}
+    assert main(["card", str(PARTS / "twice.py"), "--check", "--out", str(tmp_path / "sub" / "mine.md")]) == 0
+    assert {path.name for path in (tmp_path / "sub").iterdir()} == {"mine.md", "mine.svg"}
+    text = (tmp_path / "sub" / "mine.md").read_text(encoding="utf-8")
+    assert re.search(r"\*\*`twice` passes: it solves \d+ of \d+ problems, no claim is false", text)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["barrier", "interior_point", "proximal"])
+def test_the_entries_of_the_arena_have_cards(name: str, few: None) -> None:
+    (subject,) = subjects(str(ENTRIES / f"{name}.py"))
+    found = card_of(beside(subject, "semismooth"))
+    assert found.passes, found.verdict
+
+
+@pytest.mark.slow
+def test_the_layout_of_a_submission_has_an_algorithm_that_passes(few: None, tmp_path: Path) -> None:
+    place = tmp_path / "new"
+    assert main(["card", "--template", str(place)]) == 0
+    names = {path.relative_to(place).as_posix() for path in place.rglob("*") if path.is_file()}
+    assert names == {
+        *("README.md", "my_algorithm.py", "requirements.txt"),
+        *("tests/test_card.py", ".github/workflows/card.yml"),
+    }
+    assert "footprint card my_algorithm.py --check" in (place / ".github/workflows/card.yml").read_text("utf-8")
+    (subject,) = subjects(str(place / "my_algorithm.py"))
+    found = card_of(beside(subject, "semismooth"))
+    assert found.passes, found.verdict
+
+
+def test_a_layout_is_not_written_over_anything(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    (tmp_path / "mine.txt").write_text("kept", encoding="utf-8")
+    assert main(["card", "--template", str(tmp_path)]) == 2
+    assert "must be an empty directory" in capsys.readouterr().err
+    assert {path.name for path in tmp_path.iterdir()} == {"mine.txt"}
+
+
+def test_a_part_that_is_ours_is_compared_with_another_of_ours() -> None:
+    mine = made_up(SOLVED)
+    assert mine.reference == "semismooth"
+    own = Card(Subject(ALGORITHM, "semismooth", "", ("semismooth", "new")), mine.laws, mine.tries)
+    assert own.reference == "new"
+
+
+def test_late_is_raised_over_any_except() -> None:
+    assert not issubclass(Overtime, Exception)
