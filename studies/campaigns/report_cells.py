@@ -208,6 +208,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "truth": lambda: (),  # tables alone
     "limits": lambda: (),  # a table alone
     "faults": lambda: (),  # a table alone
+    "arena": lambda: (),  # likewise
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
@@ -221,6 +222,7 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),
     "limits": ("shell_limits",),
     "faults": ("fuzz_faults",),
+    "arena": ("problems", "problems_left_out"),
 }
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),

@@ -70,7 +70,7 @@ def _list(options: argparse.Namespace) -> int:
 
 def _kept(family: str | None) -> pd.DataFrame:
     """The manifest, or the rows of a family; raises UsageError."""
-    from studies.arena.collection import manifest
+    from studies.arena.collected.rule import manifest
 
     whole = manifest()
     if family is None:
@@ -82,7 +82,7 @@ def _kept(family: str | None) -> pd.DataFrame:
 
 
 def _make(options: argparse.Namespace) -> int:
-    from studies.arena.collection import choose, make, unlike
+    from studies.arena.collected.rule import choose, make, unlike
 
     if options.out.is_file():
         raise UsageError(f"--out {options.out} is a file, not a directory")
@@ -104,7 +104,7 @@ def _make(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from studies.arena.collection import unlike
+    from studies.arena.collected.rule import unlike
 
     if not options.directory.is_dir():
         raise UsageError(f"{options.directory} is no directory: footprint problems make")
@@ -126,7 +126,7 @@ def _step(path: Path) -> FrozenStep:
 
 
 def _export(options: argparse.Namespace) -> int:
-    from studies.arena.exports import export
+    from studies.arena.collected.exports import export
 
     step = _step(options.problem)
     export(step, options.format, options.out)
@@ -135,8 +135,8 @@ def _export(options: argparse.Namespace) -> int:
 
 
 def _import(options: argparse.Namespace) -> int:
-    from studies.arena.candidates import of_complementarity
-    from studies.arena.siconos import read_lcp
+    from studies.arena.collected.candidates import of_complementarity
+    from studies.arena.collected.siconos import read_lcp
     from studies.store.atomic import write_by
 
     if options.out.is_dir():

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.arena.collection import left_out, manifest
+from studies.arena.collected.rule import left_out, manifest
 from studies.door.plugins import modules
 from studies.experiments.contact_sizes import contact_sizes
 from studies.experiments.crushed_ring import crushed_ring_study

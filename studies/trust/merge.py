@@ -16,7 +16,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -28,6 +27,7 @@ from studies.request import Request, UsageError
 from studies.result import WRONG
 from studies.store.atomic import as_text, write_by, write_text
 from studies.store.layout import Archive, DamagedError
+from studies.store.provenance import provenance
 from studies.trust.again import Again, drawn, solving
 from studies.trust.claims import check_request, claims_success, verify
 from studies.trust.foreign import FIELDS, ClaimError, Foreign
@@ -200,8 +200,7 @@ def _quoted(word: str) -> str:
 
 def _keep(archive: Archive, foreign: Foreign, record: Mapping[str, Any], status: str, claimed: list[str]) -> str:
     """Put the record with a mark of how far it was verified, where its seconds are, too; returns the status."""
-    when = datetime.now(UTC).isoformat(timespec="seconds")
-    mark = {"from": foreign.root.resolve().name, "status": status, "claimed": claimed, "date": when}
+    mark = {"from": foreign.root.resolve().name, "status": status, "claimed": claimed, "date": provenance()["date"]}
     mark["timing_s"] = record["timing_s"]
     archive.keep(record["id"], as_text({**record, "timing_s": {}, "merged": mark}))
     return status

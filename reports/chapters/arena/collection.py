@@ -22,9 +22,7 @@ ours to be read; published obstacle problems and linear complementarity problems
 its combination of classes is new in its family: size, candidates, share pressed, kind of matrix, coupling, condition,
 touching. *Touching* problems have candidates raised until they touch and carry nothing; *condensed* ones are the dual
 in the nodal forces. Answers are not in the files.""")
-    heads = (
-        "family | problems | unknowns | candidates | definite | indefinite | not symmetric | consistent | touching | MB"
-    )
+    heads = ("family", "problems", "unknowns", "candidates", *KINDS, "consistent", "touching", "MB")
     rows = [_row(str(family), own) for family, own in kept.groupby("family", sort=False)]
     families = table("Families", heads, rows)
     warning = prose(f"""{_left_out(left_out)} The rule so favours those who solve as the first way does; who is compared
@@ -58,7 +56,7 @@ def _left_out(rows: pd.DataFrame) -> str:
 
 def reasons(rows: pd.DataFrame) -> pd.DataFrame:
     """Reasons of each family, with how many steps have them; numbers in a reason are one reason."""
-    told = rows.assign(why=rows["why"].str.replace(r"[0-9][0-9.e+-]*", "#", regex=True).str.slice(0, 160))
+    told = rows.assign(why=rows["why"].str.replace(r"[0-9][0-9.e+-]*", "…", regex=True).str.slice(0, 160))
     counted = told.groupby(["family", "why"], sort=False).size().rename("steps").reset_index()
     return counted.sort_values("steps", ascending=False, kind="stable")
 

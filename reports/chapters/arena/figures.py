@@ -1,17 +1,13 @@
-"""The figure of the arena: profiles of all solvers, the best of them named at the ends of their curves."""
+"""The figure of the arena: profiles of all solvers, those with the largest areas named."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.figures.drawing import GREY, Look, canvas, looks, svg
+from reports.figures.drawing import GREY, canvas, looks, svg
 
 NAMED = 9
-APART = 0.05  # of the height, between two names
 PANELS = {
     "the quickest": "time over that of the quickest",
     "a factorisation": "time in factorisations of the stiffness",
@@ -31,27 +27,9 @@ def profiles(found: pd.DataFrame) -> Figure:
             if name not in named:
                 axes.plot(curve["at"], curve["share"], color=GREY, linewidth=0.5, alpha=0.5)
         for name, style in named.items():
-            axes.plot(curves[name]["at"], curves[name]["share"], **style.whole, markersize=3)
+            axes.plot(curves[name]["at"], curves[name]["share"], **style.whole, markersize=3, label=name)
         axes.set(xscale="log", xlabel=words, ylim=(0, 1.02), xlim=(own["at"].min(), own["at"].max()))
-        _labelled(axes, {name: float(curves[name]["share"].iloc[-1]) for name in named}, named)
     panels[0].set_ylabel("share of problems solved")
+    handles, names = panels[0].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside right upper", title="largest areas first")
     return figure
-
-
-def _labelled(axes: Axes, ends: Mapping[str, float], named: Mapping[str, Look]) -> None:
-    """Names beside the ends of the curves, from above, none over another."""
-    free = 1.0
-    for name, end in sorted(ends.items(), key=lambda item: -item[1]):
-        free = min(end, free)
-        axes.annotate(
-            name,
-            (axes.get_xlim()[1], end),
-            (1.02, free / axes.get_ylim()[1]),
-            textcoords="axes fraction",
-            color=named[name].colour,
-            fontsize=8,
-            va="center",
-            arrowprops={"arrowstyle": "-", "color": named[name].colour, "linewidth": 0.5, "relpos": (0, 0.5)},
-            annotation_clip=False,
-        )
-        free -= APART

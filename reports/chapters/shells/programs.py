@@ -29,19 +29,19 @@ solid of 27-node bricks was solved on the same mesh with one direction of plies 
 the column is the program's value over that, less one. NGSolve and Kratos are those of
 [the costs](cost.md#beside-other-programs): no decks of ours, loads and meshes of their own, each over our finest value
 there. Seconds are wall time of the program.""")
-    heads = "scene | measure | mesh | program | element | quantity | load | theirs | ours | on | off | reference | "
-    heads += " | ".join([*OTHERS.values(), "reason"])
-    line = (
-        "{case} | `{measure}` | {mesh} | {program}, {version} | {elements} | {quantity} | {load:.4g} | {theirs:.5g} | "
-    )
-    line += "{ours:.5g} | {our_mesh} | {difference:+.2%} | {reference:.5g} | "
-    line += " | ".join([*(f"{{{name}:+.2%}}" for name in OTHERS), "{reason:said}"])
-    best = listing("Finest meshes", finest, heads, line, words=6, said=_said)
-    heads = "scene | mesh | bricks | quantity | load | off | rate | same rule | seconds"
-    line = "{case} | {mesh} | {bricks:.0f} | {quantity} | {load:.4g} | {difference:+.2%} | {rate:.1f} | "
+    heads = "scene | program | mesh | quantity | load | theirs | ours | off | reason"
+    line = "{case} | {program} | {mesh} | {quantity} | {load:.4g} | {theirs:.5g} | {ours:.5g} | "
+    best = listing("Finest meshes", finest, heads, f"{line}{{difference:+.2%}} | {{reason:said}}", words=4, said=_said)
+    heads = "scene | measure | quantity | load | ours | on | reference | " + " | ".join(OTHERS.values())
+    line = "{case} | `{measure}` | {quantity} | {load:.4g} | {ours:.5g} | {our_mesh} | {reference:.5g} | "
+    line += " | ".join(f"{{{name}:+.2%}}" for name in OTHERS)
+    known = finest[finest[["reference", *OTHERS]].notna().any(axis=1)]
+    beside = listing("Beside references and programs without a deck of ours", known, heads, line, words=3)
+    heads = "scene | element | mesh | bricks | quantity | load | off | rate | same rule | seconds"
+    line = "{case} | {elements} | {mesh} | {bricks:.0f} | {quantity} | {load:.4g} | {difference:+.2%} | {rate:.1f} | "
     line += "{held_difference:+.2%} | {seconds:.1f}"
-    meshes = listing("All meshes", every, heads, line, words=4)
-    return joined(HEADING, machine(" ".join(sentences(finest)), text, best, meshes, commands([COMMAND])))
+    meshes = listing("All meshes", every, heads, line, words=5)
+    return joined(HEADING, machine(" ".join(sentences(finest)), text, best, beside, meshes, commands([COMMAND])))
 
 
 def sentences(finest: pd.DataFrame) -> list[str]:
@@ -51,7 +51,7 @@ def sentences(finest: pd.DataFrame) -> list[str]:
         near = own[own["within"]]
         said.append(
             f"{program} ({version}) runs {own['case'].nunique()} scenes from our decks; on the finest mesh of each, "
-            f"{len(near)} of {len(own)} values ({near['case'].nunique()} scenes) are within 1 % of ours."
+            f"{len(near)} of {len(own)} values (scenes: {near['case'].nunique()}) are within 1 % of ours."
         )
         said += [_beyond(row) for row in own[~own["within"]].to_dict("records")]
     return said

@@ -12,7 +12,7 @@ import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.problem import ContactProblem, ContactSolution, Outcome
-from studies.arena.sample import sample
+from studies.arena.collected.sample import sample
 from studies.fuzz import matrices
 
 FROZEN, MADE, SCENE, HARD = "frozen", "made", "scene", "hard"

@@ -16,7 +16,7 @@ from scipy import io, sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.sparse import SingularMatrixError, symmetric
-from studies.arena.candidates import condensed
+from studies.arena.collected.candidates import condensed
 from studies.request import UsageError
 from studies.store.atomic import PART, write_by, write_json
 

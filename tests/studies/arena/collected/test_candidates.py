@@ -9,10 +9,10 @@ import pytest
 
 from contact.verify import judge
 from studies.arena.accuracy import accuracy
-from studies.arena.candidates import condensed, of_complementarity, on_path, published, touching
-from studies.arena.certified import Certified, find
-from studies.arena.paths import Path, paths
-from studies.arena.siconos import read_lcp
+from studies.arena.collected.candidates import condensed, of_complementarity, on_path, published, touching
+from studies.arena.collected.certified import Certified, find
+from studies.arena.collected.paths import Path, paths
+from studies.arena.collected.siconos import read_lcp
 from support.problems.arena_steps import known_step, lopsided
 
 OBSTACLE = 1e-9

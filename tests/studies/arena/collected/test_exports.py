@@ -11,9 +11,9 @@ from scipy import io, sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.accuracy import accuracy
-from studies.arena.candidates import of_complementarity
-from studies.arena.exports import FORMATS, export
-from studies.arena.siconos import read_lcp
+from studies.arena.collected.candidates import of_complementarity
+from studies.arena.collected.exports import FORMATS, export
+from studies.arena.collected.siconos import read_lcp
 from studies.request import UsageError
 from support.problems.arena_steps import known_step, lopsided
 

@@ -11,12 +11,12 @@ import pytest
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
-from studies.arena import collection
-from studies.arena.candidates import Candidate, on_path
-from studies.arena.certified import NotCertifiedError, confirm, exact_on, find
-from studies.arena.collection import LARGEST, MOST, Rule, chosen, make, manifest, sums, unlike, write
-from studies.arena.paths import Path
-from studies.arena.traits import condition, kind, traits
+from studies.arena.collected import rule
+from studies.arena.collected.candidates import Candidate, on_path
+from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find
+from studies.arena.collected.paths import Path
+from studies.arena.collected.rule import LARGEST, MOST, Rule, chosen, make, manifest, sums, unlike, write
+from studies.arena.collected.traits import condition, kind, traits
 from support.problems.arena_steps import indefinite, known_step, lopsided
 
 STRIP = Path("strip-contact", "4x1", {"lam_over_a": "0.1"})
@@ -97,8 +97,8 @@ def test_the_rule_names_what_it_leaves_out() -> None:
 
 def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -> None:
     """Chosen, removed, damaged and made again by the manifest: the same bytes, derived forms included."""
-    monkeypatch.setattr(collection.listed, "paths", lambda: iter([STRIP]))
-    monkeypatch.setattr(collection, "published", lambda: iter(()))
+    monkeypatch.setattr(rule.listed, "paths", lambda: iter([STRIP]))
+    monkeypatch.setattr(rule, "published", lambda: iter(()))
     taken = list(chosen(on_path(STRIP), Rule()))
     rows = [t.row | {"bytes": write(tmp_path, t.candidate).stat().st_size} for t in taken]
     kept = pd.DataFrame(rows)
@@ -120,7 +120,7 @@ def test_a_file_of_other_values_is_named(tmp_path: File) -> None:
     step = known_step()[0]
     candidate = Candidate("a", "one", {}, step)
     row = {"name": "one", "unknowns": len(step.r), "candidates": len(step.gap)}
-    kept = pd.DataFrame([row | dict(zip(collection.SUMS, sums(step), strict=True))])
+    kept = pd.DataFrame([row | dict(zip(rule.SUMS, sums(step), strict=True))])
     write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-5)})))
     assert [line.split(" is ")[0] for line in unlike(tmp_path, kept)] == ["one: sum_r"]
     write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-8)})))

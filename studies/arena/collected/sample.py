@@ -7,8 +7,9 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from studies.arena.collection import Candidate, Taken, candidates, chosen
-from studies.arena.paths import Path
+from studies.arena.collected.candidates import Candidate, candidates
+from studies.arena.collected.paths import Path
+from studies.arena.collected.rule import Rule, Taken
 
 PUBLISHED = ("OBSTCLAL-10", "OBSTCLBL-10", "TORSION-c5-10", "Murty-10", "Fathi-10", "Csizmadia-10")
 PATHS = (
@@ -28,7 +29,9 @@ PATHS = (
 @lru_cache(maxsize=1)
 def sample() -> tuple[Taken, ...]:
     """The problems with their certified answers, always the same in the same order."""
-    return tuple(chosen(each for each in candidates(PATHS) if _wanted(each)))
+    rule = Rule()
+    taken = (rule.taken(each) for each in candidates(PATHS) if _wanted(each))
+    return tuple(each for each in taken if each is not None)
 
 
 def _wanted(candidate: Candidate) -> bool:

@@ -1,6 +1,6 @@
 """Steps that the collection may take: iterates along paths, published problems, and forms derived from a step.
 
-Which of them are taken is a rule (:mod:`studies.arena.collection`); no file is written here.
+Which of them are taken is a rule (:mod:`studies.arena.collected.rule`); no file is written here.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.sparse import checked_solve, factorise, symmetric
-from studies.arena.certified import Certified
-from studies.arena.newton_path import Met, newton_path
-from studies.arena.paths import Path
+from studies.arena.collected.certified import Certified
+from studies.arena.collected.newton_path import Met, newton_path
+from studies.arena.collected.paths import Path
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
 
 LICENCE = "MIT"
@@ -70,7 +70,7 @@ def published() -> Iterator[Candidate]:
         name = body.name.replace(" ", "-").replace("=", "")
         family = "-".join(word for word in body.name.split() if not any(map(str.isdigit, word)))
         yield Candidate(family, name, {"source": body.name}, frozen(body))
-    told = json.loads(files("studies.arena").joinpath(PUBLIC).read_text(encoding="utf-8"))
+    told = json.loads(files("studies.arena.collected").joinpath(PUBLIC).read_text(encoding="utf-8"))
     for name, given in told["problems"].items():
         step = of_complementarity(np.array(given["M"], float), np.array(given["q"], float))
         yield Candidate("siconos", f"siconos-{name}", {"source": told["source"]}, step, told["licence"])

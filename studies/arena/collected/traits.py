@@ -17,7 +17,7 @@ from scipy.sparse.linalg import LinearOperator, onenormest, splu
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import positive_definite
 from contact.solvers.sparse import symmetric
-from studies.arena.certified import Certified
+from studies.arena.collected.certified import Certified
 
 SIZES = (30, 100, 300, 1_000, 3_000, 10_000, 30_000)  # unknowns from which a new class begins
 COUNTS = (3, 10, 30, 100, 300, 1_000)  # candidates

@@ -1,11 +1,11 @@
 """The collection of frozen contact problems: by which rule they are chosen, how the files are made and checked again.
 
 The rule. Published problems come first, then paths in their order, small before large. A step is taken when three
-things hold: its answer is certified by two ways (:mod:`studies.arena.certified`); no step taken before from the same
-scene has the same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching
-(:class:`studies.arena.traits.Traits`); and its file still fits in the size of the whole collection. A step that is
-taken offers its derived forms, candidates that touch without pressure and the dual in its forces, each a family of its
-own. The column ``adds`` of the manifest says of which class a step is the first.
+things hold: its answer is certified by two ways (:mod:`.certified`); no step taken before from the same scene has the
+same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching (:mod:`.traits`); and
+its file still fits in the size of the whole collection. A step that is taken offers its derived forms, candidates that
+touch without pressure and the dual in its forces, each a family of its own. The column ``adds`` of the manifest says of
+which class a step is the first.
 
 The rule leaves out what neither way certifies, and so favours those who solve as the first way does; every such step is
 named with its reason beside the manifest.
@@ -27,11 +27,11 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
-from studies.arena import paths as listed
-from studies.arena.candidates import CONDENSED, TOUCHING, Candidate, derived, on_path, published
-from studies.arena.candidates import candidates as all_candidates
-from studies.arena.certified import Certified, NotCertifiedError, confirm, find
-from studies.arena.traits import Traits, traits
+from studies.arena.collected import paths as listed
+from studies.arena.collected.candidates import CONDENSED, TOUCHING, Candidate, derived, on_path, published
+from studies.arena.collected.candidates import candidates as all_candidates
+from studies.arena.collected.certified import Certified, NotCertifiedError, confirm, find
+from studies.arena.collected.traits import Traits, traits
 from studies.store.atomic import write_by, write_table, write_text
 
 MANIFEST, LEFT_OUT, FORMAT = "manifest.csv", "left-out.csv", "format.md"
@@ -146,7 +146,7 @@ def write(directory: Path, candidate: Candidate) -> Path:
 
 def _finish(directory: Path, table: pd.DataFrame) -> None:
     write_table(directory / MANIFEST, table)
-    write_text(directory / FORMAT, files("studies.arena").joinpath(FORMAT).read_text(encoding="utf-8"))
+    write_text(directory / FORMAT, files("studies.arena.collected").joinpath(FORMAT).read_text(encoding="utf-8"))
 
 
 def make(directory: Path, kept: pd.DataFrame, tell: Callable[[str], None] = _silent) -> None:
@@ -197,7 +197,7 @@ def left_out() -> pd.DataFrame:
 
 
 def _kept(name: str) -> pd.DataFrame:
-    with files("studies.arena").joinpath(name).open(encoding="utf-8") as file:
+    with files("studies.arena.collected").joinpath(name).open(encoding="utf-8") as file:
         return pd.read_csv(file, keep_default_na=False)
 
 
