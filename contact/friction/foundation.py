@@ -1,6 +1,6 @@
 """The slip of candidates on a rigid foundation that moves in space: a translation and a rotation about an axis.
 
-A point of the body at x is, in the frame that moves with the foundation, at X = R^T (x - c - d) + c with the translation
+A point of the body at x is, in the frame that moves with the foundation, at X = R^T (x - c - d) + c: translation
 d, the rotation R about an axis through c. The anchor A of a candidate is its X at the last accepted state. Its slip is
 X - A in the tangent plane of the foundation there, so that a joint motion of body and foundation is none, whatever its
 size. Where the foundation is curved, slip along it is told by the chord: steps are small against its radius.

@@ -1,6 +1,6 @@
 """The contact problem with Coulomb friction and its answer; no algorithm and no mechanics may enter here.
 
-One step of a quasi-static path, implicit in time. Find u (n,), normal forces f (m,) [N] and friction t (m, 2) [N] with::
+One step of a quasi-static path, implicit in time. Find u (n,), normal forces f (m,) and friction t (m, 2) [N] with::
 
     r(u) = G(u)^T f + S(u)^T t,    g(u) >= 0,    f >= 0,    f g = 0
     |t_i| <= mu_i f_i,    s_i(u) = 0  or  t_i = -mu_i f_i s_i/|s_i|
