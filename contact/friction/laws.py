@@ -1,0 +1,136 @@
+"""What the states of candidates ask of their forces, linearised; no stiffness and no equation of motion may enter here.
+
+Alart and Curnier's function of a candidate with trial friction y = t - c s asks that t be y pulled back to the disc of
+radius mu f. On its branches, with d = -y/|y| and e across it::
+
+    open   f = 0, t = 0
+    stick  g = 0, s = 0
+    slip   g = 0, t = -mu f d - kappa e (e.s),    kappa = mu f c/(|y| - mu f)
+
+At a solution t = -mu f s/|s|, so that d = s/|s| and kappa = mu f/|s|: the exact tangent. Before, kappa is never negative
+and bounded, and a candidate that has not slipped yet slips against its own friction: no division by a slip of none.
+Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from contact.friction.problem import State
+
+STIFFEST = 1e6  # kappa over c
+
+
+@dataclass(frozen=True, eq=False)
+class Laws:
+    """State (m,) of each candidate, direction d (m, 2) of its slip and kappa (m,) [N/mm] across it; 0 but in slip."""
+
+    state: np.ndarray
+    direction: np.ndarray
+    across: np.ndarray
+
+    @classmethod
+    def none(cls, m: int) -> Laws:
+        """Every candidate open."""
+        return cls(np.full(m, State.OPEN, np.int8), np.zeros((m, 2)), np.zeros(m))
+
+    @property
+    def closed(self) -> np.ndarray:
+        """(m,) bool."""
+        return np.asarray(self.state != State.OPEN)
+
+    @property
+    def spring(self) -> np.ndarray:
+        """kappa e e^T (m, 2, 2)."""
+        e = np.stack([-self.direction[:, 1], self.direction[:, 0]], axis=1)
+        return np.asarray(self.across[:, None, None] * e[:, :, None] * e[:, None, :])
+
+    def slipping_along(self) -> Laws:
+        """The same with no regard to a change of direction: the slip of the last iterate is that of the next."""
+        return replace(self, across=np.zeros_like(self.across))
+
+    def same(self, other: Laws) -> bool:
+        """Whether the states are the same."""
+        return np.array_equal(self.state, other.state)
+
+
+@dataclass(frozen=True, eq=False)
+class Local:
+    """What is known of the candidates: gap, normal (m,), slip, friction (m, 2).
+
+    c [N/mm] (m,): weighs friction against slip, and pressure against gap where a candidate closes.
+    """
+
+    gap: np.ndarray
+    slip: np.ndarray
+    normal: np.ndarray
+    friction: np.ndarray
+    c: np.ndarray
+
+    @property
+    def trial(self) -> np.ndarray:
+        """y (m, 2) [N]."""
+        return np.asarray(self.friction - self.c[:, None] * self.slip)
+
+
+@dataclass(frozen=True)
+class Margins:
+    """What rounding explains, and no state is left for: of forces [N], gaps and slips [mm]."""
+
+    force: float
+    gap: float
+    slip: float
+
+
+def expected(local: Local, laws: Laws, mu: np.ndarray, margins: Margins, held: np.ndarray) -> Laws:
+    """The laws that Alart and Curnier's function is on at ``local``, found under ``laws``.
+
+    Who sticks slips once |t| > mu f, who slips sticks once its slip opposes d, who is open closes where it penetrates,
+    and sticks there if |s| <= mu |g|.  held (m,) bool: candidates which cannot stick, as nothing of theirs can follow.
+    """
+    was, sprung = laws.state, np.maximum(-local.gap, 0.0) * local.c
+    closing = (was == State.OPEN) & (local.gap < -margins.gap)
+    leaving = laws.closed & (local.normal < -margins.force)
+    normal = np.where(closing, sprung, np.maximum(local.normal, 0.0))
+    bound = _bound(mu, normal)
+    y, along = local.trial, np.einsum("mk,mk->m", local.slip, laws.direction)
+    size = np.linalg.norm(y, axis=1)
+    slips = np.where(was == State.SLIP, along >= -margins.slip, size > bound + margins.force)
+    slips = np.where(closing, size > bound, slips)
+    slips = (slips | (mu == 0) | held) & ~np.isinf(mu)
+    state = np.where((laws.closed & ~leaving) | closing, np.where(slips, State.SLIP, State.STICK), State.OPEN)
+    return directed(local, state.astype(np.int8), bound)
+
+
+def directed(local: Local, state: np.ndarray, bound: np.ndarray) -> Laws:
+    """The laws of these states (m,) with the directions that ``local`` tells; bound (m,) [N]: mu f."""
+    y = local.trial
+    size, slips = np.linalg.norm(y, axis=1), state == State.SLIP
+    d = np.divide(-y, size[:, None], out=np.zeros_like(y), where=(slips & (size > 0))[:, None])
+    stiffest = STIFFEST * local.c
+    beyond, pull = size - bound, np.where(slips, bound, 0.0) * local.c
+    kappa = np.divide(pull, beyond, out=stiffest.copy(), where=pull < stiffest * beyond)
+    return Laws(state, d, np.where(slips & (bound > 0) & (size > 0), kappa, 0.0))
+
+
+def friction_of(local: Local, laws: Laws, mu: np.ndarray, rounding: float) -> np.ndarray:
+    """t (m, 2) of the law itself: -mu f s/|s| where a candidate slips, along y where s is rounding alone."""
+    y, s = local.trial, local.slip
+    bound = _bound(mu, np.maximum(local.normal, 0.0))[:, None]
+    unit = -_unit(y)
+    off = np.linalg.norm(s - np.einsum("mk,mk->m", s, unit)[:, None] * unit, axis=1) > rounding
+    slipped = -bound * np.where(off[:, None], _unit(s), unit)
+    chosen = laws.state[:, None]
+    return np.where(chosen == State.SLIP, slipped, np.where(chosen == State.STICK, local.friction, 0.0))
+
+
+def _bound(mu: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """mu f (m,), 0 where f is."""
+    return np.where(normal > 0, mu, 0.0) * normal
+
+
+def _unit(v: np.ndarray) -> np.ndarray:
+    size = np.linalg.norm(v, axis=1)[:, None]
+    return np.divide(v, size, out=np.zeros_like(v), where=size > 0)

@@ -1,0 +1,157 @@
+"""One solve of a frictional problem: the tests of convergence of the frictionless one, with friction in the balance.
+
+Which states there are next is the algorithm's business and must not enter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import norm
+
+from contact.friction.held import Directions
+from contact.friction.laws import Laws, Local, Margins, expected, friction_of
+from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.step import FrictionalStep, Stepped
+from contact.newton.state import Iterate
+from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, NewtonRun
+from contact.problem import Linearisation, Linearised, Outcome
+from contact.rounding import rounding_floor
+
+EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """An iterate: that of the contact problem with friction among its loads, and what the candidates do there.
+
+    lin: the mechanics alone.  laws: of the last step.  friction (m, 2) [N]: of the laws, where ``local`` has that of
+    the linear step.
+    """
+
+    newton: Iterate
+    lin: Linearised
+    local: Local
+    laws: Laws
+    friction: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionalRun:
+    """A problem and the run of its contact problem, which factorises, solves and counts."""
+
+    problem: FrictionalProblem
+    newton: NewtonRun
+
+    def start(self, start: FrictionalSolution) -> Point:
+        """The first point, by the states of ``start``; slips begin anew, and so do their directions."""
+        laws = Laws(start.state, np.zeros_like(start.friction), np.zeros(len(start.state)))
+        lin = self.newton.linearise(start.u, None)
+        return self.at(lin, start.u, start.normal, start.friction, laws)
+
+    def at(
+        self,
+        lin: Linearised,
+        u: np.ndarray,
+        normal: np.ndarray,
+        friction: np.ndarray,
+        laws: Laws,
+        before: Iterate | None = None,
+    ) -> Point:
+        """The point at u (n,) with the forces (m,), (m, 2) of a step under the laws."""
+        contact = self.problem.contact
+        c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
+        local = Local(contact.gap(u), self.problem.slip(u), normal, friction, c)
+        found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u))
+        rubbed = np.asarray(self.problem.slip_jacobian(u).T @ found.ravel())
+        scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
+        loaded = Linearisation(lin.residual - rubbed, lin.tangent, scale, lin.remember)
+        pressure = np.divide(normal, contact.weights, out=np.zeros_like(normal), where=contact.weights > 0)
+        newton = self.newton.at(loaded, u, pressure, laws.closed, before)
+        if before is None:
+            local = replace(local, c=newton.stiffness.per_area * contact.weights)
+        return Point(newton, lin, local, laws, found)
+
+    def slip_rounding(self, u: np.ndarray, length: float = 0.0) -> float:
+        """Size [mm] of a slip that is none."""
+        way = float(np.max(abs(self.problem.slip_jacobian(u)) @ np.abs(u), initial=0.0))
+        return GAP_TOLERANCE * max(way, length) + ROUNDING_MARGIN * EPS * self.problem.slip_size
+
+    def margins(self, at: Point, moved: float = 0.0) -> Margins:
+        """What rounding explains at a point; ``moved`` [mm]: how far a candidate has come since."""
+        force = ROUNDING_MARGIN * (rounding_floor(at.lin, at.newton.u) + EPS * at.newton.scale)
+        gap = self.newton.gap_rounding(at.newton, moved)
+        return Margins(force, gap, self.slip_rounding(at.newton.u, max(at.newton.length, moved)))
+
+    def expected(self, at: Point) -> Laws:
+        """The laws that the next step is to obey."""
+        return self._expected(at, at.local, at.laws, 0.0)
+
+    def foreseen(self, at: Point, stepped: Stepped, laws: Laws) -> Laws:
+        """The laws after a linear step under ``laws``; those who slip on keep the direction of its linearisation."""
+        moved = float(np.max(np.abs(stepped.gap - at.local.gap), initial=0.0))
+        moved = max(moved, float(np.max(np.abs(stepped.slip - at.local.slip), initial=0.0)))
+        local = Local(stepped.gap, stepped.slip, stepped.normal, stepped.friction, at.local.c)
+        after = self._expected(at, local, laws, moved)
+        same = after.state == laws.state
+        direction = np.where(same[:, None], laws.direction, after.direction)
+        return Laws(after.state, direction, np.where(same, laws.across, after.across))
+
+    def _expected(self, at: Point, local: Local, laws: Laws, moved: float) -> Laws:
+        return expected(local, laws, self.problem.mu, self.margins(at, moved), self._led(at.newton.u))
+
+    def _led(self, u: np.ndarray) -> np.ndarray:
+        """Candidates (m,) that slip whatever they do: nothing of theirs follows the foundation along their slip."""
+        slips = self.problem.slip_jacobian(u)
+        fixed = (np.asarray(abs(slips).sum(axis=1)).reshape(-1, 2) == 0) & (
+            np.abs(self.problem.slip(u)) > self.slip_rounding(u)
+        )
+        return np.asarray(fixed.any(axis=1))
+
+    def settled(self, at: Point) -> bool:
+        """True where the set obeys g = 0, and who sticks s = 0."""
+        sticks = at.laws.state == State.STICK
+        slip = np.max(np.abs(at.local.slip[sticks]), initial=0.0)
+        return self.newton.closed(at.newton) and bool(slip <= self.slip_rounding(at.newton.u, at.newton.length))
+
+    def linear(self, at: Point, laws: Laws) -> FrictionalStep:
+        """The linearised problem, factorised under the laws; raises SingularMatrixError, ValueError."""
+        u, contact = at.newton.u, self.problem.contact
+        K = contact.stiffness(at.lin, u, at.newton.pressure)
+        ways = Directions.of(contact.gap_jacobian(u), self.problem.slip_jacobian(u))
+        now = np.column_stack([at.local.gap, at.local.slip]).ravel()
+        return FrictionalStep(self.newton, at.lin, K, ways, now, self.problem.mu, laws)
+
+    def advance(self, at: Point, stepped: Stepped, laws: Laws) -> Point:
+        """The next point: one Newton iteration."""
+        run, same = self.newton, at.newton.stepped is not None and at.laws.same(laws)
+        run.tally.counters["newton_iterations"] += 1
+        memory, moved = run.remember(at.lin, stepped.du)
+        moved_before = at.newton.moved if same else np.inf
+        before = replace(at.newton, stepped=laws.closed, moved=moved, moved_before=moved_before)
+        if at.newton.stepped is None:
+            asked = self.problem.force(at.newton.u, stepped.normal, stepped.friction)
+            before = replace(before, first_scale=max(at.newton.first_scale, float(norm(asked, check_finite=False))))
+        u = at.newton.u + stepped.du
+        return self.at(run.linearise(u, memory), u, stepped.normal, stepped.friction, laws, before)
+
+    def finish(self, at: Point, outcome: Outcome) -> FrictionalSolution:
+        """The solution record; normal forces of a converged one that rounding made negative become zero."""
+        normal, friction = at.local.normal, at.friction
+        if outcome.converged:
+            normal = np.maximum(normal, 0.0)
+            bound, size = self.problem.bound(normal), np.linalg.norm(friction, axis=1)
+            friction = np.where(size > bound, np.divide(bound, size, out=np.zeros_like(size), where=size > 0), 1.0)[
+                :, None
+            ] * friction
+        counters, history = dict(self.newton.tally.counters), tuple(self.newton.tally.history)
+        return FrictionalSolution(at.newton.u, normal, friction, at.laws.state, outcome, counters, history)
+
+    def note(self, at: Point, laws: Laws, before: Laws, **event: object) -> None:
+        """One row of history: how many stick and slip, and how many states have changed."""
+        self.newton.tally.note(at.newton.residual, laws.closed, before.closed)
+        row = self.newton.tally.history[-1]
+        row["sticking"], row["slipping"] = (int(np.sum(laws.state == each)) for each in (State.STICK, State.SLIP))
+        row["changed"] = int(np.sum(laws.state != before.state))
+        row.update(event)
