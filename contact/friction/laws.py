@@ -14,7 +14,7 @@ Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -47,9 +47,17 @@ class Laws:
         e = np.stack([-self.direction[:, 1], self.direction[:, 0]], axis=1)
         return np.asarray(self.across[:, None, None] * e[:, :, None] * e[:, None, :])
 
-    def slipping_along(self) -> Laws:
-        """The same with no regard to a change of direction: the slip of the last iterate is that of the next."""
-        return replace(self, across=np.zeros_like(self.across))
+    @property
+    def key(self) -> bytes:
+        """The states, and the quadrants of their directions: what tells a cycle."""
+        return bytes(self.state.tobytes() + np.sign(self.direction).astype(np.int8).tobytes())
+
+    def changed(self, after: Laws, chosen: np.ndarray) -> Laws:
+        """Those ``after`` for the ``chosen`` candidates alone."""
+        found = Laws(self.state.copy(), self.direction.copy(), self.across.copy())
+        for mine, other in zip(vars(found).values(), vars(after).values(), strict=True):
+            mine[chosen] = other[chosen]
+        return found
 
     def same(self, other: Laws) -> bool:
         """Whether the states are the same."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import norm
 
+from contact.events import Event
 from contact.friction.held import Directions
 from contact.friction.laws import Laws, Local, Margins, expected, friction_of
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
@@ -39,10 +40,14 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class FrictionalRun:
-    """A problem and the run of its contact problem, which factorises, solves and counts."""
+    """A problem and the run of its contact problem, which factorises, solves and counts.
+
+    lawful: friction is that of the law at every point, else as it comes out of the linear step under given laws.
+    """
 
     problem: FrictionalProblem
     newton: NewtonRun
+    lawful: bool = True
 
     def start(self, start: FrictionalSolution) -> Point:
         """The first point, by the states of ``start``; slips begin anew, and so do their directions."""
@@ -63,7 +68,7 @@ class FrictionalRun:
         contact = self.problem.contact
         c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
         local = Local(contact.gap(u), self.problem.slip(u), normal, friction, c)
-        found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u))
+        found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
         rubbed = np.asarray(self.problem.slip_jacobian(u).T @ found.ravel())
         scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
         loaded = Linearisation(lin.residual - rubbed, lin.tangent, scale, lin.remember)
@@ -115,6 +120,16 @@ class FrictionalRun:
         slip = np.max(np.abs(at.local.slip[sticks]), initial=0.0)
         return self.newton.closed(at.newton) and bool(slip <= self.slip_rounding(at.newton.u, at.newton.length))
 
+    def ended(self, at: Point, laws: Laws) -> Outcome | None:
+        """How a point ends the iteration when the next step is to obey ``laws``, if it does."""
+        if np.isinf(at.newton.residual):
+            return Outcome.DIVERGED
+        if not (laws.same(at.laws) and self.settled(at)):
+            return None
+        if self.newton.balanced(at.newton):
+            return Outcome.CONVERGED
+        return Outcome.ROUNDING if self.newton.stuck(at.newton) else None
+
     def linear(self, at: Point, laws: Laws) -> FrictionalStep:
         """The linearised problem, factorised under the laws; raises SingularMatrixError, ValueError."""
         u, contact = at.newton.u, self.problem.contact
@@ -122,6 +137,11 @@ class FrictionalRun:
         ways = Directions.of(contact.gap_jacobian(u), self.problem.slip_jacobian(u))
         now = np.column_stack([at.local.gap, at.local.slip]).ravel()
         return FrictionalStep(self.newton, at.lin, K, ways, now, self.problem.mu, laws)
+
+    def by_law(self, at: Point) -> Point:
+        """The same point with the friction of the law."""
+        found, local = replace(self, lawful=True), at.local
+        return found.at(at.lin, at.newton.u, local.normal, local.friction, at.laws, at.newton)
 
     def advance(self, at: Point, stepped: Stepped, laws: Laws) -> Point:
         """The next point: one Newton iteration."""
@@ -141,17 +161,20 @@ class FrictionalRun:
         normal, friction = at.local.normal, at.friction
         if outcome.converged:
             normal = np.maximum(normal, 0.0)
-            bound, size = self.problem.bound(normal), np.linalg.norm(friction, axis=1)
-            friction = np.where(size > bound, np.divide(bound, size, out=np.zeros_like(size), where=size > 0), 1.0)[
-                :, None
-            ] * friction
+            friction = within(friction, self.problem.bound(normal))
         counters, history = dict(self.newton.tally.counters), tuple(self.newton.tally.history)
         return FrictionalSolution(at.newton.u, normal, friction, at.laws.state, outcome, counters, history)
 
-    def note(self, at: Point, laws: Laws, before: Laws, **event: object) -> None:
+    def note(self, at: Point, laws: Laws, before: Laws, event: Event | None = None) -> None:
         """One row of history: how many stick and slip, and how many states have changed."""
-        self.newton.tally.note(at.newton.residual, laws.closed, before.closed)
+        self.newton.tally.note(at.newton.residual, laws.closed, before.closed, event)
         row = self.newton.tally.history[-1]
         row["sticking"], row["slipping"] = (int(np.sum(laws.state == each)) for each in (State.STICK, State.SLIP))
         row["changed"] = int(np.sum(laws.state != before.state))
-        row.update(event)
+
+
+def within(friction: np.ndarray, bound: np.ndarray) -> np.ndarray:
+    """Friction (m, 2) on discs of the radii (m,): what rounding has put beyond them is pulled back."""
+    size = np.linalg.norm(friction, axis=1)
+    share = np.divide(bound, size, out=np.ones_like(size), where=size > bound)
+    return np.asarray(share[:, None] * friction)

@@ -1,0 +1,81 @@
+"""Trial and error with friction, the literature's naive set: Newton to convergence under fixed states, then swap all."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contact.events import Event, EventKind
+from contact.friction.laws import Laws
+from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.run import FrictionalRun, Point
+from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.problem import Outcome
+from contact.solvers.sparse import AUTO, SingularMatrixError
+
+CYCLE = "cycle detected: these states were tried {} sets before"
+
+
+@dataclass(frozen=True)
+class TrialAndError:
+    """Guess who is open, sticks and slips, and where to; solve; change every state that is violated; repeat.
+
+    Who slips does so in the direction of the last equilibrium, against its friction where it has stuck there. Nothing
+    answers a cycle: it ends the solve, as CYCLING, and the history shows it. On the GRECO plate with mu = 1 it cycles
+    on every mesh but the coarsest (studies.experiments.friction).
+    max_sets: given up after so many.
+    """
+
+    max_sets: int = 200
+    max_iterations: int = 40
+    solver: str = AUTO
+    tolerance: float = RESIDUAL_TOLERANCE
+    name: ClassVar[str] = "trial-and-error"
+
+    def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
+        """Start from the states of ``start`` and the candidates that already penetrate."""
+        run = FrictionalRun(problem, NewtonRun(problem.contact, np.inf, self.solver, self.tolerance), lawful=False)
+        at = run.start(start)
+        laws, tried = _next(run, at), list[bytes]()
+        while len(tried) < self.max_sets:
+            tried.append(laws.key)
+            at, outcome = self._equilibrium(run, at, laws)
+            if not outcome.converged:
+                return run.finish(at, outcome)
+            after = _next(run, at)
+            if after.same(laws):
+                lawful = run.by_law(at)
+                if run.newton.balanced(lawful.newton):
+                    return run.finish(lawful, Outcome.CONVERGED)
+            elif after.key in tried:
+                ago = len(tried) - tried.index(after.key)
+                run.newton.tally.tell(Event(EventKind.CYCLE, CYCLE.format(ago)))
+                return run.finish(at, Outcome.CYCLING)
+            laws = after
+        return run.finish(at, Outcome.ITERATION_LIMIT)
+
+    def _equilibrium(self, run: FrictionalRun, at: Point, laws: Laws) -> tuple[Point, Outcome]:
+        """Newton under these laws, whether what comes out obeys them or not."""
+        run.note(at, laws, at.laws)
+        for _ in range(self.max_iterations):
+            try:
+                at = run.advance(at, run.linear(at, laws).step(laws), laws)
+            except SingularMatrixError as error:
+                run.newton.tally.tell(Event(EventKind.FAILED, str(error)))
+                return at, Outcome.SINGULAR
+            run.note(at, laws, laws)
+            ended = run.ended(at, laws)
+            if ended is not None:
+                return at, ended
+        return at, Outcome.ITERATION_LIMIT
+
+
+def _next(run: FrictionalRun, at: Point) -> Laws:
+    """The laws expected at a point, with the direction of the slip itself where a candidate slips on."""
+    laws, slip = run.expected(at), at.local.slip
+    size = np.linalg.norm(slip, axis=1)
+    on = (laws.state == State.SLIP) & (at.laws.state == State.SLIP) & (size > 0)
+    direction = np.divide(slip, size[:, None], out=laws.direction.copy(), where=on[:, None])
+    return Laws(laws.state, direction, np.zeros_like(laws.across))
