@@ -22,9 +22,10 @@ CYCLE = "cycle detected: these states were tried {} sets before"
 class TrialAndError:
     """Guess who is open, sticks and slips, and where to; solve; change every state that is violated; repeat.
 
-    Who slips does so in the direction of the last equilibrium, against its friction where it has stuck there. Nothing
-    answers a cycle: it ends the solve, as CYCLING, and the history shows it. On the GRECO plate with mu = 1 it cycles
-    on every mesh but the coarsest (studies.experiments.friction).
+    Who slips does so in the direction of the last equilibrium, against its friction where it has stuck there; who comes
+    back to the foundation sticks. Nothing answers a cycle: it ends the solve, as CYCLING, and the history shows it. The
+    GRECO plate with mu = 1 makes it cycle on every mesh (studies.experiments.friction); it is the rule for those who
+    come back that does: where they stick or slip as Alart and Curnier's function says, the same sets end.
     max_sets: given up after so many.
     """
 
@@ -74,8 +75,10 @@ class TrialAndError:
 
 def _next(run: FrictionalRun, at: Point) -> Laws:
     """The laws expected at a point, with the direction of the slip itself where a candidate slips on."""
-    laws, slip = run.expected(at), at.local.slip
+    laws, slip, was = run.expected(at), at.local.slip, at.laws.state
     size = np.linalg.norm(slip, axis=1)
-    on = (laws.state == State.SLIP) & (at.laws.state == State.SLIP) & (size > 0)
+    on = (laws.state == State.SLIP) & (was == State.SLIP) & (size > 0)
     direction = np.divide(slip, size[:, None], out=laws.direction.copy(), where=on[:, None])
-    return Laws(laws.state, direction, np.zeros_like(laws.across))
+    returns = (was == State.OPEN) & laws.closed & (run.problem.mu > 0)
+    direction[returns] = 0.0
+    return Laws(np.where(returns, State.STICK, laws.state).astype(np.int8), direction, np.zeros_like(laws.across))
