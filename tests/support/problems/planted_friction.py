@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
@@ -69,3 +69,9 @@ def planted(seed: int, mu: float, *, components: int = 2, m: int = 7, coupled: f
         free_slip[:, 1] = 0.0
     s0 = free_slip - (S @ u).reshape(-1, 2)
     return Planted(linear(K, f, G, S, g0, s0, np.full(m, mu)), u, normal, friction, state)
+
+
+def tied(seed: int) -> FrictionalProblem:
+    """The same with an infinite coefficient: the loads stay, the answer does not."""
+    problem = planted(seed, 0.5).problem
+    return replace(problem, mu=np.full_like(problem.mu, np.inf))

@@ -1,0 +1,52 @@
+"""The GRECO plate with friction, mu = 1: open, sliding and sticking in one contact; the problem that separates methods.
+
+Source: Code_Aster SSNV128; Feijoo, Barbosa, Zouain. The values here are those of a graded mesh of 9-node quadrilaterals,
+64x64 and 96x96 alike.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+
+from contact.friction.path import FrictionalAlgorithm
+from contact.friction.problem import FrictionalProblem, FrictionalSolution
+from contact.friction.semismooth import Semismooth
+from contact.friction.trial_and_error import TrialAndError
+from studies.experiments.solids.greco_plate import GrecoPlate
+
+PLACES = (0.0, 1.25, 5.0, 7.5, 11.25)  # mm
+SLIPS = (2.8603e-2, 2.7226e-2, 2.2868e-2, 1.9808e-2, 1.5414e-2)  # mm
+FRICTION = -1405.3  # N/mm
+
+
+def frictional(plate: GrecoPlate, mu: float = 1.0) -> FrictionalProblem:
+    """The plate on a plane with friction; its second slip is none."""
+    slips = sparse.csr_matrix(sparse.kron(plate.along, [[1.0], [0.0]]))
+    return FrictionalProblem(
+        plate.problem, np.full(len(plate.x), mu), lambda u: (slips @ u).reshape(-1, 2), lambda u: slips
+    )
+
+
+def solve(plate: GrecoPlate, algorithm: FrictionalAlgorithm | None = None, mu: float = 1.0) -> FrictionalSolution:
+    """From rest, by semismooth Newton unless another algorithm is given."""
+    rest = FrictionalSolution.at_rest(len(plate.free), len(plate.x))
+    return (algorithm or Semismooth()).solve(frictional(plate, mu), rest)
+
+
+def friction_table(meshes: Sequence[int] = (16, 32)) -> pd.DataFrame:
+    """Both algorithms on 9-node quadrilaterals: worst relative error of the five slips, and the sum of friction."""
+    rows = []
+    for n in meshes:
+        plate = GrecoPlate("Q2", n)
+        for algorithm in (Semismooth(), TrialAndError()):
+            found = solve(plate, algorithm)
+            slips = np.interp(PLACES, plate.x, plate.along @ found.u)
+            row = {"elements": n, "algorithm": algorithm.name, "outcome": found.outcome.word}
+            row |= {"iterations": found.counters["newton_iterations"], "error": np.max(np.abs(slips / SLIPS - 1))}
+            row |= {f"slip_{place:g}": slip for place, slip in zip(PLACES, slips, strict=True)}
+            rows.append(row | {"friction_N": float(np.sum(found.friction[:, 0]))})
+    return pd.DataFrame(rows)
