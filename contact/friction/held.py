@@ -45,9 +45,12 @@ class Directions:
 
     def block(self, i: int) -> tuple[np.ndarray, np.ndarray]:
         """The unknowns (k,) of a candidate and its rows (3, k) on them."""
-        part = self.rows[3 * i : 3 * i + 3]
-        unknowns = np.unique(part.indices)
-        return unknowns, part[:, unknowns].toarray()
+        starts = self.rows.indptr[3 * i : 3 * i + 4]
+        inside = slice(starts[0], starts[-1])
+        unknowns, place = np.unique(self.rows.indices[inside], return_inverse=True)
+        J = np.zeros((3, len(unknowns)))
+        J[np.repeat(np.arange(3), np.diff(starts)), place] = self.rows.data[inside]
+        return unknowns, J
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +95,7 @@ class HeldStates:
             pivots.append(unknowns[place])
         pivot = np.concatenate(pivots).astype(np.intp)
         rows, acting = holds.matrix(n), pushes.matrix(n)
-        if len(pivot) and np.max(np.bincount(np.concatenate([ways_of for ways_of in holds.each]))) > 1:
+        if len(pivot) and np.max(np.bincount(np.concatenate(holds.each))) > 1:
             raise ValueError(SHARED)
         size = largest(sparse.csc_matrix(K[:, pivot]))
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0

@@ -71,7 +71,9 @@ class FrictionalStep:
             for _ in range(REFINEMENTS):
                 du, w = self._solution(z)
                 of_z, of_w = self._law(laws, changed)
-                left = [np.einsum("cij,cj->ci", of, each.reshape(-1, 3)[changed]) for of, each in ((of_z, z), (of_w, w))]
+                left = [
+                    np.einsum("cij,cj->ci", of, each.reshape(-1, 3)[changed]) for of, each in ((of_z, z), (of_w, w))
+                ]
                 change = self._inputs(of_z, of_w, changed, places, -sum(left))
                 if np.all(np.abs(change) <= REFINED * np.max(np.abs(z))):
                     break
@@ -168,7 +170,9 @@ class FrictionalStep:
         gap, slip, normal = way[:, 0], way[:, 1:], force[:, 0]
         # where the base slips, z is what friction is more than its law
         lawful = -self._follow(laws, normal, slip)
-        extra = np.where((self.base.state == State.SLIP)[:, None], z[:, 1:] - self._follow(self.base, normal, slip), 0.0)
+        extra = np.where(
+            (self.base.state == State.SLIP)[:, None], z[:, 1:] - self._follow(self.base, normal, slip), 0.0
+        )
         friction = np.where((self.base.state == State.SLIP)[:, None], extra, force[:, 1:])
         slips, opens = laws.state == State.SLIP, ~laws.closed
         friction = np.where(slips[:, None], lawful, np.where(opens[:, None], 0.0, friction))

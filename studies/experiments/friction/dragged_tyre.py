@@ -62,7 +62,9 @@ def dragged_tyre(
     start = ContactSolution(begun.u, np.zeros(m), np.zeros(m, bool), begun.outcome)
     smooth = Frictionless().solve(near, start)
     row = _row("pressed without friction", 0.0, smooth.counters["newton_iterations"], before)
-    rows.append(row | {"outcome": smooth.outcome.word, "candidates": m, "press_N": float(near.weights @ smooth.pressure)})
+    rows.append(
+        row | {"outcome": smooth.outcome.word, "candidates": m, "press_N": float(near.weights @ smooth.pressure)}
+    )
 
     def stage_at(drag: float, anchors: np.ndarray) -> Stage:
         motion = Motion(drag * way, np.zeros(3), np.zeros(3))
