@@ -1,7 +1,7 @@
 """What the states of candidates ask of their forces, linearised; no stiffness and no equation of motion may enter here.
 
-Alart and Curnier's function of a candidate with trial friction y = t - c s asks that t be y pulled back to the disc of
-radius mu f. On its branches, with d = -y/|y| and e across it::
+Alart and Curnier's function of a candidate with trial friction y = t - c s asks that t be y pulled back to the disc
+of radius mu f. On its branches, with d = -y/|y| and e across it::
 
     open   f = 0, t = 0
     stick  g = 0, s = 0

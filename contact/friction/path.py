@@ -1,4 +1,4 @@
-"""Load steps of a frictional problem: the anchors of slips go in and come out; no scene and no algorithm may enter here."""
+"""Load steps of a frictional problem: anchors of slips go in and come out. No scene, no algorithm may enter here."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def follow(
 ) -> Iterator[PathState]:
     """One step to each load in turn, from ``start``; ends with the first that is not converged.
 
-    stage_at(load, anchors): the stage. A state that is not converged is yielded with the anchors that it began with, and
-    no dissipation: it is none of the path. The first step is an answer by itself, the later ones depend on it.
+    stage_at(load, anchors): the stage. A state that is not converged is yielded with the anchors that it began with,
+    and no dissipation: it is none of the path. The first step is an answer by itself, the later ones depend on it.
     """
     at = start
     for load in loads:

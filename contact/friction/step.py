@@ -82,7 +82,7 @@ class FrictionalStep:
 
     def foreseen(self, laws: Laws) -> Stepped:
         """The step by columns alone, for the choice of states: du is not worked out."""
-        changed, places, z = self._exchanged(laws)
+        _, places, z = self._exchanged(laws)
         w = self._q + (self._columns[:, self._place(places)] @ z[places] if len(places) else 0.0)
         return self._told(np.zeros(0), w, z, laws)
 
@@ -199,7 +199,7 @@ class FrictionalStep:
         return place[inputs]
 
     def _both(self, inputs: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix, sparse.csc_matrix]:
-        """What of y there is in w (n, 3m), what these inputs put on the right of y (n, p), and in w directly (3m, p)."""
+        """What of y is in w (n, 3m), what these inputs put on the right of y (n, p), and in w directly (3m, p)."""
         if self._sides is None:
             held, states = self._held.held, self._held
             pivot, slack = held.pivot, states.to_slack

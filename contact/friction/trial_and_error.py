@@ -1,4 +1,4 @@
-"""Trial and error with friction, the literature's naive set: Newton to convergence under fixed states, then swap all."""
+"""Trial and error with friction, the literature's naive set: equilibrium under fixed states, then swap all."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Reference problems with friction: a solid, bars, rigid bodies on springs and a tyre, each with what is known of it."""
+"""Reference problems with friction: a solid, bars, rigid bodies on springs, a tyre; with what is known of each."""

@@ -1,7 +1,7 @@
 """An elastic bar dragged over a plane, and a strip on a drum: partial slip, gross slip and cycles in closed form.
 
 On a plane, pressed so that friction is at most tau per length, a bar EA that is pulled by F at its end slips along
-F/tau and its end comes by F^2/(2 EA tau); back to 0 it keeps half of that, and a cycle between F and -F dissipates
+F/tau and its end comes by F^2/(2 EA tau); back to 0 it keeps half of that, and a cycle from F to -F and back takes
 2 F^3/(3 EA tau). On a drum of radius R, where a strip under tension presses itself, with tension T0 and T1 at the ends::
 
     slip angle ln(T1/T0)/mu,    u = R/(EA mu) (T1 - T0 - T0 ln(T1/T0)),    gross slip at T1/T0 = exp(mu theta)
@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 import pandas as pd
@@ -109,9 +110,7 @@ def strip_table(meshes: Sequence[int] = (25, 50, 100, 200), steps: Sequence[int]
     for n in meshes:
         for count in steps:
             turns = (0.0, PULL, 0.0, PULL, -PULL, PULL)
-            pulls = [
-                a + (b - a) * k / count for a, b in zip(turns[:-1], turns[1:], strict=True) for k in range(1, count + 1)
-            ]
+            pulls = [a + (b - a) * k / count for a, b in pairwise(turns) for k in range(1, count + 1)]
             states = Bar(n, LENGTH, 1.0, press=TAU).follow(pulls)
             ends = [float(state.solution.u[-2]) for state in states]
             first = states[count - 1].solution

@@ -1,7 +1,7 @@
 """The GRECO plate with friction, mu = 1: open, sliding and sticking in one contact; the problem that separates methods.
 
-Source: Code_Aster SSNV128; Feijoo, Barbosa, Zouain. The values here are those of a graded mesh of 9-node quadrilaterals,
-64x64 and 96x96 alike.
+Source: Code_Aster SSNV128; Feijoo, Barbosa, Zouain. The values here are those of graded meshes of 9-node
+quadrilaterals, 64x64 and 96x96 alike.
 """
 
 from __future__ import annotations

@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth as Frictionless
-from contact.friction.laws import Laws, Local, directed, friction_of
+from contact.friction.laws import Local, directed, friction_of
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.friction.semismooth import Semismooth
 from contact.friction.trial_and_error import TrialAndError
@@ -77,7 +77,8 @@ def test_an_endless_friction_ties_who_touches(seed: int) -> None:
     found = from_rest(problem)
     assert found.outcome is Outcome.CONVERGED
     touch = found.state == State.STICK
-    assert touch.any() and np.all(touch | (found.state == State.OPEN))
+    assert touch.any()
+    assert np.all(touch | (found.state == State.OPEN))
     u, contact = np.zeros_like(found.u), problem.contact
     lin = contact.linearise(u, None)
     J = sparse.vstack([contact.gap_jacobian(u)[touch], problem.slip_jacobian(u)[np.repeat(touch, 2)]]).toarray()
@@ -85,7 +86,8 @@ def test_an_endless_friction_ties_who_touches(seed: int) -> None:
     zero = np.zeros((len(J), len(J)))
     x = np.linalg.solve(np.block([[lin.tangent.toarray(), -J.T], [J, zero]]), np.append(-lin.residual, -v))
     assert np.max(np.abs(found.u - x[: len(u)])) <= 1e-9 * np.max(np.abs(found.u))
-    assert np.all(contact.gap(found.u)[~touch] >= 0) and np.all(found.normal[touch] >= 0)
+    assert np.all(contact.gap(found.u)[~touch] >= 0)
+    assert np.all(found.normal[touch] >= 0)
 
 
 def test_the_law_of_a_slip_has_the_derivatives_of_friction() -> None:
