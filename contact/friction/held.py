@@ -71,7 +71,7 @@ class HeldStates:
         m, n = len(mu), K.shape[0]
         holds, pushes, slacks, forces, pivots = _Rows(), _Rows(), _Rows(), _Rows(), [np.zeros(0, int)]
         own = ways.own
-        for i in np.flatnonzero(laws.closed):
+        for i in np.flatnonzero(laws.closed).tolist():
             unknowns, J = ways.block(i)
             three = np.arange(3 * i, 3 * i + 3)
             if laws.state[i] == State.STICK:

@@ -7,8 +7,8 @@ of radius mu f. On its branches, with d = -y/|y| and e across it::
     stick  g = 0, s = 0
     slip   g = 0, t = -mu f d - kappa e (e.s),    kappa = mu f c/(|y| - mu f)
 
-At a solution t = -mu f s/|s|, so that d = s/|s| and kappa = mu f/|s|: the exact tangent. Before, kappa is never negative
-and bounded, and a candidate that has not slipped yet slips against its own friction: no division by a slip of none.
+At a solution t = -mu f s/|s|, so that d = s/|s| and kappa = mu f/|s|: the exact tangent. Before, kappa is never
+negative and bounded, and one that has not slipped yet slips against its own friction: no division by a slip of none.
 Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
 """
 

@@ -2,7 +2,7 @@
 
 On a plane, pressed so that friction is at most tau per length, a bar EA that is pulled by F at its end slips along
 F/tau and its end comes by F^2/(2 EA tau); back to 0 it keeps half of that, and a cycle from F to -F and back takes
-2 F^3/(3 EA tau). On a drum of radius R, where a strip under tension presses itself, with tension T0 and T1 at the ends::
+2 F^3/(3 EA tau). On a drum of radius R, where a strip under tension presses itself, with T0 and T1 at its ends::
 
     slip angle ln(T1/T0)/mu,    u = R/(EA mu) (T1 - T0 - T0 ln(T1/T0)),    gross slip at T1/T0 = exp(mu theta)
 
