@@ -77,14 +77,24 @@ class FrozenFrictionalStep:
     @classmethod
     def read(cls, path: Path) -> FrozenFrictionalStep:
         """The step in a file; raises FrozenStepError for whatever else is in it, OSError when it cannot be opened."""
-        step = FrozenStep.read(path)
         try:
+            step = FrozenStep.read(path)
             if {key: step.meta.get(key) for key in MARK} != MARK:
                 raise ValueError(f"its meta has no {json.dumps(MARK)}: it is a step without friction")
             with np.load(path, allow_pickle=False) as arrays:
                 found = cls._checked(step, {name: arrays[name] for name in MORE})
             found.problem()  # which refuses what is no problem with friction
-        except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
+        except FrozenStepError:
+            raise
+        except (
+            ValueError,
+            KeyError,
+            TypeError,
+            EOFError,
+            NotImplementedError,
+            zipfile.BadZipFile,
+            zlib.error,
+        ) as error:
             raise FrozenStepError(f"{path} is no frozen step with friction: {str(error).splitlines()[0]}") from None
         meta = {key: value for key, value in step.meta.items() if key not in MARK}
         return replace(found, step=replace(step, meta=meta))

@@ -83,11 +83,11 @@ def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
         exact, solve = _Exact.of(step), tresca(step)
         bound, damping, before = np.zeros(len(step.mu)), 1.0, np.inf
         for passes in range(1, PASSES + 1):
-            (normal, _), state = solve(bound)
+            (normal, friction), state = solve(bound)
             wanted = np.where(state == State.OPEN, 0.0, step.mu * np.maximum(normal, 0.0))
             change = float(np.max(np.abs(wanted - bound), initial=0.0))
             if change <= NEAR * float(np.max(wanted, initial=0.0)):
-                found = exact.settle(state)
+                found = exact.settle(state, friction)
                 if found is not None:
                     return OracleAnswer(*found, passes)
             damping = damping / 2 if change > CONTRACTS * before else damping
@@ -136,7 +136,7 @@ def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray], tuple[Forces, n
         else:
             raise OracleError(f"the oracle found no solution: {programme.status}")
         f = np.atleast_1d(programme.constraints[0].dual_value)
-        t = -np.asarray(cone.dual_value[1]).reshape(2, m, order="F").T
+        t = np.asarray(cone.dual_value[1]).reshape(2, m, order="F").T
         s = np.linalg.norm(slip.value.reshape(m, 2), axis=1)
         left = b.value - np.linalg.norm(t, axis=1)
         state = np.where(f <= room.value, State.OPEN, np.where(s > left, State.SLIP, State.STICK))
@@ -159,8 +159,10 @@ class _Exact:
         factor = factorise(K)
         return cls(step, factor, checked_solve(factor, K, -step.step.r))
 
-    def settle(self, state: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
-        """du, normal, friction and states where these, nearly right, can be put right; None where not."""
+    def settle(
+        self, state: np.ndarray, friction: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
+        """du, normal, friction and states where states and friction, nearly right, can be put right; None where not."""
         step, H = self.step, self.step.H
         rest = step.w + H.T @ self.free
         for _ in range(SETTLINGS):
@@ -170,7 +172,9 @@ class _Exact:
             moved = [checked_solve(self.factor, step.step.K, column) for column in act.toarray().T]
             flexible = np.column_stack([np.zeros((len(self.free), 0)), *moved])
             W = act.T @ flexible
-            forces = _on_states((W + W.T) / 2, rest[columns], state[nodes] == State.SLIP, step.mu[nodes])
+            forces = _on_states(
+                (W + W.T) / 2, rest[columns], state[nodes] == State.SLIP, step.mu[nodes], friction[nodes]
+            )
             if forces is None:
                 return None
             du, every = self.free + flexible @ forces, np.zeros((len(state), 3))
@@ -193,17 +197,18 @@ class _Exact:
         return better
 
 
-def _on_states(W: np.ndarray, q: np.ndarray, slips: np.ndarray, mu: np.ndarray) -> np.ndarray | None:
+def _on_states(
+    W: np.ndarray, q: np.ndarray, slips: np.ndarray, mu: np.ndarray, friction: np.ndarray
+) -> np.ndarray | None:
     """Forces (3k,) of candidates that all touch: no gap, no slip of those that stick, t = -mu f s/|s| of the others.
 
-    Newton's method, from the directions of the friction of full stick; None where it does not come to rest.
+    Newton's method, from the directions of ``friction`` (k, 2); None where it does not come to rest.
     """
     k = len(mu)
     if not k:
         return np.zeros(0)
     forces, before = np.zeros(3 * k), np.inf
-    given = np.linalg.solve(W, -q).reshape(k, 3)[:, 1:]
-    direction = -given / np.maximum(np.linalg.norm(given, axis=1), np.finfo(float).tiny)[:, None]
+    direction = -friction / np.maximum(np.linalg.norm(friction, axis=1), np.finfo(float).tiny)[:, None]
     turning = np.zeros((k, 2, 2))  # ds/|s| of a direction: none in the first iteration
     for _ in range(ITERATIONS):
         A, b = W.copy(), -q.copy()

@@ -69,7 +69,11 @@ class SiconosProblem:
         return self._with(K, H, np.zeros(K.shape[0]), force * float(np.linalg.norm(self.offset)))
 
     def _with(
-        self, K: sparse.csc_array | sparse.csc_matrix, H: sparse.csc_array | sparse.csc_matrix, f: np.ndarray, size: float
+        self,
+        K: sparse.csc_array | sparse.csc_matrix,
+        H: sparse.csc_array | sparse.csc_matrix,
+        f: np.ndarray,
+        size: float,
     ) -> FrozenFrictionalStep:
         """K v = H l + f with forces of the given size."""
         m, n = len(self.mu), K.shape[0]
@@ -94,7 +98,7 @@ def _symmetric(W: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix, flo
     largest = float(values[-1])
     if not (largest > 0 and values[0] >= -PRINTED * largest):
         raise SiconosError(f"W is not positive: its eigenvalues go from {values[0]:.1e} to {largest:.1e}")
-    kept = values > LOST * largest
+    kept = values > max(LOST * largest, -2 * float(values[0]))  # what is negative shows how wrong the others are
     H = sparse.csc_matrix((vectors[:, kept] * np.sqrt(values[kept])).T)
     return sparse.csc_matrix(sparse.eye_array(H.shape[0])), H, 1 / np.sqrt(largest)
 

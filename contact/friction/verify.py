@@ -9,7 +9,7 @@ Tangential direction, candidate by candidate, F the largest force of a candidate
     cone       |t| - mu f                    over F          friction beyond its bound
     open       |t| where f <= 0 or g > 0     over F          friction where nothing presses
     stick      |s| where |t| < mu f          over L          a candidate that is held and moves
-    direction  |s/|s| + t/|t||               0: opposite     less where rounding alone turns s or t, see CHORD
+    direction  |s/|s| + t/|t|| of the rest   0: opposite     less where rounding alone turns s or t, see CHORD
     generated  t.s over all candidates       over L sum|t|   friction that drives
 
 All are relative, so that no unit is a special one. No algorithm may enter here.
@@ -125,13 +125,14 @@ def judge(
     rounding = POSITION * problem.slip_size / L
     opened = (normal <= 0) | (problem.contact.gap(u) > contact.gap_bound())
     held = bound - t > CONE * F
+    turns = ~(held | opened)
     total = float(np.sum(t)) * L or 1.0
     return FrictionVerdict(
         contact=contact,
         cone=float(np.max(t - bound, initial=0.0)) / F,
         open=float(np.max(t[opened], initial=0.0)) / F,
         stick=float(np.max(_size(slip)[held], initial=0.0)) / L,
-        direction=float(np.max(_chord(slip, friction, (GAP + rounding) * L, CONE * F), initial=0.0)),
+        direction=float(np.max(_chord(slip[turns], friction[turns], (GAP + rounding) * L, CONE * F), initial=0.0)),
         generated=max(0.0, float(np.sum(friction * slip))) / total,
         length=length,
         force=force,

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.friction.frozen import FrozenFrictionalStep
-from contact.friction.problem import FrictionalProblem, State
+from contact.friction.problem import State
 from contact.interchange.linearised_step import FrozenStep
 
 
@@ -97,6 +97,40 @@ def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:
     return found
 
 
-def shifted(problem: FrictionalProblem, by: np.ndarray) -> FrictionalProblem:
-    """The same with slips (m, 2) told from elsewhere."""
-    return replace(problem, slip=lambda u: problem.slip(u) + by)
+def balanced(made: FrozenFrictionalStep, answer: Answer) -> FrozenFrictionalStep:
+    """The same step with the load under which any ``answer`` is in equilibrium."""
+    base = made.step
+    r = base.G.T @ answer.normal + made.S.T @ answer.friction.ravel() - base.K @ answer.u
+    return replace(made, step=replace(base, r=r))
+
+
+def in_units(made: FrozenFrictionalStep, length: float, force: float) -> FrozenFrictionalStep:
+    """The same where a mm is so many units of length, and a N so many of force."""
+    base = made.step
+    there = replace(
+        base, K=base.K * (force / length), r=base.r * force, gap=base.gap * length, scale=base.scale * force
+    )
+    return replace(made, step=there, slip=made.slip * length)
+
+
+def strip(m: int, h: float, EA: float, tau: float) -> tuple[FrozenFrictionalStep, int]:
+    """A bar of m nodes at distance h [mm], each pressed by 1 N, mu tau h: friction tau [N/mm]; its pulled unknown.
+
+    The bar is held a distance h before the first node, free at the last; each node has springs across and normal to it.
+    """
+    bar = EA / h * (2 * np.eye(m) - np.eye(m, k=1) - np.eye(m, k=-1))
+    bar[-1, -1] = EA / h
+    across, along = EA / h * np.eye(m), np.arange(m)
+    K = np.block([[bar, 0 * bar, 0 * bar], [0 * bar, across, 0 * bar], [0 * bar, 0 * bar, across]])
+    G, S = np.zeros((m, 3 * m)), np.zeros((2 * m, 3 * m))
+    G[along, 2 * m + along] = 1.0
+    S[2 * along, along] = S[2 * along + 1, m + along] = 1.0
+    r = np.append(np.zeros(2 * m), np.ones(m))
+    return step(K, r, G, np.zeros(m), S, np.zeros((m, 2)), np.full(m, tau * h)), m - 1
+
+
+def pulled(made: FrozenFrictionalStep, unknown: int, force: float, since: np.ndarray) -> FrozenFrictionalStep:
+    """The step with one more load, and slips since the accepted state ``since`` (n,)."""
+    r = made.step.r.copy()
+    r[unknown] -= force
+    return replace(made, step=replace(made.step, r=r), slip=-(made.S @ since).reshape(-1, 2))
