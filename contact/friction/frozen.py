@@ -5,8 +5,8 @@ Find du (n,), f (m,) and t (m, 2) with::
     K du + r = G^T f + S^T t,    g + G du >= 0,    f >= 0,    f (g + G du) = 0
     |t_i| <= mu_i f_i,    s_i = s0_i + S_i du:    s_i = 0  or  t_i = -mu_i f_i s_i/|s_i|
 
-The file is that of :mod:`contact.interchange.linearised_step` with more arrays, so that who reads it as one has the same
-step without friction::
+The file is that of :mod:`contact.interchange.linearised_step` with more arrays: who reads it as one has the
+same step without friction::
 
     S_data, S_indices, S_indptr       S (2m, n) in CSR [-], rows 2i and 2i + 1 of candidate i
     slip (m, 2) [mm], mu (m,) [-]     s0, and the coefficients; infinite ones tie

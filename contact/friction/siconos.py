@@ -241,7 +241,7 @@ class _Words:
 
 
 def _assembled(entries: np.ndarray, shape: tuple[int, int]) -> sparse.csc_matrix:
-    """Of rows, columns and values (3, count); raises ValueError for places outside and for values that are not finite."""
+    """Of rows, columns and values (3, count); raises ValueError for places outside and values not finite."""
     i, j, v = entries
     if not np.all(np.isfinite(v)):
         raise ValueError("an entry of a matrix is not finite")

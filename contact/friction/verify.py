@@ -1,8 +1,8 @@
-"""The judge of friction: recomputes what an answer is worth from (problem, u, normal, friction) and trusts no algorithm.
+"""The judge of friction: what an answer is worth by (problem, u, normal, friction) alone; it trusts no algorithm.
 
-Normal direction: the friction is taken as a given load, and :mod:`contact.verify` judges the contact problem under it,
-each force divided by no area. Its energy balance is then that of work, for friction held at its value along the straight
-way between two states has the potential -t.s(u); see :class:`Work`.
+Normal direction: friction is taken as a given load, and :mod:`contact.verify` judges the contact problem under it,
+each force divided by no area. Its energy balance is then that of work, for friction held along the straight way
+between two states has the potential -t.s(u); see :class:`Work`.
 
 Tangential direction, candidate by candidate, F the largest force of a candidate and L a large slip::
 
@@ -37,7 +37,7 @@ class FrictionVerdict:
     """What :mod:`contact.verify` says of the contact under the given friction, and the residuals of the law above.
 
     contact: its tension is in N, its complementarity in N mm, its ``pressure`` the largest normal force [N].
-    length [mm]: a large slip.  force [N]: the largest force of a candidate.  slip_rounding [mm]: of a slip that is zero.
+    length [mm]: a large slip.  force [N]: the largest of a candidate.  slip_rounding: of a zero slip, over length.
     """
 
     contact: Verdict
@@ -194,8 +194,8 @@ def _size(vectors: np.ndarray) -> np.ndarray:
 def _chord(slip: np.ndarray, friction: np.ndarray, least_slip: float, least_force: float) -> np.ndarray:
     """|s/|s| + t/|t|| (m,), from 0 for opposite to 2 for alike, times what is known of both directions.
 
-    A slip known to ``least_slip`` may be turned by the chord 2 least_slip/|s|, or by any where it is no longer than that:
-    times |s|/(|s| + 2 least_slip/CHORD) it is at most CHORD, whatever |s|; so for the force.
+    A slip known to ``least_slip`` is turned by a chord of up to 2 least_slip/|s|, or by any where it is that short: times
+    |s|/(|s| + 2 least_slip/CHORD) it is at most CHORD, whatever |s|; so for the force.
     """
     s, t = _size(slip), _size(friction)
     both = (s > 0) & (t > 0)

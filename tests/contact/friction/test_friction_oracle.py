@@ -1,4 +1,4 @@
-"""The oracle of friction: right where the answer is built in, unwilling where there is no programme, able to contradict."""
+"""The oracle of friction: right where the answer is built in, unwilling where there is no programme."""
 
 from __future__ import annotations
 

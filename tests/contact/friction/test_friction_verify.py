@@ -8,11 +8,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact.friction.oracle import minimise
 from contact.friction.problem import State
 from contact.friction.verify import CHORD, CONE, judge, work
 from contact.verify import judge as judge_contact
-from support.problems.frictional import Answer, balanced, in_units, manufactured, pulled, strip
+from support.problems.frictional import Answer, balanced, in_units, manufactured
 
 STATES = np.array([State.OPEN, State.OPEN, State.STICK, State.STICK, State.SLIP, State.SLIP])
 OPEN, STICK, SLIP = 1, 3, 5  # the candidate that is spoilt
@@ -194,33 +193,3 @@ def test_work_of_one_step_from_any_state(rng) -> None:
     assert told.loads + told.foundation == pytest.approx(told.dissipation + told.loss, rel=1e-12)
     unknown = replace(step.problem(), contact=replace(step.problem().contact, energy=None))
     assert work(unknown, answer.u, answer.normal, answer.friction, since) is None
-
-
-EA, TAU, FORCE, H, NODES = 1e4, 0.5, 20.0, 4.0, 14  # 40 mm slip of 56: REFERENCES, strip pulled over a rigid plane
-
-
-def cycle(steps: int) -> tuple[float, float, float]:
-    """Dissipation and loss over F -> -F -> F in twice so many steps, after a pull to F; the end at first."""
-    bar, end = strip(NODES, H, EA, TAU)
-    u, dissipation, loss = np.zeros(3 * NODES), 0.0, 0.0
-    path = [FORCE, *np.linspace(FORCE, -FORCE, steps + 1)[1:], *np.linspace(-FORCE, FORCE, steps + 1)[1:]]
-    for k, force in enumerate(path):
-        step = pulled(bar, end, force, u)
-        found = minimise(step)
-        assert judge(step.problem(), found.du, found.normal, found.friction, since=u).failures() == []
-        told = work(step.problem(), found.du, found.normal, found.friction, u)
-        if k == 0:
-            first = found.du[end]
-        else:
-            dissipation, loss = dissipation + told.dissipation, loss + told.loss
-        u = found.du
-    return dissipation, loss, float(first)
-
-
-@pytest.mark.slow
-def test_a_cycle_of_a_dragged_strip_dissipates_what_it_should() -> None:
-    """2 F^3/(3 EA tau) in a full cycle, F^2/(2 EA tau) the end displacement; the loss is of first order in the step."""
-    few, many = cycle(4), cycle(8)
-    assert few[2] == pytest.approx(FORCE**2 / (2 * EA * TAU), rel=0.12)  # ten nodes slip: of first order in h
-    assert many[0] == pytest.approx(2 * FORCE**3 / (3 * EA * TAU), rel=0.12)
-    assert 0.4 < many[1] / few[1] < 0.6

@@ -111,26 +111,3 @@ def in_units(made: FrozenFrictionalStep, length: float, force: float) -> FrozenF
         base, K=base.K * (force / length), r=base.r * force, gap=base.gap * length, scale=base.scale * force
     )
     return replace(made, step=there, slip=made.slip * length)
-
-
-def strip(m: int, h: float, EA: float, tau: float) -> tuple[FrozenFrictionalStep, int]:
-    """A bar of m nodes at distance h [mm], each pressed by 1 N, mu tau h: friction tau [N/mm]; its pulled unknown.
-
-    The bar is held a distance h before the first node, free at the last; each node has springs across and normal to it.
-    """
-    bar = EA / h * (2 * np.eye(m) - np.eye(m, k=1) - np.eye(m, k=-1))
-    bar[-1, -1] = EA / h
-    across, along = EA / h * np.eye(m), np.arange(m)
-    K = np.block([[bar, 0 * bar, 0 * bar], [0 * bar, across, 0 * bar], [0 * bar, 0 * bar, across]])
-    G, S = np.zeros((m, 3 * m)), np.zeros((2 * m, 3 * m))
-    G[along, 2 * m + along] = 1.0
-    S[2 * along, along] = S[2 * along + 1, m + along] = 1.0
-    r = np.append(np.zeros(2 * m), np.ones(m))
-    return step(K, r, G, np.zeros(m), S, np.zeros((m, 2)), np.full(m, tau * h)), m - 1
-
-
-def pulled(made: FrozenFrictionalStep, unknown: int, force: float, since: np.ndarray) -> FrozenFrictionalStep:
-    """The step with one more load, and slips since the accepted state ``since`` (n,)."""
-    r = made.step.r.copy()
-    r[unknown] -= force
-    return replace(made, step=replace(made.step, r=r), slip=-(made.S @ since).reshape(-1, 2))
