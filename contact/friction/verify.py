@@ -194,7 +194,7 @@ def _size(vectors: np.ndarray) -> np.ndarray:
 def _chord(slip: np.ndarray, friction: np.ndarray, least_slip: float, least_force: float) -> np.ndarray:
     """|s/|s| + t/|t|| (m,), from 0 for opposite to 2 for alike, times what is known of both directions.
 
-    A slip known to ``least_slip`` is turned by a chord of up to 2 least_slip/|s|, or by any where it is that short: times
+    A slip known to ``least_slip`` is turned by a chord up to 2 least_slip/|s|, or by any where it is that short: times
     |s|/(|s| + 2 least_slip/CHORD) it is at most CHORD, whatever |s|; so for the force.
     """
     s, t = _size(slip), _size(friction)
