@@ -1,0 +1,113 @@
+"""Small problems with friction whose answer is built in, and Klarbring's springs with all of theirs."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import sparse
+
+from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.problem import State
+from contact.interchange.linearised_step import FrozenStep
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """u (n,), normal forces (m,), friction (m, 2), states (m,)."""
+
+    u: np.ndarray
+    normal: np.ndarray
+    friction: np.ndarray
+    state: np.ndarray
+
+
+def step(
+    K: np.ndarray, r: np.ndarray, G: np.ndarray, gap: np.ndarray, S: np.ndarray, slip: np.ndarray, mu: np.ndarray
+) -> FrozenFrictionalStep:
+    """Of dense matrices, with areas one."""
+    scale = float(np.linalg.norm(r))
+    contact = FrozenStep(sparse.csc_matrix(K), r, sparse.csr_matrix(G), gap, np.ones(len(gap)), scale)
+    return FrozenFrictionalStep(contact, sparse.csr_matrix(S), slip, mu)
+
+
+def sure(K: np.ndarray, G: np.ndarray, S: np.ndarray) -> float:
+    """A coefficient below which an answer is the only one, for symmetric positive definite K and independent rows.
+
+    The difference of two answers has the energy e^2 = dl.W.dl = df.dg + dt.ds <= mu |df| |ds|, and |ds| <= e
+    sqrt(largest of W_tt), |df| <= e/sqrt(smallest of W_nn - W_nt W_tt^-1 W_tn).
+    """
+    H = np.vstack([G, S])
+    W, m = H @ np.linalg.solve(K, H.T), len(G)
+    schur = W[:m, :m] - W[:m, m:] @ np.linalg.solve(W[m:, m:], W[m:, :m])
+    return float(np.sqrt(np.linalg.eigvalsh(schur)[0] / np.linalg.eigvalsh(W[m:, m:])[-1]))
+
+
+def manufactured(
+    rng: np.random.Generator, m: int = 4, states: np.ndarray | None = None, share: float = 0.9
+) -> tuple[FrozenFrictionalStep, Answer]:
+    """A step and its only answer: K definite, 3m + 2 unknowns, mu up to ``share`` of what is :func:`sure`."""
+    n = 3 * m + 2
+    root = rng.normal(size=(n, n))
+    K = root @ root.T / n + np.eye(n)
+    G, S = rng.normal(size=(m, n)), rng.normal(size=(2 * m, n))
+    mu = share * sure(K, G, S) * rng.uniform(0.3, 1.0, m)
+    state = rng.integers(0, 3, m) if states is None else states
+    u, away = rng.normal(size=n), rng.uniform(0.3, 2, m)
+    normal = np.where(state == State.OPEN, 0.0, away)
+    gap = np.where(state == State.OPEN, away, 0.0) - G @ u
+    angle = rng.uniform(0, 2 * np.pi, m)
+    direction = np.column_stack([np.cos(angle), np.sin(angle)])
+    moved = np.where(state == State.STICK, 0.0, rng.uniform(0.3, 2, m))
+    share_of_bound = np.where(state == State.SLIP, -1.0, rng.uniform(0, 0.95, m))
+    friction = (share_of_bound * mu * normal)[:, None] * direction
+    slip = moved[:, None] * direction - (S @ u).reshape(m, 2)
+    r = G.T @ normal + S.T @ friction.ravel() - K @ u
+    return step(K, r, G, gap, S, slip, mu), Answer(u, normal, friction, state)
+
+
+def klarbring(mu: float, load: tuple[float, float], coupling: float) -> FrozenFrictionalStep:
+    """One node on springs in a plane, [[2, -coupling], [-coupling, 1]] along and across (Klarbring 1990), g = u_n.
+
+    u = (u_t, u_n); a spring of its own holds a third displacement, across the plane of the springs.
+    """
+    K = np.array([[2.0, -coupling, 0.0], [-coupling, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    G, S = np.array([[0.0, 1.0, 0.0]]), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    return step(K, -np.array([*load, 0.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([mu]))
+
+
+def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:
+    """Every answer of :func:`klarbring`, state by state, each by its two equations."""
+    K, (along, across) = springs.step.K.toarray()[:2, :2], -springs.step.r[:2]
+    mu, found = float(springs.mu[0]), []
+
+    def take(u_t: float, u_n: float, f: float, t: float, state: State) -> None:
+        found.append(Answer(np.array([u_t, u_n, 0.0]), np.array([f]), np.array([[t, 0.0]]), np.array([state])))
+
+    u_t, u_n = np.linalg.solve(K, [along, across])
+    if u_n > 0:
+        take(u_t, u_n, 0.0, 0.0, State.OPEN)
+    if -across >= 0 and abs(along) <= mu * -across:  # K 0 = load + (t, f)
+        take(0.0, 0.0, -across, -along, State.STICK)
+    for sense in (1.0, -1.0):  # k u = along - sense mu f,  c u = across + f
+        matrix = np.array([[K[0, 0], sense * mu], [K[1, 0], -1.0]])
+        u_t, f = np.linalg.solve(matrix, [along, across])
+        if f > 0 and sense * u_t > 0:
+            take(u_t, 0.0, f, -sense * mu * f, State.SLIP)
+    return found
+
+
+def balanced(made: FrozenFrictionalStep, answer: Answer) -> FrozenFrictionalStep:
+    """The same step with the load under which any ``answer`` is in equilibrium."""
+    base = made.step
+    r = base.G.T @ answer.normal + made.S.T @ answer.friction.ravel() - base.K @ answer.u
+    return replace(made, step=replace(base, r=r))
+
+
+def in_units(made: FrozenFrictionalStep, length: float, force: float) -> FrozenFrictionalStep:
+    """The same where a mm is so many units of length, and a N so many of force."""
+    base = made.step
+    there = replace(
+        base, K=base.K * (force / length), r=base.r * force, gap=base.gap * length, scale=base.scale * force
+    )
+    return replace(made, step=there, slip=made.slip * length)
