@@ -1,0 +1,51 @@
+"""Algorithms, judge and oracle of friction on the same steps: written apart from one another, they have to agree."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contact.friction.frozen import frozen
+from contact.friction.oracle import confirm
+from contact.friction.problem import FrictionalSolution
+from contact.friction.semismooth import Semismooth
+from contact.friction.trial_and_error import TrialAndError
+from contact.friction.verify import judge
+from support.problems.planted_friction import Planted, planted
+
+MU = (0.1, 0.5, 1.0)
+
+
+def solved(algorithm: Semismooth | TrialAndError, wanted: Planted) -> FrictionalSolution:
+    """From rest."""
+    return algorithm.solve(wanted.problem, FrictionalSolution.at_rest(len(wanted.u), len(wanted.normal)))
+
+
+@pytest.mark.parametrize("mu", MU)
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 100))])
+def test_the_judge_takes_the_answer_of_semismooth_and_the_oracle_has_it(seed: int, mu: float) -> None:
+    wanted = planted(seed, mu)
+    found = solved(Semismooth(), wanted)
+    assert found.outcome.converged
+    assert np.array_equal(found.state, wanted.state)
+    assert not judge(wanted.problem, found.u, found.normal, found.friction).failures()
+    step = frozen(wanted.problem, np.zeros_like(found.u), np.zeros_like(found.normal), {})
+    same = confirm(step, found.u, found.normal, found.friction)
+    assert same.agrees
+    assert max(same.displacement_error, same.force_error) <= 1e-8
+
+
+@pytest.mark.parametrize("mu", MU)
+@pytest.mark.parametrize("seed", range(20))
+def test_the_naive_set_is_right_where_it_ends(seed: int, mu: float) -> None:
+    wanted = planted(seed, mu)
+    found = solved(TrialAndError(), wanted)
+    if found.outcome.converged:
+        assert np.array_equal(found.state, wanted.state)
+        assert not judge(wanted.problem, found.u, found.normal, found.friction).failures()
+
+
+def test_the_naive_set_ends_on_some_and_cycles_on_most() -> None:
+    """What comes back to the foundation sticks, is torn loose, and lifts off again."""
+    ended = [solved(TrialAndError(), planted(seed, 0.5)).outcome.converged for seed in range(20)]
+    assert 0 < sum(ended) < 10
