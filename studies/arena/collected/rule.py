@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
 from pathlib import Path
@@ -158,11 +159,17 @@ def make(directory: Path, kept: pd.DataFrame, tell: Callable[[str], None] = _sil
             write(directory, candidate)
         forms = {f"{candidate.name}-{form}" for form in (TOUCHING, CONDENSED)}
         if forms & missing:
-            for form in derived(candidate, find(candidate.step)):
+            for form in _forms(candidate):
                 if form.name in missing:
                     tell(form.name)
                     write(directory, form)
     _finish(directory, kept)
+
+
+def _forms(candidate: Candidate) -> Iterator[Candidate]:
+    """Derived forms of a step, none where its answer is not found: what is missing then is told by ``unlike``."""
+    with suppress(NotCertifiedError):
+        yield from derived(candidate, find(candidate.step))
 
 
 def _wanted(names: set[str]) -> Iterator[Candidate]:
