@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     checking = parts.add_parser("check", help="files against the manifest of the suite")
     checking.add_argument("directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR")
+    checking.add_argument("--keep", type=Path, metavar="FILE", help="write the rows of the manifest that agree")
     checking.set_defaults(part=_check)
 
     exporting = parts.add_parser("export", help="one problem in a format of other programs")
@@ -104,11 +105,14 @@ def _make(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from studies.arena.collected.rule import unlike
+    from studies.arena.collected.rule import agreeing, unlike
+    from studies.store.atomic import write_table
 
     if not options.directory.is_dir():
         raise UsageError(f"{options.directory} is no directory: footprint problems make")
     kept = _kept(None)
+    if options.keep is not None:
+        write_table(options.keep, agreeing(options.directory, kept))
     return _say(unlike(options.directory, kept), len(kept), options.directory)
 
 
