@@ -35,7 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     checking = parts.add_parser("check", help="files against the manifest of the suite")
     checking.add_argument("directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR")
-    checking.add_argument("--keep", type=Path, metavar="FILE", help="write the rows of the manifest that agree")
+    checking.add_argument(
+        "--keep", type=Path, metavar="DIR", help="write a manifest of what agrees, and what is left out"
+    )
     checking.set_defaults(part=_check)
 
     exporting = parts.add_parser("export", help="one problem in a format of other programs")
@@ -105,14 +107,13 @@ def _make(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from studies.arena.collected.rule import agreeing, unlike
-    from studies.store.atomic import write_table
+    from studies.arena.collected.rule import keep_agreeing, unlike
 
     if not options.directory.is_dir():
         raise UsageError(f"{options.directory} is no directory: footprint problems make")
     kept = _kept(None)
     if options.keep is not None:
-        write_table(options.keep, agreeing(options.directory, kept))
+        keep_agreeing(options.directory, kept, options.keep)
     return _say(unlike(options.directory, kept), len(kept), options.directory)
 
 

@@ -42,6 +42,7 @@ MOST = 8e6  # bytes of one of them
 ENTRY = 7.0  # bytes of an entry of a matrix in a compressed file, measured: 4 to 8
 SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
 ROUNDING = 1e-6  # relative, of those sums: what paths of Newton's method make of different rounding
+TURNED = "with other kernels of BLAS its path leads elsewhere"
 CLASSES = ("unknowns", "candidates", "share pressed", "kind", "coupling", "condition", "touching")
 
 
@@ -232,7 +233,10 @@ def unlike(directory: Path, kept: pd.DataFrame) -> list[str]:
     return lines
 
 
-def agreeing(directory: Path, kept: pd.DataFrame) -> pd.DataFrame:
-    """The rows of a manifest that files made elsewhere bear out: paths that rounding turns elsewhere are not kept."""
+def keep_agreeing(directory: Path, kept: pd.DataFrame, to: Path) -> None:
+    """Write the manifest of what files made elsewhere bear out; the other rows join those that are left out."""
     wrong = {line.partition(":")[0] for line in unlike(directory, kept)}
-    return kept[~kept["name"].isin(wrong)].reset_index(drop=True)
+    other = kept["name"].isin(wrong)
+    gone = kept.loc[other, ["name", "family"]].assign(why=TURNED)
+    write_table(to / MANIFEST, kept[~other])
+    write_table(to / LEFT_OUT, pd.concat([left_out(), gone], ignore_index=True))
