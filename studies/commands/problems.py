@@ -35,9 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     checking = parts.add_parser("check", help="files against the manifest of the suite")
     checking.add_argument("directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR")
-    checking.add_argument(
-        "--keep", type=Path, metavar="DIR", help="write a manifest of what agrees, and what is left out"
-    )
+    checking.add_argument("--keep", type=Path, metavar="TO", help="write the manifest of what agrees")
     checking.set_defaults(part=_check)
 
     exporting = parts.add_parser("export", help="one problem in a format of other programs")
