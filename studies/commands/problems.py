@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     checking = parts.add_parser("check", help="files against the manifest of the suite")
     checking.add_argument("directory", type=Path, nargs="?", default=PROBLEMS, metavar="DIR")
+    checking.add_argument("--keep", type=Path, metavar="TO", help="write the manifest of what agrees")
     checking.set_defaults(part=_check)
 
     exporting = parts.add_parser("export", help="one problem in a format of other programs")
@@ -104,11 +105,13 @@ def _make(options: argparse.Namespace) -> int:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from studies.arena.collected.rule import unlike
+    from studies.arena.collected.rule import keep_agreeing, unlike
 
     if not options.directory.is_dir():
         raise UsageError(f"{options.directory} is no directory: footprint problems make")
     kept = _kept(None)
+    if options.keep is not None:
+        keep_agreeing(options.directory, kept, options.keep)
     return _say(unlike(options.directory, kept), len(kept), options.directory)
 
 

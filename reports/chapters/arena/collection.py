@@ -6,7 +6,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.figures.drawing import canvas, look, svg
-from reports.markdown import Part, commands, joined, listing, picture, prose, table
+from reports.markdown import Part, commands, fold, joined, listing, picture, prose, table
 from reports.store.tables import Store
 
 HEADING = "## The collection"
@@ -27,7 +27,9 @@ in the nodal forces. Answers are not in the files.""")
     families = table("Families", heads, rows)
     warning = prose(f"""{_left_out(left_out)} The rule so favours those who solve as the first way does; who is compared
 on the collection is compared on what somebody could certify.""")
-    why = listing("Left out", reasons(left_out), "family | steps | why", "{family} | {steps} | {why}", words=3)
+    counted = reasons(left_out)
+    rows_of_it = listing("Left out, why", counted, "family | why | steps", "{family} | {why} | {steps}", words=2)
+    why = fold(f"{len(left_out)} steps by family and reason", rows_of_it)
     drawn = picture("arena-collection.svg", "Unknowns and candidates of every problem, by kind of matrix", draw(kept))
     return joined(HEADING, text, drawn, families, warning, why, commands([COMMAND]))
 
@@ -55,8 +57,8 @@ def _left_out(rows: pd.DataFrame) -> str:
 
 
 def reasons(rows: pd.DataFrame) -> pd.DataFrame:
-    """Reasons of each family, with how many steps have them; numbers in a reason are one reason."""
-    told = rows.assign(why=rows["why"].str.replace(r"[0-9][0-9.e+-]*", "…", regex=True).str.slice(0, 160))
+    """Reasons of each family, with how many steps have them: of the way that was tried first, numbers left out."""
+    told = rows.assign(why=rows["why"].str.replace(r"[0-9][0-9.e+-]*", "…", regex=True).str.split(";").str[0])
     counted = told.groupby(["family", "why"], sort=False).size().rename("steps").reset_index()
     return counted.sort_values("steps", ascending=False, kind="stable")
 

@@ -24,6 +24,7 @@ from contact.solvers.sparse import SingularMatrixError, added
 from studies.scene import Setting
 
 SETTLE = 0.05  # of the exact steps, as semismooth
+FAR = 1e6  # times as far as is asked for: where an approach has found nothing, as of what has no answer
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,7 @@ class Crossover(Entry, ABC):
         run.tally.counters[spent] = 0
         at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
         told, c = "the travel is an unknown, none of its steps has it" if problem.driven else "", 0.0
+        depth = 0.0
         if not (problem.driven or _answered(run, at)):
             try:
                 depth, c = scales(run, at)
@@ -78,6 +80,9 @@ class Crossover(Entry, ABC):
                     run.tally.counters[spent] += 1
             except SingularMatrixError as error:
                 told = str(error)
+        if _lost(run, start.u, at, depth):
+            told = "the approach ends far out, where a large gap hides a small one"
+            at = run.at(run.linearise(start.u, None), start.u, start.pressure, start.active)
         weight = c / (at.stiffness.per_area or 1.0) or 1.0
         row, settle = len(run.tally.history), partial(settle_most, settle=SETTLE, c=weight, most=self.max_updates)
         near = ContactSolution(at.u, np.where(at.active, at.pressure, 0.0), at.active, Outcome.CONVERGED)
@@ -121,6 +126,13 @@ def scales(run: NewtonRun, at: Iterate) -> tuple[float, float]:
     give = float(np.mean((rows @ step(before + pressed) - free)[pressed]))
     load = float(np.max(at.pressure)) / depth if depth > 0 else 0.0
     return depth, max(1 / give if give > 0 else own, load)
+
+
+def _lost(run: NewtonRun, begun: np.ndarray, at: Iterate, depth: float) -> bool:
+    """Whether the candidates have come FAR times as far as the depth and the gaps at u = ``begun`` (n,) ask for."""
+    gap = run.problem.gap(begun)
+    asked = depth + float(np.max(np.abs(gap), initial=0.0))
+    return not float(np.max(np.abs(at.gap - gap), initial=0.0)) <= FAR * asked
 
 
 def _answered(run: NewtonRun, at: Iterate) -> bool:

@@ -22,6 +22,8 @@ from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.child import PATIENCE, Child
 from support.problems.arena_steps import Dies, Greedy, Hangs, Told, indefinite, known_step, lopsided
 
+pytestmark = pytest.mark.slow  # processes
+
 LIMIT_S = 0.3
 ERROR = 1e-5  # of a pressure: between two of the tolerances
 

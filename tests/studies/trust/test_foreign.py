@@ -21,6 +21,8 @@ from studies.trust.foreign import ClaimError, Foreign
 from studies.trust.merge import VERIFIED, merge
 from support.stores.elsewhere import BEAM, FINE, STRIP, Elsewhere
 
+pytestmark = pytest.mark.slow  # a store each
+
 Plant = Callable[[Elsewhere, Path], object]
 
 

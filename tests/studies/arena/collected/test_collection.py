@@ -15,7 +15,7 @@ from studies.arena.collected import rule
 from studies.arena.collected.candidates import Candidate, on_path
 from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find
 from studies.arena.collected.paths import Path
-from studies.arena.collected.rule import LARGEST, MOST, Rule, chosen, make, manifest, sums, unlike, write
+from studies.arena.collected.rule import LARGEST, MOST, Rule, chosen, keep_agreeing, make, manifest, sums, unlike, write
 from studies.arena.collected.traits import condition, kind, traits
 from support.problems.arena_steps import indefinite, known_step, lopsided
 
@@ -116,15 +116,35 @@ def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")} == before
 
 
+def kept_of(directory: File, kept: pd.DataFrame) -> pd.DataFrame:
+    """The manifest of what agrees."""
+    keep_agreeing(directory, kept, directory / "kept")
+    return pd.read_csv(directory / "kept" / "manifest.csv")
+
+
 def test_a_file_of_other_values_is_named(tmp_path: File) -> None:
     step = known_step()[0]
     candidate = Candidate("a", "one", {}, step)
-    row = {"name": "one", "unknowns": len(step.r), "candidates": len(step.gap)}
+    row = {"name": "one", "family": "a", "unknowns": len(step.r), "candidates": len(step.gap)}
     kept = pd.DataFrame([row | dict(zip(rule.SUMS, sums(step), strict=True))])
     write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-5)})))
     assert [line.split(" is ")[0] for line in unlike(tmp_path, kept)] == ["one: sum_r"]
+    assert kept_of(tmp_path, kept).empty
+    assert "one" in set(pd.read_csv(tmp_path / "kept" / "left-out.csv")["name"])
     write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-8)})))
     assert not unlike(tmp_path, kept)
+    assert len(kept_of(tmp_path, kept)) == 1
+
+
+def test_what_is_in_balance_is_compared_by_the_forces_in_it(tmp_path: File) -> None:
+    """r of a body in equilibrium is rounding, another on each machine; a thousandth of the forces is not."""
+    step = known_step()[0]
+    candidate = Candidate("a", "one", {}, FrozenStep(**{**vars(step), "r": 1e-12 * step.r}))
+    row = {"name": "one", "family": "a", "unknowns": len(step.r), "candidates": len(step.gap)}
+    kept = pd.DataFrame([row | dict(zip(rule.SUMS, sums(candidate.step), strict=True))])
+    for share, lines in ((3e-12, 0), (1e-3, 1)):
+        write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": share * step.r})))
+        assert len(unlike(tmp_path, kept)) == lines
 
 
 def test_the_kept_manifest_keeps_the_rule() -> None:

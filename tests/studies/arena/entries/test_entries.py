@@ -38,6 +38,7 @@ PRINTED_RADIUS = 0.348982574111686  # of contact, MFEM's example 36
 each = pytest.mark.parametrize("name", NAMES)
 
 
+@pytest.mark.slow
 def test_nothing_of_the_suite_imports_them() -> None:
     found = []
     for file in (
