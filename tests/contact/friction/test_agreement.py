@@ -22,7 +22,7 @@ def solved(algorithm: Semismooth | TrialAndError, wanted: Planted) -> Frictional
 
 
 @pytest.mark.parametrize("mu", MU)
-@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(8, 100))])
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 34))])
 def test_the_judge_takes_the_answer_of_semismooth_and_the_oracle_has_it(seed: int, mu: float) -> None:
     wanted = planted(seed, mu)
     found = solved(Semismooth(), wanted)
@@ -35,8 +35,9 @@ def test_the_judge_takes_the_answer_of_semismooth_and_the_oracle_has_it(seed: in
     assert max(same.displacement_error, same.force_error) <= 1e-8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu", MU)
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(6))
 def test_the_naive_set_is_right_where_it_ends(seed: int, mu: float) -> None:
     wanted = planted(seed, mu)
     found = solved(TrialAndError(), wanted)
@@ -45,6 +46,7 @@ def test_the_naive_set_is_right_where_it_ends(seed: int, mu: float) -> None:
         assert not judge(wanted.problem, found.u, found.normal, found.friction).failures()
 
 
+@pytest.mark.slow
 def test_the_naive_set_ends_on_some_and_cycles_on_most() -> None:
     """What comes back to the foundation sticks, is torn loose, and lifts off again."""
     ended = [solved(TrialAndError(), planted(seed, 0.5)).outcome.converged for seed in range(20)]
