@@ -227,12 +227,12 @@ def _on_states(
         if change <= LAST_DIGITS * size or before / 2 <= change <= EXACT * size:  # or no digit more is to be had
             return forces
         before = change
-        for i, s in _slips(W, q, forces, slips):
+        for k, s in _slips(W, q, forces, slips):
             length = float(np.linalg.norm(s))
             if length == 0:
                 return None
-            direction[i] = s / length
-            turning[i] = (np.eye(2) - np.outer(direction[i], direction[i])) / length
+            direction[k] = s / length
+            turning[k] = (np.eye(2) - np.outer(direction[k], direction[k])) / length
     return None
 
 

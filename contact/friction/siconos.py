@@ -83,9 +83,9 @@ class SiconosProblem:
         G, S = rows[self.d * np.arange(m)], rows[tangential]
         if self.d == 2:
             own = np.full(m, float(np.median(np.abs(K.diagonal()))) if n else 1.0)
-            K = sparse.block_diag([K, sparse.diags_array(own)])
-            G = sparse.hstack([G, sparse.csr_matrix((m, m))])
-            both = sparse.block_diag([S, sparse.eye_array(m)]).tocsr()
+            K = sparse.csc_matrix(sparse.block_diag([K, sparse.diags_array(own)]))
+            G = sparse.csr_matrix(sparse.hstack([G, sparse.csr_matrix((m, m))]))
+            both = sparse.csr_matrix(sparse.block_diag([S, sparse.eye_array(m)]))
             S = both[np.column_stack([np.arange(m), m + np.arange(m)]).ravel()]
             f = np.append(f, np.zeros(m))
         step = FrozenStep(sparse.csc_matrix(K), -f, sparse.csr_matrix(G), offset[:, 0].copy(), np.ones(m), size)
