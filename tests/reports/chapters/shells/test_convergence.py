@@ -112,6 +112,7 @@ def test_references_apply_only_to_what_was_solved(store: Path) -> None:
     assert len(found["pressurised-cylinder-open", "stretch"]) == 1
 
 
+@pytest.mark.slow
 def test_one_ladder_has_one_verdict_everywhere(own_store: Path) -> None:
     """Orders near every threshold: the sequences of cells, however they are grouped, and the verified cells agree."""
     for k, ladder in enumerate(LADDERS):
@@ -136,6 +137,7 @@ def test_one_ladder_has_one_verdict_everywhere(own_store: Path) -> None:
     assert said.reset_index().duplicated(["label", "quantity"]).sum() > 20
 
 
+@pytest.mark.slow
 def test_a_sequence_that_is_not_monotone_has_no_order_and_no_limit(own_store: Path) -> None:
     change_values(own_store, "convergence roof-a ", lambda value, i: 1 + 0.01 * (-1) ** i)
     page = convergence_page(load_store(own_store))

@@ -35,6 +35,7 @@ def test_parts_that_are_the_whole(store: Path) -> None:
     assert row(text, "| isotropic | `quarter` | 1.25 ")[-1] == "100 %"
 
 
+@pytest.mark.slow
 def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
     path = place(own_store, "model half angle plies").with_suffix(".json")
     result = json.loads(path.read_text())
@@ -79,6 +80,7 @@ def stated(text: str, unit: str) -> dict[tuple[float, str, str], str]:
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_the_sentences_say_what_the_grids_did(own_store: Path, seed: int) -> None:
     """Errors at random around both bounds: every grid is looked at beside all that are finer."""
@@ -114,6 +116,7 @@ def test_what_the_reference_is_not_good_enough_for_is_said(own_store: Path, know
     assert f"known to {100 * known:.2f} %, grey below that. Whether a grid {said} is less, is not decided." in text
 
 
+@pytest.mark.slow
 def test_scaling_is_shown_where_it_was_measured(own_store: Path) -> None:
     assert "Not measured here" in cost_page(load_store(own_store)).text
     n = [1000, 10_000, 100_000]
