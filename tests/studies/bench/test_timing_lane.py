@@ -92,6 +92,7 @@ def test_the_interval_of_a_median_is_that_of_its_distribution() -> None:
     assert np.isnan(interval([0.5])[1])
 
 
+@pytest.mark.slow
 def test_the_canary_is_a_workload_of_some_size() -> None:
     assert 1e-3 < canary() < 10
 

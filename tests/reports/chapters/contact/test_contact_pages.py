@@ -64,6 +64,7 @@ def test_all_agree_where_all_are_the_same(store: Path) -> None:
     assert row(text, "| `trial-and-error` | follower | nonsymmetric |")[3:] == ["0", "0", "yes"]
 
 
+@pytest.mark.slow
 def test_a_node_or_a_force_that_differs_is_seen(own_store: Path) -> None:
     path = directory(own_store, CASE) / "contact.csv"
     contact = pd.read_csv(path)
@@ -80,6 +81,7 @@ def test_a_node_or_a_force_that_differs_is_seen(own_store: Path) -> None:
     assert "| `trial-and-error` | dead | constant-s33 | converged | converged |" in text
 
 
+@pytest.mark.slow
 def test_a_path_that_ends_early_does_not_agree(own_store: Path) -> None:
     steps = json.loads(directory(own_store, CASE).with_suffix(".json").read_text())["steps"]
     change(own_store, CASE, outcome="cycling", reason="the contact set repeats itself", steps=steps[:2])
@@ -102,6 +104,7 @@ def refuse(root: Path) -> None:
     (place / "profile.csv").unlink()
 
 
+@pytest.mark.slow
 def test_a_refusal_is_told_with_its_reason_on_every_page(own_store: Path) -> None:
     refuse(own_store)
     store = load_store(own_store)

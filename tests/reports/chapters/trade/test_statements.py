@@ -6,6 +6,7 @@ import inspect
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from reports.chapters.trade.statements import errors_stated, statements_part
 from reports.store.tables import load_store
@@ -40,6 +41,7 @@ def test_a_store_without_the_table_says_who_makes_it(store: Path) -> None:
     assert "footprint run statements" in statements_part(load_store(store)).text
 
 
+@pytest.mark.slow
 def test_what_holds_is_counted(own_store: Path) -> None:
     text = page(own_store, coverage(wrong=False))
     assert "Of 3 different statements on 1 scenes" in text
@@ -51,6 +53,7 @@ def test_what_holds_is_counted(own_store: Path) -> None:
     assert "not reached" not in text
 
 
+@pytest.mark.slow
 def test_what_does_not_hold_is_listed(own_store: Path) -> None:
     text = page(own_store, coverage(wrong=True))
     assert "Of 4 different statements" in text

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from reports.chapters.validation.manufactured import CHAPTER, manufactured_page
 from reports.store.tables import load_store
@@ -32,6 +33,7 @@ def test_the_page_says_what_the_tables_say(store: Path) -> None:
     assert "Of the 0 orders of means below 1.95, 0 are higher" in text
 
 
+@pytest.mark.slow
 def test_a_lost_order_and_a_wrong_coefficient_are_said(own_store: Path) -> None:
     wrong = made_up_statements("E11-: coefficient of l1- is 0.9, stated 1")
     text = page(own_store, manufactured=made_up_manufactured(1.5), manufactured_statements=wrong)
