@@ -18,6 +18,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from scipy import sparse
 
+from contact.coulomb import Coulomb, Friction, Surface
 from contact.parameters import Parameter
 from contact.swept import Standing
 
@@ -95,6 +96,9 @@ class ContactProblem:
 
     standing: the foundation and the candidates in a frame in which it stands still; None where no straight way of a
     candidate leads through it, as through a plane.
+
+    surface: what friction would act on, in a frame that is shifted with the foundation; None where nobody has said.
+    coulomb: friction, None for none; it is solved by the algorithms of :mod:`contact.friction` alone.
     """
 
     linearise: Linearise
@@ -113,6 +117,8 @@ class ContactProblem:
     driven: int = 0
     travel: Callable[[], ContactProblem] | None = None
     standing: Standing | None = None
+    surface: Surface | None = None
+    coulomb: Coulomb | None = None
 
     @property
     def weight_matrix(self) -> sparse.csc_array | sparse.csr_matrix:
@@ -180,7 +186,10 @@ class Outcome(enum.Enum):
 
 @dataclass(frozen=True, eq=False)
 class ContactSolution:
-    """u (n,), pressure (m,) [MPa], contact set (m,) bool, outcome, counters, and one history row an iteration."""
+    """u (n,), pressure (m,) [MPa], contact set (m,) bool, outcome, counters, and one history row an iteration.
+
+    friction: None where there is none, or where the path has not come to it yet.
+    """
 
     u: np.ndarray
     pressure: np.ndarray
@@ -188,6 +197,7 @@ class ContactSolution:
     outcome: Outcome
     counters: Mapping[str, float] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
+    friction: Friction | None = None
 
     @classmethod
     def at_rest(cls, n: int, m: int) -> ContactSolution:

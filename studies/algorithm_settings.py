@@ -33,6 +33,15 @@ def own_keys() -> tuple[str, ...]:
 
 
 def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
-    """The algorithm with those of the settings that it has; raises ValueError for a value that it cannot have."""
+    """The algorithm with those of the settings that it has; raises ValueError for a value that it cannot have.
+
+    With a coefficient of friction among them it is that of the same name for friction.
+    """
     algorithm = ALGORITHMS[contact]
-    return algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})
+    plain = algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})
+    if "mu" not in settings:
+        return plain
+    from contact.friction.catalogue import twin
+    from contact.friction.posed import WithFriction
+
+    return WithFriction(plain, twin(plain))

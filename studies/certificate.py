@@ -25,6 +25,7 @@ def certificate(
     epsilon: float = math.inf,
     tolerance: float = RESIDUAL_TOLERANCE,
     passed: Sequence[Crossing] = (),
+    before: tuple[ContactProblem, ContactSolution] | None = None,
 ) -> dict[str, Any]:
     """What the judge says of a state, by the law of its epsilon: failures by name, their diagnosis, kkt, balances,
     scales.
@@ -33,15 +34,37 @@ def certificate(
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
     passed: what went through the foundation on the way from the state before; a failure of its own, SWEPT.
+    before: with friction, problem and state at the last accepted load, from which slip is counted.
     """
+    found = (
+        _judged(problem, state, epsilon, tolerance)
+        if before is None
+        else _rubbed(problem, state, epsilon, tolerance, before)
+    )
+    if passed:
+        found["failures"].append(SWEPT)
+        shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
+        found["diagnosis"].append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
+    return found
+
+
+def _judged(problem: ContactProblem, state: ContactSolution, epsilon: float, tolerance: float) -> dict[str, Any]:
     verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
     found = verdict.certificate
     found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
     found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
-    if passed:
-        found["failures"].append(SWEPT)
-        shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
-        found["diagnosis"].append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
     found["stability"] = stability(problem, state, epsilon).record
     return found
+
+
+def _rubbed(
+    problem: ContactProblem,
+    state: ContactSolution,
+    epsilon: float,
+    tolerance: float,
+    before: tuple[ContactProblem, ContactSolution],
+) -> dict[str, Any]:
+    from studies.friction.certificate import certificate_of_friction  # nothing of friction is imported without it
+
+    return certificate_of_friction(problem, state, epsilon, tolerance, before)

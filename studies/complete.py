@@ -11,8 +11,10 @@ from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import TOLERANCE, settings_of
+from studies.friction.settings import completed
+from studies.friction.settings import settings_of as friction_settings
 from studies.request import Request, Settings, Value
-from studies.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, UsageError, has_contact
+from studies.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, SlidingScene, UsageError, has_contact
 from studies.scenes import SCENES
 
 MODELS = ("auto", "full")
@@ -32,10 +34,11 @@ def complete(
     known = {setting.key: setting for setting in (*scene.settings, TOLERANCE)}
     if has_contact(scene):
         known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
+        known |= {setting.key: setting for setting in friction_settings(slides=isinstance(scene, SlidingScene))}
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
-    settings = _with_defaults(known, {key: known[key].parse(value) for key, value in given.items()})
+    settings = _with_defaults(known, completed({key: known[key].parse(value) for key, value in given.items()}))
     if isinstance(scene, CompletingScene):
         settings = scene.complete(settings)
     request = Request(scene_name, mesh=_mesh(mesh, scene), **options)

@@ -35,7 +35,8 @@ UNITS = ("mm", "MPa", "deg", "N")  # a key ends in its unit; all others count
 class Setting:
     """A key of ``--set KEY=VALUE`` with its meaning, unit, range and default.
 
-    help: its meaning, for people.  kind: "float", "int", "floats" (comma-separated, increasing) or "choice".
+    help: its meaning, for people.  kind: "float", "int", "choice", "floats" (comma-separated, increasing) or "path"
+    (comma-separated, from 0 to each in turn, back and forth).
     low, high: range of each number, the bounds included unless ``open_low``/``open_high``; infinity only where
     ``infinite``.  default None: the scene works it out, and ``otherwise`` says how.  presets: what each choice stands
     for, values of other keys; it gives way to those that are given.  unit: by default what the key ends in.
@@ -83,7 +84,12 @@ class Setting:
             return "one of " + ", ".join(self.choices)
         left = "(" if self.open_low or math.isinf(self.low) else "["
         right = ")" if self.open_high or (math.isinf(self.high) and not self.infinite) else "]"
-        words = {"int": "a whole number in", "float": "a number in", "floats": "increasing numbers in"}[self.kind]
+        words = {
+            "int": "a whole number in",
+            "float": "a number in",
+            "floats": "increasing numbers in",
+            "path": "numbers, from 0 on no two alike in a row, in",
+        }[self.kind]
         return f"{words} {left}{self.low:g}, {self.high:g}{right}"
 
     @property
@@ -110,6 +116,10 @@ class Setting:
             raise wrong
         if self.kind == "floats":
             if any(b <= a for a, b in pairwise(numbers)):
+                raise wrong
+            return numbers
+        if self.kind == "path":
+            if any(a == b for a, b in pairwise((0.0, *numbers))):
                 raise wrong
             return numbers
         if len(numbers) != 1 or (self.kind == "int" and numbers[0] != int(numbers[0])):
@@ -332,6 +342,13 @@ class RefinedScene(Protocol):
     @property
     def coarsest_mesh(self) -> tuple[int, int]:
         """Elements along a1 and a2."""
+
+
+@runtime_checkable
+class SlidingScene(Protocol):
+    """A scene whose whole body lies on its foundation, so that this may be dragged and turned under it."""
+
+    slides: bool
 
 
 @runtime_checkable

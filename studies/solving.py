@@ -6,7 +6,7 @@ Nothing here knows a particular scene; no picture is drawn here.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise
@@ -19,10 +19,11 @@ from contact.swept import crossings
 from studies.algorithm_settings import configured
 from studies.certificate import certificate
 from studies.complete import complete
+from studies.friction.settings import rubbing
 from studies.operations import counted
 from studies.request import Request
 from studies.result import UNSTABLE, Result
-from studies.scene import CurveStage, Observation, Scene, SceneModel, UsageError
+from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage, UsageError
 from studies.step import Step
 from studies.store.atomic import plain
 from studies.store.tables import Table
@@ -56,7 +57,9 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 def _run_stages(
     model: SceneModel, algorithm: ContactAlgorithm, steps: int, result: Result, progress: Callable[[str], None]
 ) -> None:
-    for visited in walk(model.stages(), algorithm, steps, tell=lambda stage, at: progress(f"{stage} {at:g}")):
+    for visited in walk(
+        _stages(model, result.request), algorithm, steps, tell=lambda stage, at: progress(f"{stage} {at:g}")
+    ):
         point, stage = visited.point, visited.stage
         result.end = visited
         _account(result, stage.name, point.solution.counters, point.solution.history)
@@ -74,10 +77,22 @@ def _run_stages(
             judged: dict[str, Any] = {}
             if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
                 tolerance = result.request.number("tolerance")
-                judged = certificate(visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed)
+                before = visited.last_accepted if visited.problem.coulomb is not None else None
+                judged = certificate(
+                    visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed, before
+                )
                 if judged["stability"]["word"] == UNSTABLE:
                     result.unstable.append(f"{stage.name} at {point.requested:g}: {judged['stability']['sentence']}")
             _record(result, seen, judged, {**counts, "substeps": point.substeps})
+
+
+def _stages(model: SceneModel, request: Request) -> Iterable[Stage]:
+    """Those of the model; with friction, if it is asked for."""
+    if not rubbing(request.settings):
+        return model.stages()
+    from studies.friction.stages import Stages  # nothing of friction is imported without it
+
+    return Stages(model.stages(), request.settings)
 
 
 def _record_end(visited: Visited, result: Result) -> None:

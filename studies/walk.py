@@ -44,6 +44,12 @@ class Visited:
         return crossings_along((self.problem_at(t).standing, state.u) for t, state in self.point.way)
 
     @property
+    def last_accepted(self) -> tuple[ContactProblem, ContactSolution]:
+        """The state of the path before this one, and its problem: what friction counts its slip from."""
+        t, state = self.point.way[-2]
+        return self.problem_at(t), state
+
+    @property
     def converged(self) -> bool:
         """Whether the point was reached."""
         return self.point.outcome.converged

@@ -20,10 +20,11 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
 
     A foundation that has come by d penetrates by no more than d. A gap changes by no more than its point moves, so one
     above d stays open unless its point moves by more than the foundation has: that is looked at when the step is
-    solved. Who did is taken in, and the step goes on from there: the answer is that with all candidates.
+    solved. Who did is taken in, and the step goes on from there: the answer is that with all candidates. With friction
+    a foundation that slides along itself by d may take points as far along.
     """
     gap = problem.gap(start.u)
-    depth = -float(np.min(gap, initial=0.0))
+    depth = max(-float(np.min(gap, initial=0.0)), _slid(problem, start))
     if problem.only is None or depth <= 0:
         return algorithm.solve(problem, start)
     chosen = (gap <= REACH * depth) | start.active
@@ -31,8 +32,9 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
     while True:
         near = replace(problem.only(chosen), gap_size=problem.gap_size, ordered=problem.ordered, driven=problem.driven)
         at = start if before is None else before
-        part = algorithm.solve(near, replace(at, pressure=at.pressure[chosen], active=at.active[chosen]))
-        found = _spread(part, chosen, before)
+        rubbed = None if start.friction is None else start.friction.only(chosen)
+        begin = replace(at, pressure=at.pressure[chosen], active=at.active[chosen], friction=rubbed)
+        found = _spread(problem, algorithm.solve(near, begin), chosen, before)
         missed = ~chosen & (problem.gap(found.u) < 0)
         if not (found.outcome.converged and missed.any()):
             return found
@@ -43,7 +45,17 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
         chosen |= missed
 
 
-def _spread(part: ContactSolution, chosen: np.ndarray, before: ContactSolution | None) -> ContactSolution:
+def _slid(problem: ContactProblem, start: ContactSolution) -> float:
+    """How far [mm] the foundation has slid under a body with friction that stays where it is."""
+    if problem.coulomb is None or problem.surface is None or start.friction is None:
+        return 0.0
+    way = problem.coulomb.places(problem.surface, start.u) - start.friction.anchors
+    return float(np.max(np.linalg.norm(way, axis=1), initial=0.0))
+
+
+def _spread(
+    problem: ContactProblem, part: ContactSolution, chosen: np.ndarray, before: ContactSolution | None
+) -> ContactSolution:
     """The solution for all candidates (m,); counters and history go on from those of the attempt before it."""
     pressure, active = np.zeros(len(chosen)), np.zeros(len(chosen), bool)
     pressure[chosen], active[chosen] = part.pressure, part.active
@@ -51,4 +63,7 @@ def _spread(part: ContactSolution, chosen: np.ndarray, before: ContactSolution |
     if before is not None:
         counters = {key: before.counters[key] + value for key, value in counters.items()}
         history = (*before.history, *history)
-    return replace(part, pressure=pressure, active=active, counters=counters, history=history)
+    friction = part.friction
+    if friction is not None and problem.coulomb is not None and problem.surface is not None:
+        friction = friction.of_all(chosen, problem.coulomb.places(problem.surface, part.u))
+    return replace(part, pressure=pressure, active=active, counters=counters, history=history, friction=friction)

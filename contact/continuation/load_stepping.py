@@ -180,7 +180,8 @@ class Stepper:
             through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
             failure = Event(EventKind.FAILED | EventKind.PASSED, str(through[0])) if through else None
         beyond = 0
-        if failure is None and self.cut and found.active.any():  # the way is difficult: is it still the same?
+        counted = problem.coulomb is None  # friction has no potential: negative eigenvalues say nothing of its path
+        if failure is None and self.cut and counted and found.active.any():  # is the difficult way still the same?
             more = branches_passed(self.problem_at, self.states[0], (trial, found), self.algorithm.epsilon)
             beyond = max(0, more - self.passed)
         if beyond:
@@ -233,6 +234,8 @@ class Stepper:
         """Why there is no next state; where no digit of one is sure, a tangent in its neighbourhood tells nothing."""
         if attempt.solution.outcome is Outcome.ROUNDING:
             return Ending(PathEnd.NEITHER, "no step is nearer to balance than the digits of its displacements allow")
+        if attempt.solution.friction is not None:
+            return Ending(PathEnd.NEITHER, "with friction the tangent alone gives no reason")
         return why_it_ends(self.problem_at, self.states, self.algorithm.epsilon)
 
     def _smooth(self, attempt: Attempt) -> bool:

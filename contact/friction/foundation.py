@@ -9,39 +9,30 @@ size. Where the foundation is curved, slip along it is told by the chord: steps 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from scipy import sparse
-from scipy.spatial.transform import Rotation
 
-from contact.obstacles.foundation import Candidates, Foundation
+from contact.coulomb import Motion
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """Translation d (3,) [mm]; turn (3,) [rad], rotation vector, about an axis through centre c (3,) [mm]."""
-
-    translation: np.ndarray
-    turn: np.ndarray
-    centre: np.ndarray
-
-    @classmethod
-    def none(cls) -> Motion:
-        """At rest."""
-        return cls(np.zeros(3), np.zeros(3), np.zeros(3))
+class Points(Protocol):
+    """Candidates: where they are and how they move."""
 
     @property
-    def rotation(self) -> np.ndarray:
-        """R (3, 3)."""
-        return np.asarray(Rotation.from_rotvec(self.turn).as_matrix())
+    def operator(self) -> sparse.csr_matrix:
+        """dx/du (3m, n)."""
 
-    def into(self, x: np.ndarray) -> np.ndarray:
-        """Places X (m, 3) in the moving frame of places x (m, 3) in space."""
-        return np.asarray((x - self.centre - self.translation) @ self.rotation + self.centre)
+    def positions(self, u: np.ndarray) -> np.ndarray:
+        """x (m, 3) [mm]."""
 
-    def out(self, X: np.ndarray) -> np.ndarray:
-        """Places x (m, 3) in space of places X (m, 3) in the moving frame."""
-        return np.asarray((X - self.centre) @ self.rotation.T + self.centre + self.translation)
+
+class Normals(Protocol):
+    """A foundation: its unit normals."""
+
+    def gradient(self, x: np.ndarray) -> np.ndarray:
+        """dg/dx (m, 3)."""
 
 
 def tangents(normals: np.ndarray) -> np.ndarray:
@@ -59,8 +50,8 @@ class Slip:
     foundation: as it stands in its own frame.
     """
 
-    candidates: Candidates
-    foundation: Foundation
+    candidates: Points
+    foundation: Normals
     motion: Motion
     anchors: np.ndarray
 

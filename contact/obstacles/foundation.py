@@ -13,6 +13,7 @@ from typing import Protocol, Self
 import numpy as np
 from scipy import sparse
 
+from contact.coulomb import Surface
 from contact.problem import ContactProblem, Linearisation, Linearise
 from contact.swept import Standing
 
@@ -128,10 +129,15 @@ def against(linearise: Linearise, candidates: Candidates, foundation: Foundation
 
     dg/du = n.A with n = dg/dx and A = dx/du;  sum_i f_i d2g_i/du2 = A^T diag(f_i d2g_i/dx2) A.
     """
-    problem = _against(linearise, candidates, foundation)
+    problem = replace(_against(linearise, candidates, foundation), surface=surface(candidates, foundation))
     if candidates.coupling is not None:
         return problem
-    return replace(problem, only=lambda chosen: _against(linearise, candidates.only(chosen), foundation))
+
+    def only(chosen: np.ndarray) -> ContactProblem:
+        part = candidates.only(chosen)
+        return replace(_against(linearise, part, foundation), surface=surface(part, foundation))
+
+    return replace(problem, only=only)
 
 
 def travelling(
@@ -189,6 +195,13 @@ def standing(candidates: Candidates, foundation: Foundation) -> Standing:
     there = foundation.moved(-foundation.origin)
     origin, radius = foundation.origin, foundation.least_radius
     return Standing(lambda u: candidates.positions(u) - origin, there.gap, there.gradient, radius)
+
+
+def surface(candidates: Candidates, foundation: Foundation) -> Surface:
+    """Both in the frame that is shifted with the foundation."""
+    origin, there = foundation.origin, foundation.moved(-foundation.origin)
+    size = foundation.size + float(np.max(np.abs(candidates.reference), initial=0.0))
+    return Surface(lambda u: candidates.positions(u) - origin, candidates.operator, there.gap, there.gradient, size)
 
 
 def against_plane(linearise: Linearise, candidates: Candidates, plane: RigidPlane) -> ContactProblem:

@@ -44,6 +44,10 @@ class Table:
         names = dict.fromkeys(name for _, columns in parts for name in columns)
         return cls({name: [v for n, columns in parts for v in columns.get(name, [None] * n)] for name in names})
 
+    def with_column(self, name: str, value: float) -> Table:
+        """The same with a column before the others, of one value for all rows."""
+        return Table({name: [value] * len(self), **self.columns})
+
     def __len__(self) -> int:
         return len(next(iter(self.columns.values()), ()))
 

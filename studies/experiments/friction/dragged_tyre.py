@@ -13,7 +13,8 @@ import numpy as np
 import pandas as pd
 
 from contact.algorithms.semismooth import Semismooth as Frictionless
-from contact.friction.foundation import Motion, Slip
+from contact.coulomb import Motion
+from contact.friction.foundation import Slip
 from contact.friction.path import PathState, Stage, follow
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.friction.semismooth import Semismooth

@@ -64,6 +64,7 @@ class Panel:
     default_mesh: tuple[int, int] = (6, 6)
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = ()
+    slides: bool = True
 
     def build(self, request: Request) -> SceneModel:
         """Pressure and travel grow together; results in mm, N, MPa whatever the units of the problem."""

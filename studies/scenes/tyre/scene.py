@@ -110,6 +110,7 @@ class Tyre:
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = _references()
     models: tuple[str, ...] = MODELS
+    slides: bool = True
     sizes: TyreSizes | None = None
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.foundation import Motion, Slip, tangents
+from contact.coulomb import Motion
+from contact.friction.foundation import Slip, tangents
 from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, RigidPlane
 from support.problems.differences import central_difference
