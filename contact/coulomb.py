@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
-from scipy.spatial.transform import Rotation
 
 if TYPE_CHECKING:
     from contact.problem import ContactProblem
@@ -33,8 +32,13 @@ class Motion:
 
     @property
     def rotation(self) -> np.ndarray:
-        """R (3, 3)."""
-        return np.asarray(Rotation.from_rotvec(self.turn).as_matrix())
+        """R (3, 3) = 1 + sin a N + (1 - cos a) N N, a = |turn| and N x = turn/a x x (Rodrigues)."""
+        angle = float(np.linalg.norm(self.turn))
+        if angle == 0:
+            return np.eye(3)
+        x, y, z = self.turn / angle
+        N = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        return np.asarray(np.eye(3) + np.sin(angle) * N + 2 * np.sin(angle / 2) ** 2 * (N @ N))
 
     def into(self, x: np.ndarray) -> np.ndarray:
         """Places X (m, 3) in the moving frame of places x (m, 3) in space."""
