@@ -8,10 +8,17 @@ from contact import parameters
 from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm
+from studies.friction.settings import MU
+from studies.friction.settings import settings_of as friction_settings
 from studies.request import Value
-from studies.scene import Setting
+from studies.scene import Scene, Setting, SlidingScene, has_contact
 
 TOLERANCE = Setting.of(parameters.TOLERANCE, RESIDUAL_TOLERANCE)
+
+
+def settings_beside(scene: Scene) -> tuple[Setting, ...]:
+    """What every scene has beside its own settings and those of an algorithm."""
+    return (TOLERANCE, *(friction_settings(slides=isinstance(scene, SlidingScene)) if has_contact(scene) else ()))
 
 
 def parameters_of(contact: str) -> tuple[Setting, ...]:
@@ -39,9 +46,9 @@ def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
     """
     algorithm = ALGORITHMS[contact]
     plain = algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})
-    if "mu" not in settings:
+    if MU.key not in settings:
         return plain
-    from contact.friction.catalogue import twin
+    from contact.friction.catalogue import twin  # nothing of friction is imported without it
     from contact.friction.posed import WithFriction
 
     return WithFriction(plain, twin(plain))

@@ -14,6 +14,7 @@ from contact.solvers.sparse import SingularMatrixError
 from studies.algorithm_settings import configured
 from studies.certificate import certificate
 from studies.request import UsageError
+from studies.friction.settings import rubbing
 from studies.result import Result
 from studies.store.atomic import write_by
 
@@ -33,6 +34,8 @@ def branches_of(result: Result) -> list[dict[str, Any]]:
         raise UsageError(
             "--branch needs a converged load: a traced curve, and a path that has ended, have none to leave"
         )
+    if rubbing(result.request.settings):
+        raise UsageError("--branch needs a potential: friction has none")
     algorithm = configured(result.request.contact, result.request.settings)
     try:
         found = stable_branches(visited.problem, visited.point.solution, algorithm)

@@ -10,11 +10,10 @@ from typing import Any
 from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.algorithm_settings import TOLERANCE, settings_of
+from studies.algorithm_settings import settings_beside, settings_of
 from studies.friction.settings import completed
-from studies.friction.settings import settings_of as friction_settings
 from studies.request import Request, Settings, Value
-from studies.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, SlidingScene, UsageError, has_contact
+from studies.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, UsageError, has_contact
 from studies.scenes import SCENES
 
 MODELS = ("auto", "full")
@@ -31,10 +30,9 @@ def complete(
     scene = SCENES.get(scene_name)
     if scene is None:
         raise UsageError(f"scene {scene_name!r} must be one of {', '.join(SCENES)}")
-    known = {setting.key: setting for setting in (*scene.settings, TOLERANCE)}
+    known = {setting.key: setting for setting in (*scene.settings, *settings_beside(scene))}
     if has_contact(scene):
         known |= {setting.key: setting for setting in settings_of(options.get("contact", Request.contact))}
-        known |= {setting.key: setting for setting in friction_settings(slides=isinstance(scene, SlidingScene))}
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")

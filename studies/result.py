@@ -8,13 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from contact.continuation.branches import Branch
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.stability import UNSTABLE as UNSTABLE  # also a class of results
 from contact.events import EventKind, events
-from contact.interchange.linearised_step import FrozenStep
 from contact.problem import ContactSolution, Outcome
 from contact.swept import between_nodes
 from studies.request import Request
@@ -31,6 +30,13 @@ CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged"
 TIME, MEMORY, CRASH = "time", "memory", "crash"  # of a process that was killed, or died
 CLASSES = (CONVERGED, UNSTABLE, WRONG, NOT_CONVERGED, CAP_HIT, TIME, MEMORY, CRASH, UNSUPPORTED)
 SOLVED = (CONVERGED, UNSTABLE)  # an equilibrium that the judge certifies, whether one can stand on it or not
+
+
+class Frozen(Protocol):
+    """The linearised problem at the end of a path, with or without friction."""
+
+    def write(self, path: Path) -> None:
+        """Into one file."""
 
 
 @dataclass
@@ -61,7 +67,7 @@ class Result:
     history: list[dict[str, Any]] = field(default_factory=list)
     tables: dict[str, list[Table]] = field(default_factory=dict)
     last: ContactSolution | None = None
-    frozen: Callable[[], FrozenStep] | None = None
+    frozen: Callable[[], Frozen] | None = None
     end: Visited | None = None
 
     def as_json(self) -> dict[str, Any]:

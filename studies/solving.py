@@ -13,7 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 from contact.continuation.arc_length import Trace
-from contact.interchange.linearised_step import FrozenStep, freeze
+from contact.interchange.linearised_step import freeze
 from contact.problem import ContactAlgorithm, Outcome
 from contact.swept import crossings
 from studies.algorithm_settings import configured
@@ -22,7 +22,7 @@ from studies.complete import complete
 from studies.friction.settings import rubbing
 from studies.operations import counted
 from studies.request import Request
-from studies.result import UNSTABLE, Result
+from studies.result import UNSTABLE, Frozen, Result
 from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage, UsageError
 from studies.step import Step
 from studies.store.atomic import plain
@@ -66,7 +66,7 @@ def _run_stages(
         if visited.trace is not None:
             _record_curve(visited, visited.trace, result, algorithm.epsilon)
         else:
-            result.frozen = partial(_freeze, visited, result)
+            result.frozen = partial(_freeze, visited, result, algorithm.epsilon)
         if visited.converged or point.reached != 0.0:
             result.last = visited.state
         if not visited.converged:
@@ -113,7 +113,7 @@ def _record_end(visited: Visited, result: Result) -> None:
     result.reason = f"{where}; last converged at {point.reached:g}"
 
 
-def _freeze(visited: Visited, result: Result) -> FrozenStep:
+def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
     """The contact problem at the end of the path, linearised: at its solution, or where the last step set out from.
 
     Raises UsageError when it has no contact candidates.
@@ -127,7 +127,16 @@ def _freeze(visited: Visited, result: Result) -> FrozenStep:
     origin = {key: told[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
     origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": point.outcome.value}
     commit = {key: told["provenance"][key] for key in ("version", "commit")}
-    return freeze(problem, state.u, state.pressure, plain({**origin, **commit}))
+    meta = plain({**origin, **commit})
+    if problem.coulomb is None:
+        return freeze(problem, state.u, state.pressure, meta)
+    from contact.friction.frozen import frozen  # nothing of friction is imported without it
+    from contact.friction.posed import anchors_left, posed
+
+    # at a solution the slip is that of its own step, else that which the failed step begins with
+    before = visited.last_accepted if visited.converged else (visited.problem_at(point.reached), state)
+    since = anchors_left(problem, *before, epsilon)
+    return frozen(posed(problem, since), state.u, problem.nodal_forces(state.pressure), meta)
 
 
 def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float) -> None:

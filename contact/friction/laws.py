@@ -126,7 +126,8 @@ def directed(local: Local, state: np.ndarray, bound: np.ndarray) -> Laws:
 def friction_of(local: Local, laws: Laws, mu: np.ndarray, rounding: float) -> np.ndarray:
     """t (m, 2) of the law itself: -mu f s/|s| where a candidate slips, along y where s is rounding alone."""
     y, s = local.trial, local.slip
-    bound = _bound(mu, np.maximum(local.normal, 0.0))[:, None]
+    slips = laws.state == State.SLIP  # the others have no bound that is needed, and an infinite one perhaps
+    bound = _bound(np.where(slips, mu, 0.0), np.maximum(local.normal, 0.0))[:, None]
     unit = -_unit(y)
     off = np.linalg.norm(s - np.einsum("mk,mk->m", s, unit)[:, None] * unit, axis=1) > rounding
     slipped = -bound * np.where(off[:, None], _unit(s), unit)

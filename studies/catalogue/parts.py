@@ -16,7 +16,7 @@ from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainMeasure
 from formulations.strains.quantities import QUANTITIES, STRAINS
-from studies.algorithm_settings import TOLERANCE, parameters_of
+from studies.algorithm_settings import parameters_of, settings_beside
 from studies.catalogue.loads import loads, obstacle
 from studies.catalogue.models import Built
 from studies.catalogue.supports import solid_supports, supports
@@ -146,7 +146,11 @@ def laws() -> pd.DataFrame:
 
 def settings() -> pd.DataFrame:
     """SETTINGS: of scenes and algorithms."""
-    rows = [("scene", name, *_setting(each)) for name in SCENES for each in (*SCENES[name].settings, TOLERANCE)]
+    rows = [
+        ("scene", name, *_setting(each))
+        for name, scene in SCENES.items()
+        for each in (*scene.settings, *settings_beside(scene))
+    ]
     rows += [("algorithm", name, *_setting(each)) for name in ALGORITHMS for each in parameters_of(name)]
     return pd.DataFrame(rows, columns=list(SETTINGS))
 

@@ -15,7 +15,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
-from studies.algorithm_settings import TOLERANCE, parameters_of
+from studies.algorithm_settings import parameters_of, settings_beside
 from studies.columns import columns
 from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
@@ -51,7 +51,8 @@ class Description:
 def describe(name: str) -> Description:
     """The description of a part; raises UsageError for an unknown name."""
     if name in SCENES:
-        return _described(name, "scene", _of_scene(SCENES[name]), (*SCENES[name].settings, TOLERANCE))
+        scene = SCENES[name]
+        return _described(name, "scene", _of_scene(scene), (*scene.settings, *settings_beside(scene)))
     if name in MEASURES:
         return _described(name, "measure", _of_measure(MEASURES[name]), ())
     if name in ALGORITHMS:

@@ -21,6 +21,7 @@ from studies.complete import complete
 from studies.exchange import of_shell, of_solid
 from studies.exchange.bricks import Bricks
 from studies.exchange.problem import LoadStep, Plane, Problem, Supports, doubled, materials
+from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
 from studies.scene import Scene, SceneModel
 from studies.scenes.contact import crushed_ring
@@ -61,6 +62,8 @@ def problem_of(
     if not 1 <= through <= MOST_THROUGH:
         raise UsageError(f"through = {through} must be a whole number in [1, {MOST_THROUGH}]")
     scene, request = complete(name, given, mesh, **options)
+    if rubbing(request.settings):
+        raise UsageError(f"mu = {request.number('mu'):g}: a problem with friction cannot be exported")
     if request.model in TURNED:
         request = replace(request, model="full", model_reason="a part that turns into the whole has no plane to cut at")
     if request.model == "axisymmetric":

@@ -17,6 +17,7 @@ from contact.continuation.stability import UNSTABLE, stability
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from contact.verify import Verdict, claim, gap_residuals, judge
 from studies.algorithm_settings import configured
+from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
 from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage
 from studies.scenes import SCENES
@@ -76,6 +77,8 @@ class Opened:
     @classmethod
     def of(cls, request: Request, scene: Scene | None = None) -> Opened:
         """Build it, and solve all stages but the last; raises ClaimError where that is not possible."""
+        if rubbing(request.settings):
+            raise ClaimError("mu", "the path to a state with friction is not in its last field")
         try:
             model = (scene or SCENES[request.scene]).build(request)
             algorithm = configured(request.contact, request.settings)

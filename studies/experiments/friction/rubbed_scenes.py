@@ -1,0 +1,116 @@
+"""Scenes with friction: the tyre pressed, dragged and turned on the spot; how load steps and symmetry fare.
+
+All are solved as any scene is, by its settings ``mu``, ``drag_mm`` and ``turn_deg``. Forces are those of a whole tyre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.complete import complete
+from studies.friction.observed import FORCES, FRICTION
+from studies.result import Result
+from studies.solving import solve
+
+MESH, DELTA = "28x26", 10.0  # of the tyre; mm
+COEFFICIENTS = (0.25, 0.5, 1.0)
+DRAGS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0, 64.0)  # mm
+TURNS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 40.0, 80.0)  # deg
+PATCH_STOPS = (0.5, 1.0, 2.0, 4.0, 0.0)  # mm: and back
+STEPS = (1, 2, 4, 8, 16, 32)
+
+
+def solved(scene: str, settings: Mapping[str, object], mesh: str, **options: Any) -> Result:
+    """The result of a request."""
+    return solve(*complete(scene, settings, mesh, **options))
+
+
+def rows(result: Result) -> Iterator[dict[str, Any]]:
+    """What friction has to say at each load, and whether the judge has certified it."""
+    for step in result.steps:
+        seen = {key: step[key] for key in ("delta_mm", "drag_mm", "turn_deg", "force_N", *FORCES) if key in step}
+        spent = {key: step[key] for key in ("newton_iterations", "factorisations", "substeps")}
+        yield {**seen, **spent, "failures": " ".join(step["failures"]), "outcome": result.verdict}
+
+
+def dragged_table(mus: Sequence[float] = COEFFICIENTS, mesh: str = MESH) -> pd.DataFrame:
+    """The tyre pressed, then its plane dragged across; the force and who slips at each stop, by coefficient."""
+    return _moved({"drag_mm": DRAGS, "drag_deg": 90.0}, mus, mesh)
+
+
+def turned_table(mus: Sequence[float] = COEFFICIENTS, mesh: str = MESH) -> pd.DataFrame:
+    """The tyre pressed, then its plane turned under it: the parking torque at each stop, by coefficient."""
+    return _moved({"turn_deg": TURNS}, mus, mesh)
+
+
+def _moved(moves: Mapping[str, object], mus: Sequence[float], mesh: str) -> pd.DataFrame:
+    found = []
+    for mu in mus:
+        result = solved("tyre", {"delta_mm": DELTA, "mu": mu, **moves}, mesh, model="full")
+        found += [{"mu": mu, **row} for row in rows(result)]
+    return pd.DataFrame(found)
+
+
+def patch_table(mu: float = 0.5, mesh: str = MESH) -> pd.DataFrame:
+    """The candidates that touch at each stop of a drag forth and back: place, forces, slip, and whether they stick."""
+    settings = {"delta_mm": DELTA, "mu": mu, "drag_mm": PATCH_STOPS, "drag_deg": 90.0}
+    tables = solved("tyre", settings, mesh, model="full").tables[FRICTION]
+    stops = (0.0, *PATCH_STOPS)
+    frames = [table.frame().assign(stop=k, drag_mm=stops[k], mu=mu) for k, table in enumerate(tables)]
+    return pd.concat(frames, ignore_index=True).drop(columns="delta_mm")
+
+
+def steps_table(mesh: str = "14x14", mu: float = 0.5, counts: Sequence[int] = STEPS) -> pd.DataFrame:
+    """Force and dissipation of the tyre pressed and dragged by 1 mm, in so many steps each: the error of the path.
+
+    error: of a value, from the one that the two finest give by Richardson's rule at first order.
+    """
+    found = []
+    for count in counts:
+        settings = {"delta_mm": DELTA, "mu": mu, "drag_mm": 1.0, "drag_deg": 90.0}
+        result = solved("tyre", settings, mesh, model="full", steps=count)
+        *_, last = rows(result)
+        operations = sum(result.work.values())
+        found.append({"steps": count, **last, "operations": operations, "cpu_s": result.timing["cpu"]})
+    table = pd.DataFrame(found)
+    for name in ("friction_N", "dissipation_N_mm"):
+        *_, before, finest = table[name]
+        table[f"{name}_error"] = table[name] / (2 * finest - before) - 1
+    return table
+
+
+def symmetry_table(mesh: str = MESH, mu: float = 0.5) -> pd.DataFrame:
+    """What friction keeps of central symmetry: a turn by 180 degrees about the normal takes plies to plies.
+
+    pressure, traction: largest difference between a candidate and its image, over the largest; for the press, the press
+    and a turn of the plane, which are symmetric programmes, and for a drag, which is not.
+    """
+    found = []
+    for programme, moves in (
+        ("pressed", {}),
+        ("turned", {"turn_deg": (1.0, 4.0)}),
+        ("dragged", {"drag_mm": (1.0,), "drag_deg": 90.0}),
+    ):
+        result = solved("tyre", {"delta_mm": DELTA, "mu": mu, **moves}, mesh, model="full")
+        nodes = result.tables[FRICTION][-1].frame()
+        found.append({"programme": programme, **central(nodes), "outcome": result.verdict})
+    return pd.DataFrame(found)
+
+
+def central(nodes: pd.DataFrame) -> dict[str, float]:
+    """Largest differences of forces from those of the image (-y, -z), over the largest force of the kind."""
+    place = nodes[["y_mm", "z_mm"]].to_numpy()
+    image = np.argmin(np.linalg.norm(place[:, None] + place[None], axis=2), axis=1)
+    normal = nodes["normal_N"].to_numpy()
+    pull = nodes[["friction_y_N", "friction_z_N"]].to_numpy()
+    far = np.linalg.norm(place + place[image], axis=1)
+    return {
+        "candidates": len(nodes),
+        "place_mm": float(far.max()),
+        "normal": float(np.max(np.abs(normal - normal[image])) / normal.max()),
+        "friction": float(np.max(np.linalg.norm(pull + pull[image], axis=1)) / np.linalg.norm(pull, axis=1).max()),
+    }

@@ -1,0 +1,180 @@
+"""Friction as an option of scenes: settings, stages, what is read off, and what the judge sees of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact.friction.problem import State
+from contact.problem import ContactProblem
+from studies.certificate import certificate
+from studies.complete import complete
+from studies.friction.observed import FRICTION, in_space
+from studies.request import UsageError
+from studies.result import Result
+from studies.solving import solve
+
+MESH = "14x12"
+
+
+def tyre(mu: object, **settings: object) -> Result:
+    """A tyre pressed by 8 mm."""
+    options = {"model": "full"} if "drag_mm" in settings or "turn_deg" in settings else {}
+    return solve(*complete("tyre", {"delta_mm": 8.0, "mu": mu, **settings}, MESH, **options))
+
+
+@pytest.fixture(scope="module")
+def dragged() -> Result:
+    return tyre(0.5, drag_mm=(1.0, 8.0, 64.0, 256.0, 64.0), drag_deg=90.0)
+
+
+@pytest.fixture(scope="module")
+def turned() -> Result:
+    return tyre(0.5, turn_deg=(0.5, 4.0, 8.0, 8.0001, 8.0002))
+
+
+def last_problem(result: Result) -> ContactProblem:
+    assert result.end is not None
+    return result.end.problem
+
+
+def test_no_friction_asks_for_what_was_asked_for_before() -> None:
+    _, plain = complete("tyre", {}, MESH)
+    _, zero = complete("tyre", {"mu": 0}, MESH)
+    assert zero == plain
+    assert "mu" not in zero.settings
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "said"),
+    [
+        ("tyre", {"mu": -0.1}, "mu = -0.1 must be"),
+        ("tyre", {"drag_mm": 1.0}, "drag_mm needs a coefficient of friction"),
+        ("tyre", {"mu": 0.5, "drag_mm": "1,1"}, "no two alike in a row"),
+        ("tyre", {"mu": 0.5, "turn_deg": "0,1"}, "no two alike in a row"),
+        ("ring", {"mu": 0.5, "drag_mm": 1.0}, "has no setting 'drag_mm'"),
+        ("scordelis-lo", {"mu": 0.5}, "has no setting 'mu'"),
+    ],
+)
+def test_what_cannot_be_asked_for_is_named(scene: str, settings: dict[str, object], said: str) -> None:
+    with pytest.raises(UsageError, match=said):
+        complete(scene, settings, MESH)
+
+
+def test_a_part_of_a_tyre_is_not_dragged() -> None:
+    with pytest.raises(UsageError, match="full"):
+        complete("tyre", {"mu": 0.5, "drag_mm": 1.0}, MESH, model="half")
+    _, request = complete("tyre", {"mu": 0.5, "drag_mm": 1.0}, MESH)
+    assert request.model == "full"
+
+
+def test_a_foundation_that_does_not_slide_along_itself_is_refused() -> None:
+    ball = {"mu": 0.5, "foundation": "ball", "shape": "plate"}
+    with pytest.raises(UsageError, match="does not slide along itself"):
+        solve(*complete("panel", {**ball, "drag_mm": 1.0}))
+    assert solve(*complete("panel", {**ball, "turn_deg": 1.0})).verdict == "converged"
+
+
+def test_friction_has_no_path_by_arc_length() -> None:
+    with pytest.raises(UsageError, match="arc length"):
+        solve(*complete("tyre", {"mu": 0.5, "path": "arc"}, MESH, model="full"))
+
+
+def test_consistent_coupling_is_refused() -> None:
+    result = tyre(0.5, coupling="consistent")
+    assert result.verdict == "unsupported"
+    assert "lumped" in result.unsupported
+
+
+def test_a_dragged_tyre_pulls_by_mu_times_its_force(dragged: Result) -> None:
+    """|F_t| = mu F_n once all slip alike; the first stops are short of it, and who reverses pulls the other way."""
+    assert dragged.verdict == "converged"
+    assert all(not step["failures"] for step in dragged.steps)
+    pressed, first, *_, far, back = dragged.steps
+    assert pressed["friction_N"] < 1e-9 * pressed["force_N"]  # the plies are centrally symmetric
+    assert first["friction_N"] < 0.9 * first["bound_N"]
+    for step in (far, back):
+        assert step["sticking"] == 0
+        assert step["bound_N"] == pytest.approx(0.5 * step["force_N"], rel=1e-12)
+        assert step["friction_N"] == pytest.approx(step["bound_N"], rel=1e-9)
+
+
+def test_a_turned_tyre_resists_by_mu_p_r(turned: Result) -> None:
+    """M = mu sum f r once all slip around the middle, by so small a turn that the chord is the arc."""
+    assert turned.verdict == "converged"
+    assert abs(turned.steps[1]["moment_N_mm"]) < 0.95 * turned.steps[1]["moment_bound_N_mm"]
+    last = turned.steps[-1]
+    assert last["moment_N_mm"] == pytest.approx(last["moment_bound_N_mm"], rel=1e-9)
+
+
+def test_dissipation_never_falls(dragged: Result, turned: Result) -> None:
+    for result in (dragged, turned):
+        lost = [step["dissipation_N_mm"] for step in result.steps]
+        assert np.all(np.diff([0.0, *lost]) > 0)
+
+
+def test_a_symmetric_programme_keeps_central_symmetry(turned: Result) -> None:
+    nodes = turned.tables[FRICTION][-1].frame()
+    place = nodes[["y_mm", "z_mm"]].to_numpy()
+    image = np.argmin(np.linalg.norm(place[:, None] + place[None], axis=2), axis=1)
+    pull = nodes[["friction_y_N", "friction_z_N"]].to_numpy()
+    assert np.max(np.abs(pull + pull[image])) < 1e-10 * np.max(np.abs(pull))
+
+
+def test_an_infinite_coefficient_ties_who_touches() -> None:
+    """Nobody slips, and where a candidate has come to touch it stays on the moving foundation."""
+    result = tyre("inf", drag_mm=(0.5, 1.0), drag_deg=90.0)
+    assert result.verdict == "converged"
+    assert [step["slipping"] for step in result.steps] == [0, 0, 0]
+    pressed, first, last = (table.frame().set_index("candidate") for table in result.tables[FRICTION])
+    both = first.index.intersection(last.index)
+    way = last.loc[both, ["y_mm", "z_mm"]].to_numpy() - first.loc[both, ["y_mm", "z_mm"]].to_numpy()
+    np.testing.assert_allclose(np.linalg.norm(way, axis=1), 0.5, rtol=1e-12)
+
+
+def test_mu_towards_zero_comes_to_the_press_without_friction() -> None:
+    scene, request = complete("tyre", {"delta_mm": 8.0}, MESH, model="full")
+    plain = solve(scene, request).steps[-1]["force_N"]
+    off = [abs(tyre(mu, drag_mm=1e-3).steps[0]["force_N"] / plain - 1) for mu in (1e-2, 1e-4)]
+    assert off[1] == pytest.approx(0.01 * off[0], rel=0.05)  # by as much as mu is
+
+
+def test_few_candidates_give_the_answer_of_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Who is left out of a step changes nothing."""
+    few = tyre(0.5, drag_mm=(1.0,))
+    monkeypatch.setattr("contact.continuation.load_stepping.solve_within_reach", lambda by, *args: by.solve(*args))
+    whole = tyre(0.5, drag_mm=(1.0,))
+    for name in ("force_N", "friction_N", "dissipation_N_mm"):
+        assert few.steps[-1][name] == pytest.approx(whole.steps[-1][name], rel=1e-9)
+
+
+@pytest.mark.parametrize("spoil", ["sign", "twice", "open", "since", "untold", "short"])
+def test_the_judge_of_a_scene_sees_a_spoilt_answer(dragged: Result, spoil: str) -> None:
+    assert dragged.end is not None
+    visited, state = dragged.end, dragged.end.point.solution
+    assert state.friction is not None
+    told = state.friction
+    spoilt = {
+        "sign": replace(told, force=-told.force),
+        "twice": replace(told, force=2 * told.force),
+        "open": replace(told, force=told.force + np.where(told.state == State.OPEN, 1.0, 0.0)[:, None]),
+        "since": replace(told, since=told.anchors),
+        "untold": None,
+        "short": replace(told, force=0.99 * told.force),
+    }[spoil]
+    good = certificate(visited.problem, state, before=visited.last_accepted)
+    assert not good["failures"]
+    bad = certificate(visited.problem, replace(state, friction=spoilt), before=visited.last_accepted)
+    # the anchors that an answer tells are not what it is judged by
+    assert bool(bad["failures"]) == (spoil != "since")
+
+
+def test_friction_is_across_the_normal(dragged: Result) -> None:
+    problem = last_problem(dragged)
+    assert dragged.end is not None
+    pull = in_space(problem, dragged.end.point.solution)
+    assert problem.directions is not None
+    normal = problem.directions(dragged.end.point.solution.u)
+    assert np.max(np.abs(np.sum(pull * normal, axis=1))) < 1e-12 * np.max(np.abs(pull))
