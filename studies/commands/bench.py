@@ -6,9 +6,9 @@ import argparse
 from dataclasses import asdict
 from pathlib import Path
 
-from studies.columns import columns
 from studies.commands import FAILED, NOT_CONVERGED, OK, bench_solvers
 from studies.commands.options import STORE, count, progress_bar
+from studies.door.columns import columns
 from studies.scene import UsageError
 
 MESH, REPEATS, ROUNDS = "42x40", 9, 3

@@ -18,7 +18,7 @@ import pandas as pd
 
 from studies.analysis.richardson import order_of
 from studies.analysis.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
-from studies.columns import columns
+from studies.door.columns import columns
 from studies.guard.baseline import (
     COLUMNS,
     COMMAND,

@@ -13,7 +13,7 @@ from studies.analysis.verify import verified
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, add_settings, pairs
 from studies.complete import complete
-from studies.error_control import parse_error
+from studies.refinement.error_control import parse_error
 from studies.request import Settings
 from studies.scene import UsageError
 from studies.scenes import SCENES
