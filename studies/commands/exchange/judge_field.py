@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.commands.export import add_problem, problem_asked
+from studies.commands.exchange.export import add_problem, problem_asked
 from studies.commands.options import pairs
 from studies.door.columns import columns
 from studies.exchange.judging import Comparison, compared, our_solution
