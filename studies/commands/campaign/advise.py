@@ -62,7 +62,7 @@ def _store(options: argparse.Namespace) -> Path | None:
 def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | None) -> Question:
     if store is None:
         return shipped_question(options.scene, options.quantity, given, options.cost)
-    from studies.analysis.collect import collect  # takes as long to load as all else
+    from studies.analysis.cells.collect import collect  # takes as long to load as all else
 
     table = collect(store, options.campaign)
     return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
