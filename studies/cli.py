@@ -40,7 +40,11 @@ COMMANDS = {
     "fuzz": "solve one random case again and hold it against its laws",
     "bench": "what all that a solve does costs, its growth, the harness, peers, and solvers",
 }
-ON_A_STORE = {"run", "merge", "table", "time", "analyse", "report", "advise"}  # in studies.commands.campaign
+FOLDERS = {  # of studies.commands, and their commands; the others lie beside them
+    "bench": {"bench"},
+    "campaign": {"run", "merge", "table", "time", "analyse", "report", "advise"},
+    "exchange": {"export", "problems", "judge-field", "resolve", "card"},
+}
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
 
 
@@ -122,8 +126,9 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
 
 
 def _module(command: str) -> str:
-    """Of a command in its package."""
-    return f"{'campaign.' if command in ON_A_STORE else ''}{command.replace('-', '_')}"
+    """Name of the module of a command, below ``studies.commands``."""
+    folder = next((f"{name}." for name, commands in FOLDERS.items() if command in commands), "")
+    return f"{folder}{command.replace('-', '_')}"
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ ALLOWED = {
 }
 MORE = {
     "studies/commands/campaign/report.py": {"reports"},  # the command line hands the tables over
-    "studies/commands/card.py": {"reports"},
+    "studies/commands/exchange/card.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
     "studies/door/notebook.py": {"reports"},  # and so does that of a notebook
     "studies/cli.py": {"?"},  # the module of the command that is asked for

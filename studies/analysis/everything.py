@@ -10,9 +10,11 @@ import pandas as pd
 from studies.analysis.advice.choose import advice_table
 from studies.analysis.advice.held_out import held_out, summary
 from studies.analysis.advice.shipped import shipped_tables
-from studies.analysis.answers import Answers
-from studies.analysis.attribution import attribution
-from studies.analysis.collect import collect
+from studies.analysis.cells.answers import Answers
+from studies.analysis.cells.collect import collect
+from studies.analysis.cells.machines import machines
+from studies.analysis.cells.published import published
+from studies.analysis.cells.rows import reference_rows
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
@@ -32,18 +34,16 @@ from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_acc
 from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.findings.price_of_accuracy import price_of_accuracy
 from studies.analysis.findings.regimes import regimes
-from studies.analysis.fronts import family_fronts, fronts
-from studies.analysis.machines import machines
 from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
 from studies.analysis.predicted_seconds import predicted_seconds
-from studies.analysis.profiles import profiles, solved
-from studies.analysis.published import published
+from studies.analysis.ranking.attribution import attribution
+from studies.analysis.ranking.fronts import family_fronts, fronts
+from studies.analysis.ranking.profiles import profiles, solved
+from studies.analysis.ranking.unsolved import unsolved
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
-from studies.analysis.rows import reference_rows
 from studies.analysis.shell_limits.boundaries import boundaries, parts
 from studies.analysis.statements.tables import statement_tables
 from studies.analysis.suspicious import flags
-from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
 from studies.bench.scaling import FITTED_FROM, exponents
 from studies.catalogue.tables import catalogue_tables

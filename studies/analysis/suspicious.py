@@ -13,7 +13,7 @@ from decimal import Decimal
 import pandas as pd
 
 from studies.algorithm_settings import own_keys
-from studies.analysis.rows import keys, reference_rows
+from studies.analysis.cells.rows import keys, reference_rows
 from studies.analysis.verify import CLAIMED, limits, siblings
 from studies.request import text_of
 from studies.result import SOLVED

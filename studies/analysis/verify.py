@@ -22,8 +22,8 @@ import numpy as np
 import pandas as pd
 
 from studies.algorithm_settings import own_keys
+from studies.analysis.cells.rows import PRICES, STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.analysis.richardson import limit_of
-from studies.analysis.rows import PRICES, STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.campaigns.ladder_cells import LADDERS
 from studies.result import SOLVED, WRONG
 from studies.scenes import SCENES

@@ -10,11 +10,11 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, identity, plan
-from studies.columns import columns
+from studies.door.columns import columns
 from studies.pool.process import Children
 from studies.pool.task import Limits, Task
 from studies.store.atomic import SCHEMA, as_text, write_json

@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.columns import columns
+from studies.door.columns import columns
 
 COLUMNS = ("group", "line", "what", "median", "low", "high", "at_most", "holds")
 NO_BAR = float("nan")

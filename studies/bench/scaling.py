@@ -30,8 +30,8 @@ from formulations.geometry.grid import TensorGrid
 from formulations.shell import ShellModel
 from studies.bench.newton import iterate, pressed
 from studies.bench.newton import timed as timed_by
-from studies.columns import columns
 from studies.complete import complete
+from studies.door.columns import columns
 from studies.request import Request
 from studies.scene import UsageError
 from studies.scenes.tyre.model import TyreModel

@@ -10,7 +10,7 @@ import pandas as pd
 
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
-from studies.analysis.answers import Answers
+from studies.analysis.cells.answers import Answers
 from studies.campaigns.sheet_cells import GROUP
 from studies.catalogue.fields import read_fields, skin
 from studies.catalogue.loads import arrows, middle_of

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.answers import Answers
+from studies.analysis.cells.answers import Answers
 from studies.campaigns.sheet_cells import GROUP
 from studies.catalogue.bodies import drawn_bodies, marks
 from studies.catalogue.models import Built, built_models

@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.answers import Answer, Answers, number
-from studies.analysis.rows import STEP_KEYS, holding
+from studies.analysis.cells.answers import Answer, Answers, number
+from studies.analysis.cells.rows import STEP_KEYS, holding
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import LADDERS
 from studies.campaigns.sheet_cells import sheet_cell

@@ -8,8 +8,8 @@ from collections.abc import Iterable
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.file import find, names
-from studies.columns import columns
 from studies.commands import OK
+from studies.door.columns import columns
 from studies.door.descriptions import meaning_of
 from studies.scenes import SCENES
 

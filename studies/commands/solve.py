@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from studies import branching
-from studies.columns import columns
 from studies.commands import NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
 from studies.complete import complete
+from studies.door.columns import columns
 from studies.request import Request, UsageError
 from studies.result import UNSTABLE, Result
 from studies.scene import Scene
@@ -92,7 +92,7 @@ def _asked(options: argparse.Namespace, given: dict[str, str], **named: object) 
         if options.of is not None:
             raise UsageError("--of names the quantity of --error: give both")
         return *complete(options.scene, given, options.mesh, **named), None
-    from studies.error_control import coarsest, parse_error
+    from studies.refinement.error_control import coarsest, parse_error
 
     wanted = parse_error(options.error)
     return *coarsest(options.scene, given, options.mesh, **named), wanted
@@ -104,7 +104,7 @@ def _solved(
     """The result, and whether its error is the one wanted, if any is."""
     if wanted is None:
         return solve(scene, request, tell), True
-    from studies.error_control import solve_to_error
+    from studies.refinement.error_control import solve_to_error
 
     return solve_to_error(scene, request, wanted, quantity, tell)
 

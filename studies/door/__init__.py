@@ -1,4 +1,4 @@
-"""What users of Python and of plug-ins meet: notebooks, descriptions of the parts, and parts from outside.
+"""What users of Python, plug-ins and a terminal meet: notebooks, descriptions, parts from outside, lines of words.
 
 Everything is checked and solved elsewhere; no rule about a value enters here.
 """

@@ -16,7 +16,7 @@ from contact.problem import ContactAlgorithm
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
 from studies.algorithm_settings import parameters_of, settings_beside
-from studies.columns import columns
+from studies.door.columns import columns
 from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
 

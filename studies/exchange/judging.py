@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from formulations.shell import ShellModel
-from studies.analysis.rows import holding
+from studies.analysis.cells.rows import holding
 from studies.complete import complete
 from studies.exchange.balances import energy_balance, force_balance
 from studies.exchange.problem import Problem

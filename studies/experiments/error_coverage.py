@@ -15,7 +15,7 @@ from itertools import pairwise
 import pandas as pd
 
 from studies.analysis.richardson import correction
-from studies.error_control import FEWEST, Round, coarsest, estimate, solve_to_error
+from studies.refinement.error_control import FEWEST, Round, coarsest, estimate, solve_to_error
 from studies.solving import solve
 
 ERRORS = (0.05, 0.01, 0.002)

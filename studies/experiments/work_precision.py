@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 
 from studies.complete import complete
-from studies.error_control import coarsest, solve_to_error
+from studies.refinement.error_control import coarsest, solve_to_error
 from studies.request import Request
 from studies.scene import Scene
 from studies.scenes.element import PRESETS

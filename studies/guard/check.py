@@ -11,7 +11,7 @@ from statistics import median
 
 import pandas as pd
 
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
 from studies.bench.timing_lane import DRIFT, read_times
 from studies.campaigns.file import find
 from studies.campaigns.run import run

@@ -16,9 +16,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from studies.analysis.cells.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
 from studies.analysis.richardson import order_of
-from studies.analysis.rows import ERROR, ORDER, errors, ladders, quantities, reference_rows
-from studies.columns import columns
+from studies.door.columns import columns
 from studies.guard.baseline import (
     COLUMNS,
     COMMAND,

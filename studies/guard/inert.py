@@ -20,7 +20,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactProblem, ContactSolution
 from studies.algorithm_settings import configured, parameters_of
 from studies.complete import complete
-from studies.error_control import coarsest_mesh
+from studies.refinement.error_control import coarsest_mesh
 from studies.request import Request, Value
 from studies.scene import CurveStage, Scene, Setting, Stage, UsageError
 from studies.scenes import SCENES

@@ -18,9 +18,9 @@ from studies.analysis.everything import written
 from studies.analysis.findings.contact_summary import SUMMARY_COLUMNS, contact_summary
 from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_accuracy
 from studies.analysis.findings.outcomes import outcomes
-from studies.analysis.fronts import fronts
-from studies.analysis.profiles import PAIR_COLUMNS, profiles
-from studies.analysis.unsolved import unsolved
+from studies.analysis.ranking.fronts import fronts
+from studies.analysis.ranking.profiles import PAIR_COLUMNS, profiles
+from studies.analysis.ranking.unsolved import unsolved
 from studies.analysis.verify import verified
 from support.pages.medians import bare_columns, unfounded
 from support.stores.sweeps import cells

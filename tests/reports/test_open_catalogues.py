@@ -21,7 +21,7 @@ from studies.analysis.everything import analysed
 from studies.analysis.findings.contact_summary import contact_summary
 from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_accuracy
 from studies.analysis.findings.outcomes import outcomes
-from studies.analysis.fronts import fronts
+from studies.analysis.ranking.fronts import fronts
 from studies.analysis.verify import verified
 from studies.store.atomic import write_json, write_table
 from support.stores.sweeps import cells

@@ -14,7 +14,7 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.advice.questions import CONFIGURATION, COST, Question, questions
-from studies.analysis.fronts import TIE
+from studies.analysis.ranking.fronts import TIE
 from studies.analysis.verify import headline
 
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)

@@ -24,9 +24,9 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.advice.questions import COST, Question, questions
-from studies.analysis.fronts import TIE
+from studies.analysis.cells.rows import keys, sizes
+from studies.analysis.ranking.fronts import TIE
 from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
-from studies.analysis.rows import keys, sizes
 from studies.analysis.verify import EXACT, headline, judged
 
 TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005)

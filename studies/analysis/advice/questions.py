@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.analysis.fronts import COSTS, WRONG, beyond_reference, priced
-from studies.analysis.rows import keys
+from studies.analysis.cells.rows import keys
+from studies.analysis.ranking.fronts import COSTS, WRONG, beyond_reference, priced
 from studies.analysis.verify import REFERENCE, choices, headline, judged
 from studies.complete import complete
 from studies.request import Value, text_of

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.analysis.answers import Answer, Answers
+from studies.analysis.cells.answers import Answer, Answers
+from studies.analysis.cells.rows import STEP_KEYS, holding, ladders
 from studies.analysis.richardson import MeshSequence, order_against
-from studies.analysis.rows import STEP_KEYS, holding, ladders
 from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS, Ladder
 from studies.scene import Reference
 

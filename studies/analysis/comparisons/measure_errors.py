@@ -12,7 +12,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.analysis.answers import HERE, Answers
+from studies.analysis.cells.answers import HERE, Answers
 from studies.campaigns.report_cells import GROWING
 
 EXACT = "exact"

@@ -16,7 +16,7 @@ from scipy.ndimage import binary_erosion
 
 from formulations.element.strain_operator import area_factor
 from formulations.geometry.surfaces import torus
-from studies.analysis.answers import Answer, Answers
+from studies.analysis.cells.answers import Answer, Answers
 from studies.campaigns.report_cells import TYRE
 from studies.scenes.data import read_reference
 from studies.scenes.tyre.asymmetry import deviation

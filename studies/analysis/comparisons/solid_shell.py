@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.answers import Answer, Answers
+from studies.analysis.cells.answers import Answer, Answers
 from studies.analysis.richardson import correction, order_of
 from studies.campaigns.report_cells import SOLID, TYRE
 from studies.scenes import SCENES

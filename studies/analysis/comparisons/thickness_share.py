@@ -13,7 +13,7 @@ from typing import Any
 import pandas as pd
 
 from formulations.element.mixed import THICKNESS_STRAINS
-from studies.analysis.answers import Answer, Answers, number
+from studies.analysis.cells.answers import Answer, Answers, number
 from studies.analysis.comparisons.element_choice import EQUAL
 from studies.campaigns.ladder_cells import Ladder
 from studies.campaigns.share_cells import COMPARED, LABEL, meshes_of, read_at

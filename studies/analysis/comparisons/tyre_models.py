@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pandas as pd
 
-from studies.analysis.answers import HERE, Answer, Answers
-from studies.analysis.machines import machine_of
+from studies.analysis.cells.answers import HERE, Answer, Answers
+from studies.analysis.cells.machines import machine_of
 from studies.campaigns.report_cells import MODELS
 
 DELTA = 20.0  # mm

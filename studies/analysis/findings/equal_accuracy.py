@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import pandas as pd
 
-from studies.analysis.fronts import TIE, counting
-from studies.analysis.profiles import FEWEST, comparable, field, median_ratio
-from studies.analysis.rows import PRICES
+from studies.analysis.cells.rows import PRICES
+from studies.analysis.ranking.fronts import TIE, counting
+from studies.analysis.ranking.profiles import FEWEST, comparable, field, median_ratio
 from studies.analysis.verify import EXACT
 
 LINEAR, CLASSICAL, OTHER = "linear", "classical nonlinear", "other"

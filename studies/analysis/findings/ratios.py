@@ -7,9 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from studies.analysis.cells.rows import PRICES
 from studies.analysis.findings.states import SOLVED_STATE
-from studies.analysis.profiles import FEWEST, median_ratio
-from studies.analysis.rows import PRICES
+from studies.analysis.ranking.profiles import FEWEST, median_ratio
 
 ENDS = ("ratio", "low", "high")
 RATIO_COLUMNS = ("both", "both_scenes", *(f"{cost}_{end}" for cost in PRICES for end in ENDS))

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from studies.analysis.cells.rows import STEP_KEYS
 from studies.analysis.findings.outcomes import totals
 from studies.analysis.findings.ratios import RATIO_COLUMNS, ratios
 from studies.analysis.findings.states import states
-from studies.analysis.rows import STEP_KEYS
 from studies.analysis.verify import EXACT, REFERENCE, headline
 
 

@@ -10,8 +10,8 @@ import re
 
 import pandas as pd
 
-from studies.analysis.profiles import problem_of
-from studies.analysis.rows import PRICES
+from studies.analysis.cells.rows import PRICES
+from studies.analysis.ranking.profiles import problem_of
 from studies.result import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, UNSUPPORTED, WRONG
 
 SOLVED_STATE, PATH_ENDS, FAILED, REFUSED = "solved", "path ends", "failed", "refused"

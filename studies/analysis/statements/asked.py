@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from studies.analysis.answers import Answers
+from studies.analysis.cells.answers import Answers
 from studies.analysis.statements.record import ANSWER, Statement
 
 UNITS = ("lengths over 1e6, stresses times 1e6", "lengths times 1e6, stresses over 1e6")

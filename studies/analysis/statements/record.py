@@ -11,7 +11,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.answers import Answers
+from studies.analysis.cells.answers import Answers
 
 OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
 ANSWERS = "answers"  # the parameter of a maker that reads solved cells, not a table

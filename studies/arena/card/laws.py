@@ -10,6 +10,7 @@ import dataclasses
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -68,7 +69,7 @@ def laws_of(name: str) -> Iterator[Law]:
     """Every law of an algorithm of the catalogue, one after another; what one raises breaks it."""
     for law, measured, high in LAWS:
         found: list[tuple[float, str]] = []
-        ended = guarded(lambda each=measured, into=found: _into(into, each(name)), LIMIT_S)  # type: ignore[misc]
+        ended = guarded(partial(_into, found, measured, name), LIMIT_S)
         if ended.ended:
             refused = ended.ended == "refused"
             yield Law(law, math.nan, 0.0, high, ended.reason if refused else "", ended.reason)
@@ -76,8 +77,8 @@ def laws_of(name: str) -> Iterator[Law]:
             yield Law(law, found[0][0], 0.0, high, said=found[0][1])
 
 
-def _into(into: list[tuple[float, str]], found: tuple[float, str]) -> Ended:
-    into.append(found)
+def _into(found: list[tuple[float, str]], measured: Callable[[str], tuple[float, str]], name: str) -> Ended:
+    found.append(measured(name))
     return Ended("")
 
 
@@ -87,7 +88,9 @@ def _into(into: list[tuple[float, str]], found: tuple[float, str]) -> Ended:
 def _parameters(name: str) -> tuple[float, str]:
     """How many parameters are no fields with a default in their range."""
     own = ALGORITHMS[name]
-    fields = {field.name: field.default for field in dataclasses.fields(own)}  # type: ignore[arg-type]
+    if not dataclasses.is_dataclass(own):
+        return math.inf, "no dataclass"
+    fields = {field.name: field.default for field in dataclasses.fields(own)}
     wrong = [parameter.key for parameter in own.parameters if not parameter.meaning]
     for parameter in own.parameters:
         default = fields[parameter.key]

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, field, replace
 from types import FrameType
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from contact.verify import claim, judge
 from studies.algorithm_settings import configured
 from studies.arena.card.problems import Asked, Posed
 from studies.arena.card.quadratics import random_quadratic
+from studies.arena.watched import Watched
 from studies.certificate import certificate
 from studies.complete import complete
 from studies.fuzz.comparing import ALIKE as COARSE
@@ -94,25 +95,10 @@ class Trial:
 
 
 @dataclass(eq=False)
-class Metered:
-    """An algorithm, and what has been spent inside it: seconds of the processor, operations, its own counters."""
+class Metered(Watched):
+    """Keeps what has been spent inside the algorithm: seconds of the processor, operations, its own counters."""
 
-    inside: ContactAlgorithm
     spent: dict[str, float] = field(default_factory=lambda: dict.fromkeys(COSTS, 0.0))
-
-    @property
-    def name(self) -> str:
-        """Of the algorithm inside."""
-        return self.inside.name
-
-    @property
-    def epsilon(self) -> float:
-        """Of the algorithm inside."""
-        return self.inside.epsilon
-
-    def supports(self, problem: ContactProblem) -> str | None:
-        """What the algorithm inside says."""
-        return self.inside.supports(problem)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Solve, and keep what it cost."""
@@ -169,11 +155,10 @@ def alone(name: str, case: Posed, limit_s: float) -> Ended:
 def followed(scene: Scene, request: Request, limit_s: float) -> Ended:
     """An algorithm along the path of a request, each requested load judged."""
     metered = Metered(configured(request.contact, request.settings))
-    meter = cast("ContactAlgorithm", metered)
 
     def solve() -> Ended:
         answer = None
-        for visited in walk(scene.build(request).stages(), meter, request.steps):
+        for visited in walk(scene.build(request).stages(), metered, request.steps):
             solution = visited.point.solution
             if not visited.converged:
                 refused = visited.point.outcome is Outcome.REFUSED
@@ -217,8 +202,9 @@ def against(
     if found.ended == SOLVED and found.answer is not None and reference is not None:
         apart = difference(reference, found.answer)
         agreement = _agreement(reference, found.answer, apart)
-    told = {"apart": apart, "away": away, "agreement": agreement, **found.cost}
-    return Trial(who, case.group, case.name, found.ended, found.reason, **told)  # type: ignore[arg-type]
+    return Trial(
+        who, case.group, case.name, found.ended, found.reason, agreement=agreement, apart=apart, away=away, **found.cost
+    )
 
 
 def _agreement(one: Answer, other: Answer, apart: float) -> str:

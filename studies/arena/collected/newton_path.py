@@ -8,15 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
-from contact.parameters import Parameter
-from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearised
+from contact.problem import ContactProblem, ContactSolution, Linearised
 from studies.algorithm_settings import configured
+from studies.arena.watched import Watched
 from studies.complete import complete
 from studies.walk import walk
 
@@ -56,22 +56,10 @@ class Met:
 
 
 @dataclass(eq=False)
-class Recorder:
-    """An algorithm that keeps what the one inside linearises: in ``solves`` a list for each call of it."""
+class Recorder(Watched):
+    """Keeps what the algorithm inside linearises: in ``solves`` a list for each call of it."""
 
-    inside: ContactAlgorithm
     solves: list[tuple[list[Iterate], bool]] = field(default_factory=list)
-    name: ClassVar[str] = "recorder"
-    parameters: ClassVar[tuple[Parameter, ...]] = ()
-
-    @property
-    def epsilon(self) -> float:
-        """Of the algorithm inside."""
-        return self.inside.epsilon
-
-    def supports(self, problem: ContactProblem) -> str | None:
-        """What the algorithm inside says."""
-        return self.inside.supports(problem)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Solve, and keep each linearisation; not without candidates, nor where their foundation is an unknown, too."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import time
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -34,7 +35,7 @@ class Answer:
 
 
 @dataclass(frozen=True)
-class Solver:
+class Solver(ABC):
     """A solver by its name; ``module`` is what it imports, ``install`` what pip is told where that is missing."""
 
     name: str
@@ -56,9 +57,9 @@ class Solver:
         if self.module:
             importlib.import_module(self.module)
 
+    @abstractmethod
     def answer(self, step: FrozenStep, tolerance: float) -> Answer:
         """The answer, without its time."""
-        raise NotImplementedError
 
     def keeps(self, step: FrozenStep, answer: Answer, tolerance: float) -> bool | None:
         """Whether an answer keeps the tolerance by the solver's own criterion; None where it has none of its own."""

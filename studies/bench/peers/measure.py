@@ -18,7 +18,7 @@ from contact.solvers.sparse import factorise
 from studies.bench.newton import timed
 from studies.bench.peers.problems import Line, problems
 from studies.bench.tangents import at_rest, shell_of
-from studies.columns import columns
+from studies.door.columns import columns
 
 ROUNDS = 3
 LONG = 20.0  # seconds of a solve that is not repeated

@@ -19,7 +19,7 @@ import pandas as pd
 from studies.bench.programs import calculix
 from studies.bench.programs.case import Case
 from studies.bench.programs.held_axes import inflated_equator
-from studies.columns import columns
+from studies.door.columns import columns
 from studies.exchange.deck import deck
 from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of

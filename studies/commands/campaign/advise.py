@@ -13,7 +13,7 @@ from studies.analysis.verify import verified
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, add_settings, pairs
 from studies.complete import complete
-from studies.error_control import parse_error
+from studies.refinement.error_control import parse_error
 from studies.request import Settings
 from studies.scene import UsageError
 from studies.scenes import SCENES
@@ -62,7 +62,7 @@ def _store(options: argparse.Namespace) -> Path | None:
 def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | None) -> Question:
     if store is None:
         return shipped_question(options.scene, options.quantity, given, options.cost)
-    from studies.analysis.collect import collect  # takes as long to load as all else
+    from studies.analysis.cells.collect import collect  # takes as long to load as all else
 
     table = collect(store, options.campaign)
     return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)

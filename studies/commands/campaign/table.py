@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
 from studies.commands import OK
 from studies.commands.options import add_store
 from studies.scene import UsageError

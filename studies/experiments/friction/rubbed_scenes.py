@@ -19,7 +19,7 @@ from studies.solving import solve
 MESH, DELTA = "28x26", 10.0  # of the tyre; mm
 COEFFICIENTS = (0.25, 0.5, 1.0)
 DRAGS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0, 64.0)  # mm
-TURNS = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 20.0, 40.0, 80.0)  # deg
+TURNS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, *range(20, 100, 10))  # deg: the last ones alike
 PATCH_STOPS = (0.5, 1.0, 2.0, 4.0, 0.0)  # mm: and back
 STEPS = (1, 2, 4, 8, 16, 32)
 
@@ -43,7 +43,10 @@ def dragged_table(mus: Sequence[float] = COEFFICIENTS, mesh: str = MESH) -> pd.D
 
 
 def turned_table(mus: Sequence[float] = COEFFICIENTS, mesh: str = MESH) -> pd.DataFrame:
-    """The tyre pressed, then its plane turned under it: the parking torque at each stop, by coefficient."""
+    """The tyre pressed, then its plane turned under it: the parking torque at each stop, by coefficient.
+
+    Slip is the chord of the arc of its step: once all slip, step by step of d, the torque is mu sum f r cos(d/2).
+    """
     return _moved({"turn_deg": TURNS}, mus, mesh)
 
 

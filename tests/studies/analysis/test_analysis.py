@@ -13,13 +13,13 @@ import pytest
 from studies.analysis.advice.choose import advice_table, advise, lines
 from studies.analysis.advice.held_out import estimated, held_out, summary
 from studies.analysis.advice.questions import asked_question
-from studies.analysis.attribution import INTERACTIONS, REST, shares
+from studies.analysis.cells.rows import ladders
 from studies.analysis.everything import analysed
-from studies.analysis.fronts import COSTS, WRONG, family_fronts, fronts, on_front
-from studies.analysis.profiles import field, flip_check, pairs_of, problems, profiles, solved, within
-from studies.analysis.rows import ladders
+from studies.analysis.ranking.attribution import INTERACTIONS, REST, shares
+from studies.analysis.ranking.fronts import COSTS, WRONG, family_fronts, fronts, on_front
+from studies.analysis.ranking.profiles import field, flip_check, pairs_of, problems, profiles, solved, within
+from studies.analysis.ranking.unsolved import unsolved
 from studies.analysis.suspicious import flags, inert, inert_inputs, printed, walls
-from studies.analysis.unsolved import unsolved
 from studies.analysis.verify import verified
 from studies.complete import complete
 from studies.scene import UsageError

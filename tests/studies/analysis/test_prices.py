@@ -12,10 +12,10 @@ import pytest
 from studies.analysis.advice.choose import ADVICE_COLUMNS, advise
 from studies.analysis.advice.questions import asked_question
 from studies.analysis.advice.shipped import CELLS, QUESTIONS, shipped_question, shipped_tables, worth
-from studies.analysis.fronts import COSTS
+from studies.analysis.cells.rows import PRICES
 from studies.analysis.predicted_seconds import WITHIN, predicted_seconds
-from studies.analysis.profiles import RANKED_BY
-from studies.analysis.rows import PRICES
+from studies.analysis.ranking.fronts import COSTS
+from studies.analysis.ranking.profiles import RANKED_BY
 from studies.analysis.verify import verified
 from studies.operations import KINDS
 from studies.scene import UsageError

@@ -10,7 +10,6 @@ import pytest
 
 from studies.arena import solver_run
 from studies.arena.solver_run import FIELDS, Field, problems_in
-from studies.arena.solvers.base import Solver
 from studies.cli import main
 from studies.store.atomic import write_table
 from support.problems.arena_steps import STATES, Told, indefinite, known_step
@@ -26,7 +25,7 @@ def field(monkeypatch: pytest.MonkeyPatch) -> Field:
         Told("right", du=du, pressure=pressure),
         Told("slow", du=du, pressure=pressure, spends=0.1),
         Told("liar", du=du, pressure=2 * pressure),
-        Solver("absent", "no_such_module"),
+        Told("absent", "no_such_module"),
     ]
     small = replace(FIELDS["solver"], solvers=told)
     monkeypatch.setitem(solver_run.FIELDS, "solver", small)

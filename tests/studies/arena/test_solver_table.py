@@ -39,7 +39,7 @@ def table() -> pd.DataFrame:
         Told("liar", **told, error=1.0),
         Told("rough", **told, error=ERROR),
         Told("honest", **told, error=1.0, claims=False),
-        Solver("absent", "no_such_module"),
+        Told("absent", "no_such_module"),
         SOLVERS["Clarabel"],
         SOLVERS["semismooth"],
     ]
@@ -158,7 +158,7 @@ def test_a_run_that_was_interrupted_goes_on(tmp_path: Path) -> None:
     field = [
         Told("right", du=du, pressure=pressure),
         Told("liar", du=du, pressure=2 * pressure),
-        Solver("absent", "no"),
+        Told("absent", "no"),
     ]
     problems = [("a", step), ("b", step)]
     path, asked = tmp_path / "samples.csv", partial(recorded, tolerances=(1e-4,), rounds=2)

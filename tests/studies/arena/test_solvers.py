@@ -10,10 +10,10 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.accuracy import accuracy
-from studies.arena.solvers.base import Answer, Solver
+from studies.arena.solvers.base import Answer
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.outside import DENSE, Outside
-from support.problems.arena_steps import Broken, in_units, indefinite, known_step, lopsided
+from support.problems.arena_steps import Broken, Told, in_units, indefinite, known_step, lopsided
 
 INSTALLED = [name for name, solver in SOLVERS.items() if solver.missing() is None]
 QP = [name for name, solver in SOLVERS.items() if isinstance(solver, Outside)]
@@ -88,10 +88,10 @@ def test_a_loose_tolerance_gives_a_loose_answer() -> None:
 
 
 def test_what_is_missing_says_how_to_get_it() -> None:
-    assert Solver("nobody", "no_such_module", "'footprint[qp]'").missing() == (
+    assert Told("nobody", "no_such_module", "'footprint[qp]'").missing() == (
         "not installed: pip install 'footprint[qp]'"
     )
-    assert Solver("nobody", "no_such_module").missing() == "not installed: pip install no_such_module"
+    assert Told("nobody", "no_such_module").missing() == "not installed: pip install no_such_module"
 
 
 def test_exceptions_are_no_claims() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
 from studies.analysis.everything import analyse
 from studies.bench.canary import canary
 from studies.bench.overhead import harness, lines

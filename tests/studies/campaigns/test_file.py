@@ -9,7 +9,7 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
-from studies.analysis.collect import COLUMNS, collect
+from studies.analysis.cells.collect import COLUMNS, collect
 from studies.campaigns.file import SHIPPED, find, names
 from studies.campaigns.plan import plan
 from studies.campaigns.report_cells import LISTS, TABLES_OF

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.cli import main

@@ -14,8 +14,8 @@ import pytest
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
-from studies.analysis.answers import Answers
-from studies.analysis.rows import STEP_KEYS
+from studies.analysis.cells.answers import Answers
+from studies.analysis.cells.rows import STEP_KEYS
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.campaigns.sheet_cells import FRAMES, sheet_cell, sheet_cells

@@ -7,8 +7,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.analysis.collect import collect
-from studies.analysis.rows import ORDER
+from studies.analysis.cells.collect import collect
+from studies.analysis.cells.rows import ORDER
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign, find
 from studies.campaigns.run import run

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from studies.complete import complete
-from studies.error_control import coarsest
+from studies.refinement.error_control import coarsest
 from studies.refinement.trees import FLAT, GROWTH, Family, _mirror
 from studies.result import CONVERGED
 from studies.scenes import SCENES

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from studies.store.layout import Archive
-from studies.trust.merge import UNVERIFIED, VERIFIED, merge
+from studies.trust.merge import UNVERIFIED, VERIFIED, Summary, merge
 from support.stores.elsewhere import BEAM, CAP, FAILS, FINE, LINEAR, LOOSE, STRIP, TYRE, Elsewhere
 
 Plant = Callable[[Elsewhere], object]
@@ -114,6 +114,13 @@ FALSE: dict[str, tuple[str, Plant, str]] = {  # of which cell, what is planted, 
 }
 
 
+def only_refusal(found: Summary, label: str, claim: str) -> None:
+    """Asserts that one cell alone is refused, and for one of the claims, which are parted by bars."""
+    (line,) = found.refused
+    assert line.startswith(f"{label} (")
+    assert any(f"): {each}" in line for each in claim.split("|")), line
+
+
 @pytest.mark.parametrize("name", FALSE)
 def test_a_false_claim_is_refused_and_named_and_the_rest_is_taken(
     name: str, elsewhere: Elsewhere, tmp_path: Path
@@ -121,9 +128,7 @@ def test_a_false_claim_is_refused_and_named_and_the_rest_is_taken(
     label, plant, claim = FALSE[name]
     plant(elsewhere)
     found = merge(elsewhere.root, tmp_path / "here")
-    (line,) = found.refused
-    assert line.startswith(f"{label} (")
-    assert any(f"): {each}" in line for each in claim.split("|")), line
+    only_refusal(found, label, claim)
     assert found.counts == {VERIFIED: len(elsewhere.ids) - 1}
     assert not Archive(tmp_path / "here").record_path(elsewhere.ids[label]).exists()
 
@@ -184,10 +189,7 @@ HARD: dict[str, tuple[str, Plant, str]] = {
 def test_a_false_claim_of_stages_and_curves_is_refused(name: str, tyres_elsewhere: Elsewhere, tmp_path: Path) -> None:
     label, plant, claim = HARD[name]
     plant(tyres_elsewhere)
-    found = merge(tyres_elsewhere.root, tmp_path / "here")
-    (line,) = found.refused
-    assert line.startswith(f"{label} (")
-    assert any(f"): {each}" in line for each in claim.split("|")), line
+    only_refusal(merge(tyres_elsewhere.root, tmp_path / "here"), label, claim)
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
 from studies.analysis.everything import compared, written
 from studies.analysis.statements.tables import statement_tables
 

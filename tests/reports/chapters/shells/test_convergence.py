@@ -14,8 +14,8 @@ import pytest
 from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
 from reports.formats import quantity as words
 from reports.store.tables import load_store
-from studies.analysis.answers import Answers
-from studies.analysis.collect import collect
+from studies.analysis.cells.answers import Answers
+from studies.analysis.cells.collect import collect
 from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, convergence
 from studies.analysis.verify import verified
 from studies.campaigns.ladder_cells import LADDERS

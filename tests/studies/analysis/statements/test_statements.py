@@ -11,11 +11,11 @@ import pytest
 from reports.store.statements import of_page, sentence, statements
 from reports.store.tables import Store
 from studies.analysis.everything import written
-from studies.analysis.statements.cost import grids
 from studies.analysis.statements.laws import experiment, fuzz
 from studies.analysis.statements.record import OPENING, Evidence, Statement, as_tables
+from studies.analysis.statements.shells.tyre import printed
 from studies.analysis.statements.tables import MAKERS
-from studies.analysis.statements.tyre import printed
+from studies.analysis.statements.trade.cost import grids
 
 CAMPAIGN = "made"
 

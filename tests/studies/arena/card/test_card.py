@@ -14,8 +14,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactSolution
+from contact.problem import ContactProblem, ContactSolution
 from studies.arena.card import problems, runs
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, Law, laws_of
@@ -190,15 +191,27 @@ def test_the_algorithms_of_the_suite_keep_every_law(name: str) -> None:
     assert [law for law in found if not law.kept or law.refused] == []
 
 
+def test_parameters_of_what_is_no_dataclass_break_their_law() -> None:
+    class Plain:
+        """Keeps its parameters in its own way."""
+
+        parameters = Semismooth.parameters
+
+    ALGORITHMS["plain"] = Plain
+    first = next(laws_of("plain"))
+    assert (first.law, first.said) == (LAWS[0][0], "no dataclass")
+    assert not first.kept
+
+
 def test_an_exception_and_a_loop_without_end_are_ends() -> None:
     case = next(iter(problems.made(math.inf)))
 
-    class Raising(ALGORITHMS["semismooth"]):  # type: ignore[misc]
-        def solve(self, problem: object, start: object) -> ContactSolution:
+    class Raising(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
             raise KeyError("lost")
 
-    class Endless(ALGORITHMS["semismooth"]):  # type: ignore[misc]
-        def solve(self, problem: object, start: object) -> ContactSolution:
+    class Endless(Semismooth):
+        def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
             while True:
                 try:
                     np.ones(3).sum()

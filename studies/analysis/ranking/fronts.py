@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from studies.analysis.rows import PRICES, mesh_ranks
+from studies.analysis.cells.rows import PRICES, mesh_ranks
 from studies.analysis.verify import CLAIMED, family_of, headline, questions
 from studies.result import UNSUPPORTED
 

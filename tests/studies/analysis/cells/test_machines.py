@@ -12,10 +12,10 @@ import pytest
 from reports.chapters.overview.data import data_page
 from reports.origin import machines as section
 from reports.store.tables import load_store
-from studies.analysis.collect import collect
+from studies.analysis.cells.collect import collect
+from studies.analysis.cells.machines import UNKNOWN, machine_of, of_one_machine
 from studies.analysis.everything import analyse
-from studies.analysis.fronts import fronts
-from studies.analysis.machines import UNKNOWN, machine_of, of_one_machine
+from studies.analysis.ranking.fronts import fronts
 from studies.analysis.verify import verified
 from studies.bench.timing_lane import times_path
 from studies.campaigns.file import find

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from studies.analysis.answers import Answers
+from studies.analysis.cells.answers import Answers
 from studies.analysis.comparisons.printed_pressures import DELTA, HALF
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 

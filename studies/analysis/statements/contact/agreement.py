@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from studies.analysis.answers import Answer, Answers
+from studies.analysis.cells.answers import Answer, Answers
 from studies.analysis.statements.record import OPENING, Statement
 from studies.campaigns.report_cells import agreement
 

@@ -1,4 +1,4 @@
-"""What is said of contact: agreement, claims, limits of the algorithms, regularisation."""
+"""What is said of robustness: false success, cycles, regularisation, and limits of the algorithms."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from studies.analysis.rows import answers, reference_rows
+from studies.analysis.cells.rows import answers, reference_rows
 
 DIGITS, OF_SECONDS = 10, 4
 CLOCK = "s"  # unit of what is rounded as seconds

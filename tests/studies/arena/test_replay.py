@@ -13,8 +13,8 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import Confirmation
+from studies.arena.replay import resolve_step
 from studies.cli import main
-from studies.replay import resolve_step
 
 FORCE = 1e-9
 MESH = ["--mesh", "16x16", "--model", "full"]

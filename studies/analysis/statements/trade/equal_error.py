@@ -1,4 +1,4 @@
-"""What is said of the trade: measures at equal error, and contact algorithms where both solve."""
+"""What is said of measures at equal error, and of contact algorithms where both solve."""
 
 from __future__ import annotations
 

@@ -6,9 +6,10 @@ import argparse
 from dataclasses import asdict
 from pathlib import Path
 
-from studies.columns import columns
-from studies.commands import FAILED, NOT_CONVERGED, OK, bench_solvers
+from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.commands.bench import solvers
 from studies.commands.options import STORE, count, progress_bar
+from studies.door.columns import columns
 from studies.scene import UsageError
 
 MESH, REPEATS, ROUNDS = "42x40", 9, 3
@@ -49,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     programs.add_argument("--store", "--out", type=Path, default=STORE, metavar="STORE", help=f"default {STORE}")
     programs.set_defaults(bench=_programs)
 
-    bench_solvers.add_arguments(tables.add_parser("solvers", help="who solves frozen contact problems, and how well"))
+    solvers.add_arguments(tables.add_parser("solvers", help="who solves frozen contact problems, and how well"))
 
 
 def run(options: argparse.Namespace) -> int:

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from studies.columns import columns
 from studies.commands import FAILED, OK
 from studies.commands.options import STORE, count, positive, progress_bar
+from studies.door.columns import columns
 from studies.request import UsageError
 
 if TYPE_CHECKING:

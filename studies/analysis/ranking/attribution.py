@@ -13,8 +13,8 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 
-from studies.analysis.fronts import COSTS
-from studies.analysis.rows import mesh_ranks
+from studies.analysis.cells.rows import mesh_ranks
+from studies.analysis.ranking.fronts import COSTS
 
 FACTORS = ("measure", "contact", "newton", "element", "mesh", "tolerance", "load", "section", "model")
 INTERACTIONS, REST = "interactions", "rest"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from studies.analysis.profiles import NOT_ASKED
+from studies.analysis.ranking.profiles import NOT_ASKED
 from studies.result import SOLVED
 
 COLUMNS = ("scene", "measure", "mesh", "outcome", "path_end", "at", "at_low", "at_high", "found_by", "cells")

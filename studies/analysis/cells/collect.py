@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.analysis.answers import Answers, number
-from studies.analysis.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
+from studies.analysis.cells.answers import Answers, number
+from studies.analysis.cells.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
 from studies.bench.timing_lane import interval, read_times, times_path
 from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
@@ -44,8 +44,8 @@ def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     t.seconds: processor time, the median of the timing lane with its interval t.seconds_low to t.seconds_high where the
     cell was timed and the canary stood still, else that of the solve itself.  canary: "quiet" where it is of the lane,
     "moved" where the cell was timed in vain, nothing where it was not timed.  c.operations: of all kinds.
-    machine: that solved the cell; only the seconds of one count, see :mod:`studies.analysis.machines`.  merged: how far
-    a cell of another store was verified, whose seconds as it claims them are seconds_there.
+    machine: that solved the cell; only the seconds of one count, see :mod:`studies.analysis.cells.machines`.
+    merged: how far a cell of another store was verified, whose seconds as it claims them are seconds_there.
     request: what was asked, by whose key rows are compared.
     outcome: a class of :data:`studies.result.CLASSES`, or "missing".  q: headline quantities and the numbers of the
     last step.  path_end: kind of what the path of the problem itself ends at, with its parameter and what has found

@@ -12,8 +12,8 @@ import pytest
 
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.complete import complete
-from studies.error_control import Round, coarsest, estimate, parse_error, solve_to_error
 from studies.experiments.error_coverage import CASES, Case, error_coverage
+from studies.refinement.error_control import Round, coarsest, estimate, parse_error, solve_to_error
 from studies.scene import UsageError
 from studies.scenes import SCENES
 
@@ -103,7 +103,7 @@ def test_the_command_refines_and_says_so(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_what_cannot_be_reached_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
-    monkeypatch.setattr("studies.error_control.solve_to_error.__defaults__", (None, lambda text: None, 200))
+    monkeypatch.setattr("studies.refinement.error_control.solve_to_error.__defaults__", (None, lambda text: None, 200))
     assert main(["solve", "scordelis-lo", "--error", "0.01%", "--out", str(tmp_path)]) == NOT_CONVERGED
     assert "no grid of up to 200 unknowns" in capsys.readouterr().out
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pandas as pd
 
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
-from studies.columns import columns
 from studies.commands import FAILED, OK
 from studies.commands.options import positive, progress_bar
+from studies.door.columns import columns
 from studies.request import UsageError
 
 PROBLEMS = Path(".footprint/problems")

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pandas as pd
 import pytest
 
-from studies.analysis.collect import COLUMNS
-from studies.analysis.published import ASKED, published
+from studies.analysis.cells.collect import COLUMNS
+from studies.analysis.cells.published import ASKED, published
 from studies.operations import KINDS
 from studies.scenes import SCENES
 from studies.solving import resolve

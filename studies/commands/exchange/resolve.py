@@ -5,8 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from studies.arena.replay import resolve_step
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.replay import resolve_step
 from studies.scene import UsageError
 
 

@@ -14,7 +14,7 @@ from studies.analysis.findings.equal_accuracy import KINDS, cheaper_measures, eq
 from studies.analysis.findings.outcomes import outcomes
 from studies.analysis.findings.price_of_accuracy import TOLERANCES, price_of_accuracy
 from studies.analysis.findings.regimes import REGIMES, regimes
-from studies.analysis.fronts import fronts
+from studies.analysis.ranking.fronts import fronts
 from studies.analysis.verify import verified
 from studies.scenes import SCENES
 from support.stores.sweeps import cells

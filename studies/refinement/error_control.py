@@ -12,7 +12,7 @@ and two rounds with different grids say how well: L is within ::
 of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements T may be off by
 more than four times what T' is. The third is half of what the rim of a patch of contact, which jumps from node to node,
 has done from T to T'. A first round alone knows |J' - J|. Where u is too large, the difference between T and T' shows
-which elements to cut (:mod:`studies.refinement`), and the next round begins.
+which elements to cut (:mod:`studies.refinement.indicators`), and the next round begins.
 """
 
 from __future__ import annotations

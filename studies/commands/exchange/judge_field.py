@@ -6,13 +6,13 @@ import argparse
 import sys
 from pathlib import Path
 
-from studies.columns import columns
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.commands.export import add_problem, problem_asked
+from studies.commands.exchange.export import add_problem, problem_asked
 from studies.commands.options import pairs
-from studies.error_control import parse_error
+from studies.door.columns import columns
 from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.results import read_results
+from studies.refinement.error_control import parse_error
 from studies.scene import UsageError
 
 HEAD = ("load", "quantity", "found", "against", "value", "difference", "allowed", "")

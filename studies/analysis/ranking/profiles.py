@@ -13,8 +13,8 @@ import numpy as np
 import pandas as pd
 
 from studies.algorithm_settings import settings_of
-from studies.analysis.fronts import TIE, counting
-from studies.analysis.rows import PRICES
+from studies.analysis.cells.rows import PRICES
+from studies.analysis.ranking.fronts import TIE, counting
 from studies.analysis.verify import ELEMENT
 from studies.request import Request
 from studies.result import SOLVED
