@@ -13,8 +13,8 @@ from contact.continuation.branches import Branch, stable_branches
 from contact.solvers.sparse import SingularMatrixError
 from studies.algorithm_settings import configured
 from studies.certificate import certificate
-from studies.request import UsageError
 from studies.friction.settings import rubbing
+from studies.request import UsageError
 from studies.result import Result
 from studies.store.atomic import write_by
 

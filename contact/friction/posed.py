@@ -13,8 +13,8 @@ from typing import ClassVar
 import numpy as np
 
 from contact.coulomb import Friction
+from contact.friction.base import FrictionalAlgorithm
 from contact.friction.foundation import Slip
-from contact.friction.path import FrictionalAlgorithm
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.parameters import Parameter
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution

@@ -32,7 +32,7 @@ def certificate_of_friction(
     told, m = state.friction, len(problem.weights)
     friction = np.zeros((m, 2)) if told is None else told.force
     forces = problem.nodal_forces(state.pressure)
-    verdict = judge(posed(problem, since), state.u, forces, friction, since=before[1].u)
+    verdict = judge(posed(problem, since), state.u, forces, friction, epsilon=epsilon, since=before[1].u)
     found = verdict.certificate
     found["kkt"] |= gap_residuals(problem, state.u, forces, np.inf)
     found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))

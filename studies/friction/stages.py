@@ -41,7 +41,7 @@ class Pressed:
 
 @dataclass(frozen=True, eq=False)
 class Slide:
-    """Ways of a foundation along itself: along the unit vector ``way`` (3,), around ``normal`` (3,) at its origin."""
+    """Ways of a foundation along itself: along the unit vector ``way`` (3,), around the unit ``normal`` (3,)."""
 
     normal: np.ndarray
     way: np.ndarray
@@ -57,7 +57,7 @@ class Slide:
         return cls(normal, math.cos(angle) * along + math.sin(angle) * across)
 
     def motion(self, drag: float, turn: float) -> Motion:
-        """By ``drag`` [mm], then by ``turn`` [deg] about the origin, where the body is pressed: x = R (X + drag way)."""
+        """By ``drag`` [mm], then by ``turn`` [deg] about the origin, where the body is pressed: x = R (X + d)."""
         turned = Motion(np.zeros(3), math.radians(turn) * self.normal, np.zeros(3))
         return replace(turned, translation=turned.rotation @ (drag * self.way))
 

@@ -1,4 +1,4 @@
-"""What friction costs: the steps of the tyre with it beside the press without it, an iteration of Newton for another."""
+"""What friction costs: steps of the tyre with it beside the press without it, an iteration of Newton for another."""
 
 from __future__ import annotations
 

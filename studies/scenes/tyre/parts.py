@@ -83,7 +83,9 @@ def settle_model(model: str, settings: Mapping[str, Value]) -> tuple[str, str]:
         raise UsageError("model 'axisymmetric' needs delta_mm = 0: contact is not the same all around")
     if "mu" in settings:
         if model not in ("auto", "full"):
-            raise UsageError(f"model {model!r} has no friction: it needs the model 'full', whose resultants are all there")
+            raise UsageError(
+                f"model {model!r} has no friction: it needs the model 'full', whose resultants are all there"
+            )
         return "full", "friction acts on the whole tyre"
     if mirrored(settings):
         plies = "isotropic plies" if "E_MPa" in settings else f"cords at {settings['gamma_deg']:g} deg"

@@ -131,7 +131,7 @@ def test_an_infinite_coefficient_ties_who_touches() -> None:
     result = tyre("inf", drag_mm=(0.5, 1.0), drag_deg=90.0)
     assert result.verdict == "converged"
     assert [step["slipping"] for step in result.steps] == [0, 0, 0]
-    pressed, first, last = (table.frame().set_index("candidate") for table in result.tables[FRICTION])
+    _, first, last = (table.frame().set_index("candidate") for table in result.tables[FRICTION])
     both = first.index.intersection(last.index)
     way = last.loc[both, ["y_mm", "z_mm"]].to_numpy() - first.loc[both, ["y_mm", "z_mm"]].to_numpy()
     np.testing.assert_allclose(np.linalg.norm(way, axis=1), 0.5, rtol=1e-12)
