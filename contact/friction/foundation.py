@@ -9,12 +9,16 @@ size. Where the foundation is curved, slip along it is told by the chord: steps 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
 from contact.coulomb import Motion
+
+SPACE = 3
+NO_WAY = 1e-9  # of the other: a way that supports leave nothing of
 
 
 class Points(Protocol):
@@ -59,11 +63,33 @@ class Slip:
         """X (m, 3) of the candidates: the anchors of the next step, once u (n,) is accepted."""
         return self.motion.into(self.candidates.positions(u))
 
-    @property
+    @cached_property
     def directions(self) -> np.ndarray:
-        """The tangents (m, 2, 3) of the foundation at the anchors, in its own frame."""
+        """Tangents (m, 2, 3) of the foundation at the anchors, in its own frame; with one way left, it is the first."""
+        found = self._tangents.copy()
+        for i, ways in self._with_one_way.items():
+            found[i] = ways.T @ found[i]
+        return found
+
+    @cached_property
+    def _tangents(self) -> np.ndarray:
         normals = self.foundation.gradient(self.anchors)
         return tangents(normals / np.linalg.norm(normals, axis=1)[:, None])
+
+    @cached_property
+    def _with_one_way(self) -> dict[int, np.ndarray]:
+        """Candidates that supports leave at most one way in the tangent plane, with their ways (2, 2) as columns."""
+        A, R, found = self.candidates.operator, self.motion.rotation, {}
+        for i in range(len(self.anchors)):
+            entries = slice(A.indptr[3 * i], A.indptr[3 * i + 3])
+            used, place = np.unique(A.indices[entries], return_inverse=True)
+            if len(used) < SPACE:
+                block = np.zeros((SPACE, len(used)))
+                block[np.repeat(np.arange(SPACE), np.diff(A.indptr[3 * i : 3 * i + 4])), place] = A.data[entries]
+                ways, sizes, _ = np.linalg.svd(self._tangents[i] @ R.T @ block)
+                if len(sizes) < 2 or sizes[1] <= NO_WAY * sizes[0]:
+                    found[i] = ways
+        return found
 
     def __call__(self, u: np.ndarray) -> np.ndarray:
         """s (m, 2) [mm]."""
@@ -76,4 +102,8 @@ class Slip:
         rows = np.repeat(np.arange(2 * m), 3)
         columns = (3 * np.arange(m)[:, None, None] + np.arange(3)[None, None, :] + np.zeros((1, 2, 1), int)).ravel()
         each = sparse.csr_matrix((turned.ravel(), (rows, columns)), shape=(2 * m, 3 * m))
-        return sparse.csr_matrix(each @ self.candidates.operator)
+        ways = sparse.csr_matrix(each @ self.candidates.operator)
+        for row in (2 * i + 1 for i in self._with_one_way):  # rounding alone
+            ways.data[ways.indptr[row] : ways.indptr[row + 1]] = 0.0
+        ways.eliminate_zeros()
+        return ways
