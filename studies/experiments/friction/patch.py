@@ -31,7 +31,7 @@ MU, STIFF, PRESSURE, DISC = 0.5, 50.0, 0.5, 50.0  # -, N/mm^3, MPa, mm
 COUPLED = np.array([[40.0, 5.0, 8.0], [5.0, 60.0, -6.0], [8.0, -6.0, 50.0]])  # N/mm^3, of springs that lean
 FAR = 100.0  # mm
 SECTORS = 8
-SETTLED = 16  # steps after which nothing changes in the frame of the patch
+SETTLED = 12  # steps after which nothing changes in the frame of the patch
 
 PRESSURES = {"uniform": Polynomial([PRESSURE]), "parabolic": Polynomial([PRESSURE, 0.0, -PRESSURE / DISC**2])}
 

@@ -21,13 +21,13 @@ def test_partial_slip_within_a_thousandth(side: str) -> None:
 @pytest.mark.parametrize("side", ["on", "inside"])
 def test_the_capstan_by_both_readings(side: str) -> None:
     """Every node slips; the ratio is that of its own recursion, (1 + a/2)/(1 - a/2) a node with a = mu theta/n."""
-    table = capstan_table(meshes=(12,), sides=(side,))
+    table = capstan_table(meshes=(10,), sides=(side,))
     assert (table["outcome"] == "converged").all()
-    assert (table["slipping"] == 13).all()
+    assert (table["slipping"] == 11).all()
     assert (table["error"].abs() < 0.01).all()
     np.testing.assert_allclose(table["at_spring"], table["ratio"], rtol=1e-6)
     half = (table["mu"] * table["theta_rad"] / table["elements"] / 2).to_numpy(float)
-    np.testing.assert_allclose(table["ratio"], ((1 + half) / (1 - half)) ** 12, rtol=1e-9)
+    np.testing.assert_allclose(table["ratio"], ((1 + half) / (1 - half)) ** 10, rtol=1e-9)
 
 
 @pytest.mark.slow

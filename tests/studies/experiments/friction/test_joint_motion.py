@@ -34,7 +34,7 @@ def test_without_strain_there_is_none(table: pd.DataFrame) -> None:
 
 
 def test_the_foundation_alone_is_felt(table: pd.DataFrame) -> None:
-    """A thousand times nearer than in the motions together, and a million times more."""
+    """Moved by a hundred thousandth of the ways together, friction changes a million times as much."""
     assert (table.loc[table["step"] == "alone", "change_N"] > 1e6 * ROUNDING).all()
 
 

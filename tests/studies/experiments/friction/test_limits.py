@@ -16,7 +16,7 @@ UNBOUNDED = pytest.mark.filterwarnings("ignore:invalid value encountered in mult
 
 
 def test_without_friction_the_plate_is_that_of_the_frictionless_algorithm() -> None:
-    table = frictionless_table()
+    table = frictionless_table(meshes=(8,))
     assert (table["outcome"] == "converged").all()
     assert (table["otherwise"] == 0).all()
     assert (table["friction_N"] == 0).all()
@@ -27,7 +27,7 @@ def test_without_friction_the_plate_is_that_of_the_frictionless_algorithm() -> N
 @UNBOUNDED
 def test_with_an_infinite_coefficient_it_is_tied_or_has_no_answer() -> None:
     """Wherever there is one, it is found; where no set of nodes will do, the solve does not claim any."""
-    table = tied_table((("Q1", 4), ("Q1", 6), ("Q1", 8), ("Q2", 4)))
+    table = tied_table((("Q1", 4), ("Q1", 6), ("Q2", 4)))
     assert set(table["answers"]) == {0, 1}
     alone = table[table["answers"] == 1]
     assert (alone["outcome"] == "converged").all()

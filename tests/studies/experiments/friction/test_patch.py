@@ -41,7 +41,7 @@ def test_its_pressures_are_uneven_and_depend_on_friction() -> None:
 
 
 def test_a_spun_patch_carries_its_bound_but_for_the_chord_of_a_step() -> None:
-    table = spin_table()
+    table = spin_table((0.1, 0.4))
     assert (table["outcome"] == "converged").all()
     assert (table["sliding"] == table["points"]).all()
     np.testing.assert_allclose(table["error"] - table["discrete_error"], 0, atol=EXACT)
@@ -72,7 +72,7 @@ def test_the_closed_forms_of_parking_by_quadrature(pressure: str, core: float) -
 
 
 def test_a_turn_on_the_spot() -> None:
-    table = parking_table((10, 19), (1 / 3,))
+    table = parking_table((10,), (1 / 3,))
     assert (table["outcome"] == "converged").all()
     own = table.set_index("pressure")
     np.testing.assert_allclose(own.loc["uniform", "core_error"], 0, atol=1e-8)  # phi^2/24 of a finite turn
