@@ -7,7 +7,7 @@ compression in one::
 
 Errors have a rate where the front lies at the same place between two nodes on all meshes, see :mod:`strip`: the wrap
 is ln(N1/N0)/(0.6 mu) and the numbers of elements are those of the strip.
-Source: Johnson, Contact Mechanics (1985), the capstan; the rest follows by integration.
+Source: the equation of the capstan (Euler, Eytelwein); the rest follows by integration.
 """
 
 from __future__ import annotations

@@ -8,8 +8,7 @@ k by area, a core r < c sticks::
     k phi c = mu p(c),    M = 2 pi (k phi c^4/4 + mu int_c^a p r^2 dr)
     loop from phi to -phi and back = 8 pi mu int_c^a p (phi r - mu p/k) r dr
 
-Source: the brush model of tyres, Pacejka, Tyre and Vehicle Dynamics (2012), chapters 3 and 9; the integrals are worked
-out here.
+Source: the brush model of tyres, Pacejka, Tyre and Vehicle Dynamics (2012); the integrals are worked out here.
 """
 
 from __future__ import annotations
