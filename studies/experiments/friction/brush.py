@@ -14,7 +14,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.friction.foundation import Motion, Slip
-from contact.friction.path import FrictionalAlgorithm, PathState, Stage, follow
+from contact.friction.path import PathState, Stage, follow
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.friction.semismooth import Semismooth
 from contact.obstacles.foundation import Candidates, RigidPlane
@@ -61,11 +61,11 @@ class Brush:
         problem = FrictionalProblem(contact, np.full(m, self.mu), slip, lambda u: slips, size)
         return Stage(problem, slip.places)
 
-    def follow(self, loads: Sequence[float], algorithm: FrictionalAlgorithm | None = None) -> list[PathState]:
+    def follow(self, loads: Sequence[float]) -> list[PathState]:
         """The states at these loads in turn, from rest."""
         m = len(self.areas)
         rest = PathState(0.0, FrictionalSolution.at_rest(3 * m, m), self.candidates.reference)
-        return list(follow(self.stage_at, loads, algorithm or Semismooth(), rest))
+        return list(follow(self.stage_at, loads, Semismooth(), rest))
 
     def friction(self, state: PathState) -> np.ndarray:
         """Forces (m, 3) [N] of the plane on the points along itself, in space."""
