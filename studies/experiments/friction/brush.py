@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.friction.foundation import Motion, Slip
+from contact.coulomb import Motion
+from contact.friction.foundation import Slip
 from contact.friction.path import PathState, Stage, follow
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.friction.semismooth import Semismooth

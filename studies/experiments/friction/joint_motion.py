@@ -16,7 +16,8 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from contact.friction.foundation import Motion, Slip
+from contact.coulomb import Motion
+from contact.friction.foundation import Slip
 from contact.friction.path import PathState, Stage, dissipation
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.friction.semismooth import Semismooth

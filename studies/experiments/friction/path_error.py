@@ -20,7 +20,7 @@ import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from contact.friction.foundation import Motion
+from contact.coulomb import Motion
 from studies.experiments.friction.brush import Brush
 
 RADIUS, MU, NORMAL, STIFF = 10.0, 0.5, 8.0, 1.0  # mm, -, N, N/mm of the stiffer spring

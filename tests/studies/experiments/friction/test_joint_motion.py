@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from contact.friction.foundation import Motion
+from contact.coulomb import Motion
 from studies.experiments.friction.joint_motion import EA, FEET, ON_FEET, TOP, joint_motion_table, pyramid, stage_at
 from support.problems.differences import central_difference
 
