@@ -115,8 +115,14 @@ class FrictionalRun:
         return Margins(force, gap, self.slip_rounding(at.newton.u, max(at.newton.length, moved)))
 
     def expected(self, at: Point) -> Laws:
-        """The laws that the next step is to obey."""
-        return self._expected(at, at.local, at.laws, 0.0)
+        """The laws that the next step is to obey.
+
+        At the start who sticks has not slipped: a foundation that has moved in the meantime takes it along first.
+        """
+        local = at.local
+        if at.newton.stepped is None:
+            local = replace(local, slip=np.where((at.laws.state == State.STICK)[:, None], 0.0, local.slip))
+        return self._expected(at, local, at.laws, 0.0)
 
     def foreseen(self, at: Point, stepped: Stepped, laws: Laws) -> Laws:
         """The laws after a linear step under ``laws``; those who slip on keep the direction of its linearisation."""
