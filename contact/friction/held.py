@@ -23,6 +23,10 @@ SHARED = "two contact candidates share an unknown: friction needs node-to-obstac
 DEPENDENT = 1e-9  # of the largest pivot: below, a direction of a candidate is none of its own
 
 
+class NotHeldError(ValueError):
+    """Candidates that unknowns of their own cannot hold in the states asked for; the message says why."""
+
+
 @dataclass(frozen=True, eq=False)
 class Directions:
     """The ways of all candidates: rows J (3m, n) of gap, first and second slip of each, one after another."""
@@ -67,7 +71,7 @@ class HeldStates:
 
     @classmethod
     def of(cls, ways: Directions, laws: Laws, mu: np.ndarray, K: sparse.csc_matrix) -> HeldStates:
-        """K (n, n) has the springs across slips already. Raises ValueError for candidates that cannot be held so."""
+        """K (n, n) has the springs across slips already. Raises NotHeldError."""
         m, n = len(mu), K.shape[0]
         holds, pushes, slacks, forces, pivots = _Rows(), _Rows(), _Rows(), _Rows(), [np.zeros(0, int)]
         own = ways.own
@@ -84,7 +88,7 @@ class HeldStates:
                 chosen, pushed = np.zeros(1, int), J[0] - mu[i] * (laws.direction[i] @ J[1:])
                 place = np.array([np.argmax(J[0] * pushed)]) if own[i, 0] else np.zeros(0, int)
                 if not len(place) or J[0, place[0]] == 0:
-                    raise ValueError(f"contact candidate {i} has no unknown: its supports hold it")
+                    raise NotHeldError(f"contact candidate {i} has no unknown: its supports hold it")
                 k = place[0]
                 rows, acting = J[:1] / J[0, k], (pushed / pushed[k])[None]
                 back, force = np.array([[1 / J[0, k]]]), np.array([[1 / pushed[k]]])
@@ -96,7 +100,7 @@ class HeldStates:
         pivot = np.concatenate(pivots).astype(np.intp)
         rows, acting = holds.matrix(n), pushes.matrix(n)
         if len(pivot) and np.max(np.bincount(np.concatenate(holds.each))) > 1:
-            raise ValueError(SHARED)
+            raise NotHeldError(SHARED)
         size = largest(sparse.csc_matrix(K[:, pivot]))
         size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
         ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
@@ -130,5 +134,5 @@ def _independent(J: np.ndarray, i: int) -> np.ndarray:
     _, R, order = qr(J, mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(J) or pivots[-1] <= DEPENDENT * pivots[0]:
-        raise ValueError(f"contact candidate {i} cannot stick: its supports leave it less ways than its slip has")
+        raise NotHeldError(f"contact candidate {i} cannot stick: its supports leave it less ways than its slip has")
     return np.asarray(order[: len(J)])

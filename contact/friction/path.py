@@ -4,19 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
+from contact.friction.base import FrictionalAlgorithm
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.problem import Outcome
-
-
-class FrictionalAlgorithm(Protocol):
-    """One algorithm: a frozen record of parameters."""
-
-    def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
-        """Solve from ``start``; failure is a value."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,17 +10,21 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import norm
 
-from contact.events import Event
-from contact.friction.held import Directions
+from contact.events import Event, EventKind
+from contact.friction.held import Directions, NotHeldError
 from contact.friction.laws import Laws, Local, Margins, expected, friction_of
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.friction.step import FrictionalStep, Stepped
+from contact.newton.loop import StepError
 from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, NewtonRun
 from contact.problem import Linearisation, Linearised, Outcome
 from contact.rounding import rounding_floor
+from contact.solvers.sparse import SingularMatrixError
 
 EPS = float(np.finfo(float).eps)
+Failure = SingularMatrixError | NotHeldError | StepError
+FAILURES = (SingularMatrixError, NotHeldError, StepError)  # why there is no step
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +135,7 @@ class FrictionalRun:
         return Outcome.ROUNDING if self.newton.stuck(at.newton) else None
 
     def linear(self, at: Point, laws: Laws) -> FrictionalStep:
-        """The linearised problem, factorised under the laws; raises SingularMatrixError, ValueError."""
+        """The linearised problem, factorised under the laws; raises SingularMatrixError, NotHeldError."""
         u, contact = at.newton.u, self.problem.contact
         K = contact.stiffness(at.lin, u, at.newton.pressure)
         ways = Directions.of(contact.gap_jacobian(u), self.problem.slip_jacobian(u))
@@ -164,6 +168,13 @@ class FrictionalRun:
             friction = within(friction, self.problem.bound(normal))
         counters, history = dict(self.newton.tally.counters), tuple(self.newton.tally.history)
         return FrictionalSolution(at.newton.u, normal, friction, at.laws.state, outcome, counters, history)
+
+    def failed(self, at: Point, error: Failure) -> FrictionalSolution:
+        """The solution record where there is no step; the history says why."""
+        self.newton.tally.tell(Event(EventKind.FAILED, str(error)))
+        if isinstance(error, StepError):
+            return self.finish(at, error.outcome)
+        return self.finish(at, Outcome.REFUSED if isinstance(error, NotHeldError) else Outcome.SINGULAR)
 
     def note(self, at: Point, laws: Laws, before: Laws, event: Event | None = None) -> None:
         """One row of history: how many stick and slip, and how many states have changed."""

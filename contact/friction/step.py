@@ -43,7 +43,7 @@ class Stepped:
 
 
 class FrictionalStep:
-    """The linearisation at u, factorised for the laws ``base``; raises SingularMatrixError, ValueError.
+    """The linearisation at u, factorised for the laws ``base``; raises SingularMatrixError, NotHeldError.
 
     K (n, n) is the tangent less what the curvature of the gaps takes off; residual (n,): without forces of the
     foundation; now (3m,): gap and slips of the candidates at u, one after another.
@@ -64,7 +64,7 @@ class FrictionalStep:
         self._factorise(base)
 
     def step(self, laws: Laws) -> Stepped:
-        """The step under the laws; raises SingularMatrixError, ValueError."""
+        """The step under the laws; raises SingularMatrixError, NotHeldError."""
         changed, places, z = self._exchanged(laws)
         du, w = self._free
         if len(places):

@@ -8,18 +8,17 @@ from typing import ClassVar
 import numpy as np
 
 from contact.events import Event, EventKind
+from contact.friction.base import FrictionalNewton
 from contact.friction.laws import Laws
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.run import FrictionalRun, Point
-from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.friction.run import FAILURES, FrictionalRun, Point
 from contact.problem import Outcome
-from contact.solvers.sparse import AUTO, SingularMatrixError
 
 CYCLE = "cycle detected: these states were tried {} sets before"
 
 
 @dataclass(frozen=True)
-class TrialAndError:
+class TrialAndError(FrictionalNewton):
     """Guess who is open, sticks and slips, and where to; solve; change every state that is violated; repeat.
 
     Who slips does so in the direction of the last equilibrium, against its friction where it has stuck there; who comes
@@ -30,19 +29,19 @@ class TrialAndError:
     """
 
     max_sets: int = 200
-    max_iterations: int = 40
-    solver: str = AUTO
-    tolerance: float = RESIDUAL_TOLERANCE
     name: ClassVar[str] = "trial-and-error"
 
     def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
         """Start from the states of ``start`` and the candidates that already penetrate."""
-        run = FrictionalRun(problem, NewtonRun(problem.contact, np.inf, self.solver, self.tolerance), lawful=False)
+        run = self.run(problem, lawful=False)
         at = run.start(start)
         laws, tried = _next(run, at), list[bytes]()
         while len(tried) < self.max_sets:
             tried.append(laws.key)
-            at, outcome = self._equilibrium(run, at, laws)
+            try:
+                at, outcome = self._equilibrium(run, at, laws)
+            except FAILURES as error:
+                return run.failed(at, error)
             if not outcome.converged:
                 return run.finish(at, outcome)
             after = _next(run, at)
@@ -58,14 +57,10 @@ class TrialAndError:
         return run.finish(at, Outcome.ITERATION_LIMIT)
 
     def _equilibrium(self, run: FrictionalRun, at: Point, laws: Laws) -> tuple[Point, Outcome]:
-        """Newton under these laws, whether what comes out obeys them or not."""
+        """Newton under these laws, whether what comes out obeys them or not; raises FAILURES."""
         run.note(at, laws, at.laws)
         for _ in range(self.max_iterations):
-            try:
-                at = run.advance(at, run.linear(at, laws).step(laws), laws)
-            except SingularMatrixError as error:
-                run.newton.tally.tell(Event(EventKind.FAILED, str(error)))
-                return at, Outcome.SINGULAR
+            at = run.advance(at, run.linear(at, laws).step(laws), laws)
             run.note(at, laws, laws)
             ended = run.ended(at, laws)
             if ended is not None:

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from contact.friction.path import FrictionalAlgorithm
+from contact.friction.base import FrictionalAlgorithm
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.friction.semismooth import Semismooth
 from contact.friction.trial_and_error import TrialAndError

@@ -1,0 +1,54 @@
+"""What the frictional algorithms share: each is a frozen record of parameters with the fields of its frictionless twin."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+
+from contact.friction.problem import FrictionalProblem, FrictionalSolution
+from contact.friction.run import FrictionalRun
+from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
+from contact.solvers.sparse import AUTO
+
+
+class FrictionalAlgorithm(Protocol):
+    """One algorithm: a frozen record of parameters.
+
+    name: in the catalogue.  epsilon [MPa/mm]: of springs in both directions; infinity is the exact law.
+    """
+
+    name: ClassVar[str]
+
+    def __init__(self, **parameters: Any) -> None: ...
+
+    @property
+    def epsilon(self) -> float:
+        """Of the laws f = w epsilon <-g> and, in stick, t = -w epsilon s."""
+
+    def supports(self, problem: FrictionalProblem) -> str | None:
+        """None, or the reason why the algorithm does not apply to the problem."""
+
+    def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
+        """Solve from ``start``; failure is a value, not an exception."""
+
+
+@dataclass(frozen=True)
+class FrictionalNewton:
+    """The fields of every algorithm; they mean what they do without friction (:class:`contact.algorithms.base`)."""
+
+    epsilon: float = np.inf
+    max_iterations: int = 40
+    solver: str = AUTO
+    tolerance: float = RESIDUAL_TOLERANCE
+
+    def supports(self, problem: FrictionalProblem) -> str | None:
+        """Needs the exact law. Whether candidates can be held by unknowns of their own the linearisation says: REFUSED."""
+        if np.isfinite(self.epsilon):
+            return "with friction its law is exact: a finite epsilon is the business of regularised"
+        return None
+
+    def run(self, problem: FrictionalProblem, *, lawful: bool = True) -> FrictionalRun:
+        """A new run of this algorithm on a problem."""
+        return FrictionalRun(problem, NewtonRun(problem.contact, self.epsilon, self.solver, self.tolerance), lawful)
