@@ -6,6 +6,7 @@ Which states there are next is the algorithm's business and must not enter here.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.linalg import norm
@@ -14,6 +15,7 @@ from contact.events import Event, EventKind
 from contact.friction.held import Directions, NotHeldError
 from contact.friction.laws import Laws, Local, Margins, expected, friction_of
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.springs import SprungStep
 from contact.friction.step import FrictionalStep, Stepped
 from contact.newton.loop import StepError
 from contact.newton.state import Iterate
@@ -27,11 +29,22 @@ Failure = SingularMatrixError | NotHeldError | StepError
 FAILURES = (SingularMatrixError, NotHeldError, StepError)  # why there is no step
 
 
+class LinearStep(Protocol):
+    """A linearised problem that knows its step under any states."""
+
+    def step(self, laws: Laws) -> Stepped:
+        """The step under the laws; raises SingularMatrixError, NotHeldError."""
+
+    def foreseen(self, laws: Laws) -> Stepped:
+        """The same for the choice of states, less exact where that is cheaper."""
+
+
 @dataclass(frozen=True, eq=False)
 class Point:
     """An iterate: that of the contact problem with friction among its loads, and what the candidates do there.
 
-    lin: the mechanics alone.  laws: of the last step.  friction (m, 2) [N]: of the laws, where ``local`` has that of
+    lin: the mechanics alone.  local: with a finite epsilon gap and slip are those without what springs give way, g + f/k
+    and s + t/k.  laws: of the last step.  friction (m, 2) [N]: of the laws, where ``local`` has that of
     the linear step.
     """
 
@@ -71,7 +84,9 @@ class FrictionalRun:
         """The point at u (n,) with the forces (m,), (m, 2) of a step under the laws."""
         contact = self.problem.contact
         c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
-        local = Local(contact.gap(u), self.problem.slip(u), normal, friction, c)
+        give = self._give
+        gap, slip = contact.gap(u) + give * normal, self.problem.slip(u) + give[:, None] * friction
+        local = Local(gap, slip, normal, friction, c)
         found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
         rubbed = np.asarray(self.problem.slip_jacobian(u).T @ found.ravel())
         scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
@@ -81,6 +96,12 @@ class FrictionalRun:
         if before is None:
             local = replace(local, c=newton.stiffness.per_area * contact.weights)
         return Point(newton, lin, local, laws, found)
+
+    @property
+    def _give(self) -> np.ndarray:
+        """1/(w epsilon) (m,) [mm/N]: what gaps and slips give way under a unit force."""
+        w = self.problem.contact.weights
+        return np.divide(1 / self.newton.epsilon, w, out=np.zeros_like(w), where=w > 0)
 
     def slip_rounding(self, u: np.ndarray, length: float = 0.0) -> float:
         """Size [mm] of a slip that is none."""
@@ -113,6 +134,8 @@ class FrictionalRun:
     def _led(self, u: np.ndarray) -> np.ndarray:
         """Candidates (m,) that slip whatever they do: nothing of theirs follows the foundation along their slip."""
         slips = self.problem.slip_jacobian(u)
+        if np.isfinite(self.newton.epsilon):
+            return np.zeros(len(self.problem.mu), bool)
         fixed = (np.asarray(abs(slips).sum(axis=1)).reshape(-1, 2) == 0) & (
             np.abs(self.problem.slip(u)) > self.slip_rounding(u)
         )
@@ -134,12 +157,15 @@ class FrictionalRun:
             return Outcome.CONVERGED
         return Outcome.ROUNDING if self.newton.stuck(at.newton) else None
 
-    def linear(self, at: Point, laws: Laws) -> FrictionalStep:
+    def linear(self, at: Point, laws: Laws) -> LinearStep:
         """The linearised problem, factorised under the laws; raises SingularMatrixError, NotHeldError."""
         u, contact = at.newton.u, self.problem.contact
         K = contact.stiffness(at.lin, u, at.newton.pressure)
         ways = Directions.of(contact.gap_jacobian(u), self.problem.slip_jacobian(u))
-        now = np.column_stack([at.local.gap, at.local.slip]).ravel()
+        now = np.column_stack([contact.gap(u), self.problem.slip(u)]).ravel()
+        if np.isfinite(self.newton.epsilon):
+            k = self.newton.epsilon * contact.weights
+            return SprungStep(self.newton, at.lin, K, ways, now, self.problem.mu, k)
         return FrictionalStep(self.newton, at.lin, K, ways, now, self.problem.mu, laws)
 
     def by_law(self, at: Point) -> Point:
@@ -169,12 +195,12 @@ class FrictionalRun:
         counters, history = dict(self.newton.tally.counters), tuple(self.newton.tally.history)
         return FrictionalSolution(at.newton.u, normal, friction, at.laws.state, outcome, counters, history)
 
-    def failed(self, at: Point, error: Failure) -> FrictionalSolution:
-        """The solution record where there is no step; the history says why."""
+    def failed(self, error: Failure) -> Outcome:
+        """How a solve ends that has no step; the history says why."""
         self.newton.tally.tell(Event(EventKind.FAILED, str(error)))
         if isinstance(error, StepError):
-            return self.finish(at, error.outcome)
-        return self.finish(at, Outcome.REFUSED if isinstance(error, NotHeldError) else Outcome.SINGULAR)
+            return error.outcome
+        return Outcome.REFUSED if isinstance(error, NotHeldError) else Outcome.SINGULAR
 
     def note(self, at: Point, laws: Laws, before: Laws, event: Event | None = None) -> None:
         """One row of history: how many stick and slip, and how many states have changed."""

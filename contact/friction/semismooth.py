@@ -5,12 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contact.events import Event
 from contact.friction.base import FrictionalNewton
+from contact.friction.loop import iterate
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
-from contact.friction.run import FAILURES
-from contact.friction.settle import settled
-from contact.problem import Outcome
 
 
 @dataclass(frozen=True)
@@ -31,23 +28,4 @@ class Semismooth(FrictionalNewton):
 
     def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
         """Iterate from ``start`` until the states repeat and the forces balance."""
-        run = self.run(problem)
-        at = run.start(start)
-        before, begun = at.laws, set[bytes]()
-        event: Event | None = None
-        for _ in range(self.max_iterations + 1):
-            laws = run.expected(at)
-            run.note(at, laws, before, event)
-            before = laws
-            ended = run.ended(at, laws)
-            if ended is not None:
-                return run.finish(at, ended)
-            again = laws.key in begun and laws.key != at.laws.key
-            begun.add(laws.key)
-            try:
-                linear = run.linear(at, laws)
-                laws, event = settled(run, at, linear, laws, 0.0 if again else self.settle, last=again)
-                at = run.advance(at, linear.step(laws), laws)
-            except FAILURES as error:
-                return run.failed(at, error)
-        return run.finish(at, Outcome.ITERATION_LIMIT)
+        return iterate(self.run(problem), start, self.settle, self.max_iterations)

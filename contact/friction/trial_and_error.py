@@ -41,7 +41,7 @@ class TrialAndError(FrictionalNewton):
             try:
                 at, outcome = self._equilibrium(run, at, laws)
             except FAILURES as error:
-                return run.failed(at, error)
+                return run.finish(at, run.failed(error))
             if not outcome.converged:
                 return run.finish(at, outcome)
             after = _next(run, at)
