@@ -39,11 +39,13 @@ class LcpSolution:
     event: Event | None = None
 
 
-def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpSolution:
+def lemke(
+    M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, most: int = MOST_PIVOTS
+) -> LcpSolution:
     """Lemke's complementary pivots with the covering vector e; ``start`` is ignored.
 
     Ties of the ratio test are broken lexicographically: finite for every M. Raises LcpError on a secondary ray, which
-    no P-matrix and no solvable positive semidefinite problem ends on.
+    no P-matrix and no solvable positive semidefinite problem ends on, and after ``most`` pivots.
     """
     n = len(q)
     if n == 0 or np.min(q) >= 0:
@@ -54,7 +56,7 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None) -> LcpS
     table = np.hstack([np.eye(n), -size[:, None] * M * size, -np.ones((n, 1)), scaled[:, None]])
     basis, entering = np.arange(n), 2 * n
     row = n - 1 - int(np.argmin(table[::-1, -1]))  # which z0 = max(-q) makes zero; the last is the lexicographic one
-    for pivots in range(1, MOST_PIVOTS):
+    for pivots in range(1, most):
         table[row] /= table[row, entering]
         others = np.flatnonzero(table[:, entering])
         others = others[others != row]
