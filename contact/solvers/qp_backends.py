@@ -1,5 +1,7 @@
 """Quadratic programmes min x.P.x/2 + q.x, A x >= b, by one call of a public solver each; no solver is trusted.
 
+The last rows of A x - b may be discs instead, three rows each: (a, c, d) with c^2 + d^2 <= a^2, a >= 0.
+
 Every backend answers with what it has found and what it claims; judging that is the business of the caller.
 Traps (osqp 1.1.3, clarabel 0.11, proxsuite 0.8.0, piqp 0.6.4, daqp 0.11.0; measured): where there is no answer OSQP
 fills x with 2.1e9, and daqp claims success with NaN; proxqp never returns from NaN; of a P that is not convex clarabel,
@@ -21,18 +23,29 @@ from contact.operations import PROGRAMMES, spend
 
 @dataclass(frozen=True, eq=False)
 class Programme:
-    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,); guess: x (n,) and y (m,) for those who can start there."""
+    """P (n, n) symmetric CSC, q (n,), A (m, n) CSC, b (m,); guess: x (n,) and y (m,) for those who can start there.
+
+    discs: how many there are; only the backends in DISCS have them.
+    """
 
     P: sparse.csc_matrix
     q: np.ndarray
     A: sparse.csc_matrix
     b: np.ndarray
     guess: tuple[np.ndarray, np.ndarray] | None = None
+    discs: int = 0
+
+    @property
+    def rows(self) -> int:
+        """Rows that are no disc's."""
+        return len(self.b) - 3 * self.discs
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """x (n,) and multipliers y (m,) >= 0 with P x + q = A^T y, whether the solver claims success, and its words.
+    """x (n,) and multipliers y (m,) with P x + q = A^T y, whether the solver claims success, and its words.
+
+    Multipliers are >= 0 but for those of discs.
 
     iterations, factorisations: that it has taken, of the matrix of P and A.
     """
@@ -56,6 +69,8 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
     nothing = Answer(np.zeros_like(programme.q), np.zeros_like(programme.b), False, "")
     if not all(np.all(np.isfinite(v)) for v in (programme.P.data, programme.q, programme.A.data, programme.b)):
         return replace(nothing, status="refused: the programme is not finite")
+    if programme.discs and backend not in DISCS:
+        return replace(nothing, status=f"refused: {backend} has no discs")
     call = BACKENDS[backend]
     try:
         found = call(programme, eps, polish)
@@ -67,7 +82,7 @@ def ask(backend: str, programme: Programme, eps: float, polish: bool) -> Answer:
         return replace(nothing, status=f"refused: {error!r}")
     if not largest < (np.inf if found.claimed else FILLING):  # NaN is not
         return replace(nothing, status=found.status)
-    return replace(found, y=np.maximum(found.y, 0.0))
+    return replace(found, y=np.where(np.arange(len(found.y)) < programme.rows, np.maximum(found.y, 0.0), found.y))
 
 
 def operations(programme: Programme, iterations: int, factorisations: int) -> float:
@@ -120,7 +135,7 @@ def _clarabel(programme: Programme, eps: float, polish: bool) -> Answer:
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = eps
     upper = sparse.triu(programme.P, format="csc")
-    cones = [clarabel.NonnegativeConeT(len(programme.b))]
+    cones = [clarabel.NonnegativeConeT(programme.rows), *[clarabel.SecondOrderConeT(3)] * programme.discs]
     solver = clarabel.DefaultSolver(upper, programme.q, sparse.csc_matrix(-programme.A), -programme.b, cones, settings)
     found = solver.solve()
     solved = found.status == clarabel.SolverStatus.Solved
@@ -164,6 +179,7 @@ BACKENDS: dict[str, Callable[[Programme, float, bool], Answer]] = {
     "piqp": _piqp,
     "daqp": _daqp,
 }
+DISCS = ("clarabel",)
 MODULES = {"osqp": "osqp", "clarabel": "clarabel", "proxqp": "proxsuite", "piqp": "piqp", "daqp": "daqp"}
 
 
