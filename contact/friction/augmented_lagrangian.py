@@ -38,6 +38,12 @@ class AugmentedLagrangian(FrictionalNewton):
     max_outer: int = 60
     name: ClassVar[str] = "augmented-lagrangian"
 
+    def supports(self, problem: FrictionalProblem) -> str | None:
+        """Needs the exact law."""
+        if np.isfinite(self.epsilon):
+            return "its forces are exact: epsilon must be infinite; a finite one is the business of regularised"
+        return None
+
     def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
         """Outer loop from the forces and states of ``start``."""
         exact, loosest = self.run(problem), max(LOOSEST, self.tolerance)
@@ -85,7 +91,9 @@ def _error(exact: FrictionalRun, at: Point) -> float:
     wrong = np.where(slips[:, None], slip - along[:, None] * unit, np.where(closed[:, None], slip, 0.0))
     wrong[closed & (exact.problem.mu == 0)] = 0.0
     off = float(np.max(np.where(closed, np.abs(gap), np.maximum(-gap, 0.0)), initial=0.0))
-    return max(off / (margins.gap or 1.0), float(np.max(np.linalg.norm(wrong, axis=1), initial=0.0)) / (margins.slip or 1.0))
+    return max(
+        off / (margins.gap or 1.0), float(np.max(np.linalg.norm(wrong, axis=1), initial=0.0)) / (margins.slip or 1.0)
+    )
 
 
 def _change(normal: np.ndarray, friction: np.ndarray) -> float:

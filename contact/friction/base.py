@@ -1,4 +1,4 @@
-"""What the frictional algorithms share: each is a frozen record of parameters with the fields of its frictionless twin."""
+"""What algorithms with friction share: each is a frozen record of parameters with fields of its frictionless twin."""
 
 from __future__ import annotations
 
@@ -36,7 +36,10 @@ class FrictionalAlgorithm(Protocol):
 
 @dataclass(frozen=True)
 class FrictionalNewton:
-    """The fields of every algorithm; they mean what they do without friction (:class:`contact.algorithms.base`)."""
+    """The fields of every algorithm; they mean what they do without friction (:mod:`contact.algorithms.base`).
+
+    epsilon [MPa/mm]: of springs in both directions; infinity is the exact law.
+    """
 
     epsilon: float = np.inf
     max_iterations: int = 40
@@ -44,9 +47,11 @@ class FrictionalNewton:
     tolerance: float = RESIDUAL_TOLERANCE
 
     def supports(self, problem: FrictionalProblem) -> str | None:
-        """Needs the exact law. Whether candidates can be held by unknowns of their own the linearisation says: REFUSED."""
-        if np.isfinite(self.epsilon):
-            return "with friction its law is exact: a finite epsilon is the business of regularised"
+        """Applies to every problem as far as that is known before a linearisation.
+
+        With an infinite epsilon candidates are held by unknowns of their own: where they have none the outcome is
+        REFUSED.
+        """
         return None
 
     def run(self, problem: FrictionalProblem, *, lawful: bool = True) -> FrictionalRun:

@@ -1,8 +1,9 @@
 """The linearised step with friction condensed on forces: v = v_free + W F of the candidates that may touch.
 
-With K^-1 at hand, du = K^-1 (J^T F - r) and W = J K^-1 J^T [mm/N], three ways a candidate. A programme in F is asked for
-forces and states of those that are expected to touch, joined by those that its answer pushes in. A body that only the
-foundation holds has no W: K is then made a little stiffer along its diagonal, which serves to choose states, no more.
+With K^-1 at hand, du = K^-1 (J^T F - r) and W = J K^-1 J^T [mm/N], three ways a candidate; a finite epsilon adds what
+its springs give way. A programme in F is asked for forces and states of those that are expected to touch, joined by
+those that its answer pushes in. A body that only the foundation holds has no W: K is then made a little stiffer along
+its diagonal, which serves to choose states, no more.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ Choose = Callable[[Block], Chosen]
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """What a programme makes of a linearisation: du (n,), the candidates and their laws; shift: of the diagonal of K."""
+    """What a programme makes of a linearisation: du (n,), all candidates, their laws, and the shift of K's diagonal."""
 
     du: np.ndarray
     local: Local
@@ -61,17 +62,17 @@ class Reached:
 
 
 def reach(run: FrictionalRun, at: Point, near: np.ndarray, choose: Choose) -> Reached:
-    """Ask for the candidates ``near`` (m,), and for those that are pushed in; raises StepError and what choose raises."""
+    """Ask for the candidates ``near`` (m,) and those that are pushed in; raises StepError and what choose raises."""
     contact, u = run.problem.contact, at.newton.u
     K = contact.stiffness(at.lin, u, at.newton.pressure)
     J = Directions.of(contact.gap_jacobian(u), run.problem.slip_jacobian(u))
-    now = np.column_stack([at.local.gap, at.local.slip]).ravel()
+    now, give = np.column_stack([contact.gap(u), run.problem.slip(u)]).ravel(), np.repeat(run.give, 3)
     factor, matrix, du, shift = _factorised(run, at, K, J.rows)
     v, m = now + J.rows @ du, len(run.problem.mu)
     near = near | (v[::3] < 0)
     F, state = np.zeros(3 * m), np.zeros(m, np.int8)
     own = J.own
-    own[:, 1:] |= np.abs(at.local.slip) > run.slip_rounding(u)
+    own[:, 1:] |= np.abs(now.reshape(m, 3)[:, 1:]) > run.slip_rounding(u)
     known, columns = np.zeros(0, int), np.zeros((3 * m, 0))
     while near.any():
         new = np.setdiff1d(np.flatnonzero(near), known)
@@ -80,7 +81,8 @@ def reach(run: FrictionalRun, at: Point, near: np.ndarray, choose: Choose) -> Re
             found = response(factor, sparse.csc_matrix(J.rows.T), sparse.csc_matrix(J.rows[ways].T))
             known, columns = np.append(known, new), np.hstack([columns, found])
             places = (3 * known[:, None] + np.arange(3)).ravel()
-            block = Block(columns[places], v[places], run.problem.mu[known], at.local.c[known], own[known])
+            W = columns[places] + np.diag(give[places])
+            block = Block(W, v[places], run.problem.mu[known], at.local.c[known], own[known])
             chosen = choose(block)
         F[places], state[known] = chosen.forces.ravel(), chosen.state
         after = v + columns @ F[places]
@@ -90,7 +92,7 @@ def reach(run: FrictionalRun, at: Point, near: np.ndarray, choose: Choose) -> Re
             break
         near = near | pushed_in
     du = run.newton.solution(factor, matrix, J.rows.T @ F - at.lin.residual)
-    way, force = (now + J.rows @ du).reshape(m, 3), F.reshape(m, 3)
+    way, force = (now + J.rows @ du + give * F).reshape(m, 3), F.reshape(m, 3)
     local = Local(way[:, 0], way[:, 1:], force[:, 0], force[:, 1:], at.local.c)
     bound = np.where(state == State.SLIP, run.problem.mu, 0.0) * np.maximum(local.normal, 0.0)
     return Reached(du, local, directed(local, state, bound), shift)

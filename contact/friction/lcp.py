@@ -36,7 +36,7 @@ class Lcp(FrictionalNewton):
     name: ClassVar[str] = "lcp"
 
     def supports(self, problem: FrictionalProblem) -> str | None:
-        """Needs the exact law, a polygon with an even number of sides, and finite coefficients."""
+        """Needs a polygon with an even number of sides, and finite coefficients."""
         if self.sides < 4 or self.sides % 2:
             return f"a polygon of {self.sides} sides: an even number from 4 on is needed"
         if np.any(np.isinf(problem.mu)):
@@ -77,7 +77,9 @@ def corners(block: Block, sides: int) -> tuple[np.ndarray, np.ndarray]:
     rubs, columns = [np.zeros(0, int)], [np.zeros((3 * len(block.mu), 0))]
     for i in np.flatnonzero(block.mu > 0).tolist():
         one, two = block.own[i, 1:]
-        directions = polygon(sides) if one and two else polygon(2)[:, :: 1 if one else -1] if one or two else np.zeros((0, 2))
+        directions = (
+            polygon(sides) if one and two else polygon(2)[:, :: 1 if one else -1] if one or two else np.zeros((0, 2))
+        )
         found = np.zeros((3 * len(block.mu), len(directions)))
         found[3 * i + 1 : 3 * i + 3] = directions.T
         rubs.append(np.full(len(directions), i))

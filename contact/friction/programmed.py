@@ -87,9 +87,7 @@ def unfinished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], 
     return at, Outcome.ITERATION_LIMIT
 
 
-def _claimed(
-    run: FrictionalRun, at: Point, laws: Laws, choose: Choose, words: list[str]
-) -> tuple[Laws, list[str]]:
+def _claimed(run: FrictionalRun, at: Point, laws: Laws, choose: Choose, words: list[str]) -> tuple[Laws, list[str]]:
     """Laws to begin with, and what there is to say of them; raises StepError of a problem that is refused."""
     words.clear()
     try:

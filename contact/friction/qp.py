@@ -22,14 +22,14 @@ CONTRACTS = 0.9  # a change that falls by less is damped
 
 @dataclass(frozen=True)
 class Qp(FrictionalNewton):
-    """min F.W.F/2 + v.F subject to f >= 0, |t| <= b in the forces of the condensed linearisation; b = mu f, and again.
+    """min F.W.F/2 + v.F, f >= 0, |t| <= b, in the forces F of a condensed linearisation; b = mu f of the last; again.
 
     With given bounds friction has a potential (Tresca), and the pass after takes those of the normal forces before,
     damped where they do not contract: to a fixed point, which is the law of Coulomb.
-    backend: clarabel has the disc |t| <= b as a second-order cone; the others have a polygon in it of so many ``sides``,
+    backend: clarabel has the disc |t| <= b as a second-order cone, the others a polygon in it of so many ``sides``,
     on which friction is up to 1 - cos(pi/sides) short.  eps, polish: as without friction.
-    finish: whether exact steps on the states of the answer follow, so that no digit comes from a backend; without, a step
-    ends with the forces of the programme, which the judge refuses.
+    finish: whether exact steps on the states of the answer follow, so that no digit comes from a backend; without, a
+    step ends with the forces of the programme, which the judge refuses.
     A tangent that is not symmetric has no energy: refused.
     Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432.
     """
@@ -42,7 +42,7 @@ class Qp(FrictionalNewton):
     name: ClassVar[str] = "qp"
 
     def supports(self, problem: FrictionalProblem) -> str | None:
-        """Needs the exact law, its backend, a polygon with an even number of sides, and finite coefficients."""
+        """Needs its backend, a polygon with an even number of sides, and finite coefficients."""
         if self.sides < 4 or self.sides % 2:
             return f"a polygon of {self.sides} sides: an even number from 4 on is needed"
         if np.any(np.isinf(problem.mu)):

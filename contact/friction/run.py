@@ -43,8 +43,8 @@ class LinearStep(Protocol):
 class Point:
     """An iterate: that of the contact problem with friction among its loads, and what the candidates do there.
 
-    lin: the mechanics alone.  local: with a finite epsilon gap and slip are those without what springs give way, g + f/k
-    and s + t/k.  laws: of the last step.  friction (m, 2) [N]: of the laws, where ``local`` has that of
+    lin: the mechanics alone.  local: with a finite epsilon gap and slip are without what springs give way, g + f/k and
+    s + t/k.  laws: of the last step.  friction (m, 2) [N]: of the laws, where ``local`` has that of
     the linear step.
     """
 
@@ -84,7 +84,7 @@ class FrictionalRun:
         """The point at u (n,) with the forces (m,), (m, 2) of a step under the laws."""
         contact = self.problem.contact
         c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
-        give = self._give
+        give = self.give
         gap, slip = contact.gap(u) + give * normal, self.problem.slip(u) + give[:, None] * friction
         local = Local(gap, slip, normal, friction, c)
         found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
@@ -98,7 +98,7 @@ class FrictionalRun:
         return Point(newton, lin, local, laws, found)
 
     @property
-    def _give(self) -> np.ndarray:
+    def give(self) -> np.ndarray:
         """1/(w epsilon) (m,) [mm/N]: what gaps and slips give way under a unit force."""
         w = self.problem.contact.weights
         return np.divide(1 / self.newton.epsilon, w, out=np.zeros_like(w), where=w > 0)

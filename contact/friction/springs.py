@@ -1,7 +1,7 @@
 """The linearised step of a frictional problem on springs: gaps and slips give way under their forces.
 
-With k = w epsilon [N/mm] the laws hold for g + f/k and s + t/k instead of g and s. Under given states, with e across the
-direction d of a slip, forces are F = -C (v + J du), v = (g, s)::
+With k = w epsilon [N/mm] the laws hold for g + f/k and s + t/k instead of g and s. Under given states, with e across
+the direction d of a slip, forces are F = -C (v + J du), v = (g, s)::
 
     stick   C = k
     slip    C_n = k,    C_tn = -mu k d,    C_tt = kappa/(1 + kappa/k) e e^T
@@ -91,7 +91,9 @@ def _stiffness(laws: Laws, mu: np.ndarray, k: np.ndarray) -> np.ndarray:
     C = np.where(laws.closed, k, 0.0)[:, None, None] * np.eye(3)
     slips = laws.state == State.SLIP
     kappa, stiff = laws.across, k > 0
-    soft = np.divide(kappa, 1 + np.divide(kappa, k, out=np.zeros_like(k), where=stiff), out=np.zeros_like(k), where=stiff)
+    soft = np.divide(
+        kappa, 1 + np.divide(kappa, k, out=np.zeros_like(k), where=stiff), out=np.zeros_like(k), where=stiff
+    )
     e = np.stack([-laws.direction[:, 1], laws.direction[:, 0]], axis=1)
     C[slips, 1:, 0] = -(np.where(slips, mu, 0.0) * k)[slips, None] * laws.direction[slips]
     C[slips, 1:, 1:] = (soft[:, None, None] * e[:, :, None] * e[:, None, :])[slips]

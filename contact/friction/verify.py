@@ -12,7 +12,8 @@ Tangential direction, candidate by candidate, F the largest force of a candidate
     direction  |s/|s| + t/|t|| of the rest   0: opposite     less where rounding alone turns s or t, see CHORD
     generated  t.s over all candidates       over L sum|t|   friction that drives
 
-All are relative, so that no unit is a special one. No algorithm may enter here.
+All are relative, so that no unit is a special one. With a finite epsilon the conditions are those of its springs, that
+is of g + f/(w epsilon) and s + t/(w epsilon) instead of g and s. No algorithm may enter here.
 """
 
 from __future__ import annotations
@@ -107,23 +108,29 @@ def judge(
     normal: np.ndarray,
     friction: np.ndarray,
     *,
+    epsilon: float = np.inf,
     since: np.ndarray | None = None,
 ) -> FrictionVerdict:
     """Recompute all residuals; raises ValueError when the forces do not fit the candidates.
 
+    epsilon [MPa/mm]: of springs in both directions, infinite for the exact law.
     since (n,): the last accepted state, from which work is balanced; default the undeformed one.
     """
     m = len(problem.mu)
     if normal.shape != (m,) or friction.shape != (m, 2):
         raise ValueError(f"forces of shapes {normal.shape} and {friction.shape} for {m} contact candidates")
-    contact = judge_contact(under(problem, friction), u, normal, since=since)
-    slip, t, bound = problem.slip(u), _size(friction), problem.bound(normal)
+    w = problem.contact.weights
+    give = np.divide(1 / epsilon, w, out=np.zeros_like(w), where=w > 0)
+    sprung = replace(problem, contact=replace(problem.contact, gap=lambda u: problem.contact.gap(u) + give * normal))
+    contact = judge_contact(under(sprung, friction), u, normal, since=since)
+    contact = replace(contact, length=max(contact.length, float(np.max(give * np.abs(normal), initial=0.0))))
+    slip, t, bound = problem.slip(u) + give[:, None] * friction, _size(friction), problem.bound(normal)
     moved = float(np.max(abs(problem.slip_jacobian(u)) @ np.abs(u), initial=0.0))
     length = max(contact.length, moved, float(np.max(_size(slip), initial=0.0)))
     force = max(contact.pressure, float(np.max(t, initial=0.0)))
     L, F = length or 1.0, force or 1.0
     rounding = POSITION * problem.slip_size / L
-    opened = (normal <= 0) | (problem.contact.gap(u) > contact.gap_bound())
+    opened = (normal <= 0) | (sprung.contact.gap(u) > contact.gap_bound())
     held = bound - t > CONE * F
     turns = ~(held | opened)
     total = float(np.sum(t)) * L or 1.0

@@ -39,9 +39,7 @@ class LcpSolution:
     event: Event | None = None
 
 
-def lemke(
-    M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, most: int = MOST_PIVOTS
-) -> LcpSolution:
+def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, most: int = MOST_PIVOTS) -> LcpSolution:
     """Lemke's complementary pivots with the covering vector e; ``start`` is ignored.
 
     Ties of the ratio test are broken lexicographically: finite for every M. Raises LcpError on a secondary ray, which
