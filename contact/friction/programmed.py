@@ -18,6 +18,7 @@ from contact.friction.step import Stepped
 from contact.newton.loop import StepError
 from contact.problem import Outcome
 from contact.solvers.lcp_pivoting import LcpError
+from contact.solvers.sparse import SingularMatrixError
 
 
 def polygon(sides: int) -> np.ndarray:
@@ -51,7 +52,11 @@ def approach(run: FrictionalRun, at: Point, choose: Choose, words: list[str], mo
                 linear = run.linear(at, laws)
             else:
                 claimed, told = _claimed(run, at, laws, choose, words)
-                linear = run.linear(at, claimed)
+                try:
+                    linear = run.linear(at, claimed)
+                except SingularMatrixError as error:
+                    told.append(f"on its states {error}; those expected before it were settled instead")
+                    claimed, linear = laws, run.linear(at, laws)
                 laws, cycle = settled(run, at, linear, claimed)
                 wrong = int(np.sum(laws.state != claimed.state))
                 told += [f"states of {wrong} candidates corrected by exact steps"] if wrong else []
@@ -76,7 +81,7 @@ def unfinished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], 
         try:
             words.clear()
             found = reach(run, at, laws.closed, choose)
-            if found.shift:
+            if found.passes:
                 raise StepError(Outcome.REFUSED, "only the foundation holds the body: its forces are no programme's")
         except LcpError as error:
             return at, run.failed(StepError(Outcome.UNSOLVED, str(error)))
@@ -96,7 +101,11 @@ def _claimed(run: FrictionalRun, at: Point, laws: Laws, choose: Choose, words: l
         if isinstance(error, StepError) and error.outcome is Outcome.REFUSED:
             raise
         return laws, [f"{error}; states settled by exact steps instead"]
-    told = [f"no compliance: states found with a shift of {found.shift:g} of the diagonal"] if found.shift else []
+    told = (
+        [f"only the foundation holds the body: states found on springs in {found.passes} passes"]
+        if found.passes
+        else []
+    )
     return found.laws, told + words
 
 

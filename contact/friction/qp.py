@@ -67,7 +67,7 @@ class Qp(FrictionalNewton):
             forces = tresca.forces(answer.x, chosen)
             wanted = block.mu * np.maximum(forces[:, 0], 0.0)
             change = float(np.max(np.abs(wanted - bound), initial=0.0))
-            if change <= near * float(np.max(wanted, initial=0.0)):
+            if not answer.claimed or change <= near * float(np.max(wanted, initial=0.0)):
                 break
             damping = damping / 2 if change > CONTRACTS * before else damping
             bound, before = bound + damping * (wanted - bound), change
