@@ -2,8 +2,8 @@
 
 With K^-1 at hand, du = K^-1 (J^T F - r) and W = J K^-1 J^T [mm/N], three ways a candidate; a finite epsilon adds what
 its springs give way. A programme in F is asked for forces and states of those that are expected to touch, joined by
-those that its answer pushes in. A body that only the foundation holds has no W: springs between those expected to touch
-and where they are hold it, first with no gap and no slip, then as the answer before left them, until states repeat.
+those that its answer pushes in. A body that only the foundation holds has no W: springs hold those that are expected to
+touch where they are, or all if there are none, then where the answer before left them, until states repeat.
 Source of such springs: Rockafellar, SIAM J. Control Optim. 14 (1976) 877-898 (proximal points).
 """
 
@@ -68,10 +68,9 @@ class Reached:
 
 def reach(run: FrictionalRun, at: Point, near: np.ndarray, choose: Choose) -> Reached:
     """Ask for the candidates ``near`` (m,) and those that are pushed in; raises StepError and what choose raises."""
-    with run.newton.tally.timed("contact_s"):
-        body = _Body(run, at, near)
+    body = _Body(run, at, near)
     m, passes = len(near), 0
-    anchor, states = np.zeros(3 * m), [np.full(m, -1)]
+    anchor, states = np.where(np.repeat(near, 3), 0.0, body.now), [np.full(m, -1)]
     while True:
         F, state = _asked(run, at, body, near, anchor, choose)
         if not body.spring.any() or np.array_equal(state, states[-1]) or passes == PASSES:
@@ -109,10 +108,10 @@ def _asked(
 
 
 class _Body:
-    """K with springs (3m,) [N/mm] on ways where it is singular alone, factorised; columns of W as they are asked for."""
+    """K factorised, with springs (3m,) [N/mm] on ways where it is singular alone; columns of W as they are wanted."""
 
     def __init__(self, run: FrictionalRun, at: Point, near: np.ndarray) -> None:
-        """Raises StepError where springs on the candidates ``near`` do not hold it either."""
+        """Raises StepError where springs on the candidates ``near``, or on all, do not hold it either."""
         contact, u = run.problem.contact, at.newton.u
         K = contact.stiffness(at.lin, u, at.newton.pressure)
         J = Directions.of(contact.gap_jacobian(u), run.problem.slip_jacobian(u))
@@ -123,7 +122,7 @@ class _Body:
         own = np.abs(K.diagonal())
         alone = np.linalg.norm(at.lin.residual) / np.where(own > 0, own, np.inf)
         size = float(np.max(abs(J.rows) @ alone, initial=0.0))
-        for spring in (np.zeros(3 * m), SPRING * np.repeat(np.where(near, at.local.c, 0.0), 3)):
+        for spring in (np.zeros(3 * m), SPRING * np.repeat(np.where(near | (not near.any()), at.local.c, 0.0), 3)):
             self.spring = spring
             held = sparse.csc_matrix(self._J.T @ sparse.diags_array(spring) @ self._J)
             self._matrix = added(K, held) if spring.any() else K

@@ -54,7 +54,7 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, most: i
     table = np.hstack([np.eye(n), -size[:, None] * M * size, -np.ones((n, 1)), scaled[:, None]])
     basis, entering = np.arange(n), 2 * n
     row = n - 1 - int(np.argmin(table[::-1, -1]))  # which z0 = max(-q) makes zero; the last is the lexicographic one
-    for pivots in range(1, most):
+    for pivots in range(1, most + 1):
         table[row] /= table[row, entering]
         others = np.flatnonzero(table[:, entering])
         others = others[others != row]
@@ -69,7 +69,7 @@ def lemke(M: np.ndarray, q: np.ndarray, start: np.ndarray | None = None, most: i
         if len(rows) == 0:
             raise LcpError(f"Lemke's method ended on a secondary ray after {pivots} pivots: M is no P-matrix")
         row = _lexicographic_minimum(table, rows, column, basis)
-    raise LcpError(f"Lemke's method took {pivots} pivots without an end")
+    raise LcpError(f"Lemke's method took {most} pivots without an end")
 
 
 def _lexicographic_minimum(table: np.ndarray, rows: np.ndarray, column: np.ndarray, basis: np.ndarray) -> int:

@@ -97,6 +97,33 @@ def test_a_broken_law_is_named_in_any_units(spoil, names, length, force) -> None
         assert failures == names
 
 
+def on_springs(step, answer, epsilon):
+    """The step whose gaps and slips have given way under the answer, so that it obeys the law of that epsilon."""
+    gap = step.step.gap - answer.normal / epsilon
+    return replace(step, slip=step.slip - answer.friction / epsilon, step=replace(step.step, gap=gap))
+
+
+@pytest.mark.parametrize("epsilon", [0.1, 1e4])
+@pytest.mark.parametrize(("spoil", "names"), MUTANTS.values(), ids=MUTANTS)
+def test_a_broken_law_is_named_on_springs(spoil, names, epsilon) -> None:
+    step, answer = spoil(*made())
+    if np.isnan(answer.friction).any():
+        assert names <= set(judged(on_springs(step, answer, epsilon), answer, epsilon=epsilon).failures())
+    else:
+        sprung = on_springs(balanced(step, answer), answer, epsilon)
+        assert set(judged(sprung, answer, epsilon=epsilon).failures()) == names
+
+
+@pytest.mark.parametrize("epsilon", [0.1, 1e4])
+def test_springs_are_judged_with_their_epsilon_alone(epsilon) -> None:
+    step, answer = made()
+    sprung = on_springs(step, answer, epsilon)
+    assert judged(sprung, answer, epsilon=epsilon).failures() == []
+    for other in (1.01 * epsilon, math.inf):
+        assert {"complementarity", "stick"} <= set(judged(sprung, answer, epsilon=other).failures())
+    assert {"complementarity", "stick"} <= set(judged(step, answer, epsilon=epsilon).failures())
+
+
 @pytest.mark.parametrize(("length", "force"), UNITS)
 def test_units_change_no_residual(length, force) -> None:
     step, answer = made()

@@ -1,0 +1,156 @@
+"""What the six algorithms with friction have in common: their answers, their twins, and how they say there is none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.events import EventKind, events
+from contact.friction.augmented_lagrangian import AugmentedLagrangian
+from contact.friction.base import FrictionalAlgorithm
+from contact.friction.catalogue import FRICTIONAL, twin
+from contact.friction.lcp import Lcp
+from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.qp import Qp
+from contact.friction.regularised import Regularised
+from contact.friction.semismooth import Semismooth
+from contact.friction.verify import judge
+from contact.problem import ContactSolution, Outcome
+from support.problems.frictional import manufactured
+from support.problems.planted_friction import linear, planted, tied
+
+EXACT: dict[str, FrictionalAlgorithm] = {
+    "semismooth": Semismooth(),
+    "augmented-lagrangian": AugmentedLagrangian(),
+    "qp": Qp(),
+    "qp on discs": Qp(backend="clarabel"),
+    "lcp": Lcp(),
+}
+HELD = ("trial-and-error", "semismooth", "qp", "lcp")  # need unknowns of a candidate's own
+SEEDS = [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 20))]
+
+
+def solved(algorithm: FrictionalAlgorithm, problem: FrictionalProblem) -> FrictionalSolution:
+    """From rest."""
+    n = problem.slip_jacobian(np.zeros(0)).shape[1]
+    return algorithm.solve(problem, FrictionalSolution.at_rest(n, len(problem.mu)))
+
+
+@pytest.mark.parametrize("mu", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", EXACT)
+def test_all_that_claim_the_exact_law_agree(name: str, seed: int, mu: float) -> None:
+    wanted = planted(seed, mu)
+    found = solved(EXACT[name], wanted.problem)
+    assert found.outcome is Outcome.CONVERGED
+    assert np.array_equal(found.state, wanted.state)
+    for what in ("u", "normal", "friction"):
+        assert np.max(np.abs(getattr(found, what) - getattr(wanted, what))) < 1e-8, what
+    assert not judge(wanted.problem, found.u, found.normal, found.friction).failures()
+
+
+@pytest.mark.parametrize("epsilon", [10.0, 1e4, 1e8])
+@pytest.mark.parametrize("name", ["semismooth", "qp", "lcp", "trial-and-error"])
+def test_all_that_know_springs_agree_on_them(name: str, epsilon: float) -> None:
+    problem = planted(6, 0.4, components=1).problem  # where the naive set ends
+    wanted = solved(Regularised(epsilon=epsilon), problem)
+    found = solved(FRICTIONAL[name](epsilon=epsilon), problem)
+    assert found.outcome is wanted.outcome is Outcome.CONVERGED
+    assert np.array_equal(found.state, wanted.state)
+    for what in ("u", "normal", "friction"):
+        assert np.max(np.abs(getattr(found, what) - getattr(wanted, what))) < 1e-8, what
+
+
+@pytest.mark.parametrize("name", FRICTIONAL)
+def test_without_friction_the_answer_is_that_of_the_twin(name: str) -> None:
+    problem = planted(2, 0.0).problem
+    frictionless = ALGORITHMS[name](epsilon=1e4 if name == "regularised" else np.inf)
+    wanted = frictionless.solve(problem.contact, ContactSolution.at_rest(26, 7))
+    found = solved(twin(frictionless), problem)
+    told = found.without_friction(problem.contact.weights)
+    assert wanted.outcome is found.outcome is Outcome.CONVERGED
+    assert np.array_equal(told.active, wanted.active)
+    assert np.max(np.abs(told.u - wanted.u)) < 1e-8
+    assert np.max(np.abs(told.pressure - wanted.pressure)) < 1e-8
+    assert not np.any(found.friction)
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_smooth_candidates_beside_rough_ones(name: str) -> None:
+    problem = planted(4, 0.7).problem
+    mixed = replace(problem, mu=np.where(np.arange(7) % 2, problem.mu, 0.0))
+    wanted, found = solved(Semismooth(), mixed), solved(EXACT[name], mixed)
+    assert wanted.outcome is found.outcome is Outcome.CONVERGED
+    assert np.max(np.abs(found.friction - wanted.friction)) < 1e-8
+    assert not np.any(found.friction[::2])
+    assert not judge(mixed, found.u, found.normal, found.friction).failures()
+
+
+@pytest.mark.parametrize("name", ["trial-and-error", "regularised", "augmented-lagrangian"])
+def test_an_endless_friction_ties(name: str) -> None:
+    problem = tied(3)
+    algorithm = FRICTIONAL[name](epsilon=1e8) if name == "regularised" else FRICTIONAL[name]()
+    wanted, found = solved(Semismooth(), problem), solved(algorithm, problem)
+    assert wanted.outcome is found.outcome is Outcome.CONVERGED
+    assert np.max(np.abs(found.friction - wanted.friction)) < (1e-6 if name == "regularised" else 1e-8)
+    assert not np.any(found.state == State.SLIP)
+
+
+@pytest.mark.parametrize("name", ["qp", "lcp"])
+def test_it_gives_programmes_no_bound(name: str) -> None:
+    assert "infinite coefficient" in (FRICTIONAL[name]().supports(tied(3)) or "")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_candidates_that_share_unknowns_need_springs(seed: int) -> None:
+    """Every gap and slip depends on all unknowns: held by none of their own, but by springs."""
+    step, wanted = manufactured(np.random.default_rng(seed), 4, np.array([0, 1, 2, 2]))
+    problem = step.problem()
+    for name in HELD:
+        found = FRICTIONAL[name]().solve(problem, FrictionalSolution.at_rest(len(wanted.u), 4))
+        assert found.outcome is Outcome.REFUSED, name
+        assert "share an unknown" in str(events(found.history, EventKind.FAILED)[-1])
+    found = AugmentedLagrangian().solve(problem, FrictionalSolution.at_rest(len(wanted.u), 4))
+    assert found.outcome is Outcome.CONVERGED
+    assert np.max(np.abs(found.u - wanted.u)) < 1e-8
+    assert np.max(np.abs(found.friction - wanted.friction)) < 1e-8
+    assert np.array_equal(found.state, wanted.state)
+
+
+def two_ways() -> FrictionalProblem:
+    """One candidate of two unknowns whose slips are the same, pressed and pulled to where it sticks."""
+    G, S = np.array([[0.0, 1.0]]), np.array([[1.0, 0.0], [1.0, 0.0]])
+    return linear(np.eye(2), np.array([0.2, -1.0]), G, S, np.zeros(1), np.zeros((1, 2)), np.ones(1))
+
+
+@pytest.mark.parametrize("name", HELD)
+def test_a_candidate_with_less_ways_than_its_slip_is_refused(name: str) -> None:
+    found = solved(FRICTIONAL[name](), two_ways())
+    assert found.outcome is Outcome.REFUSED
+    assert "less ways than its slip has" in str(events(found.history, EventKind.FAILED)[-1])
+
+
+@pytest.mark.parametrize("name", FRICTIONAL)
+def test_a_twin_has_the_fields_of_the_frictionless_one(name: str) -> None:
+    frictionless = ALGORITHMS[name](tolerance=1e-7, epsilon=123.0)
+    found = twin(frictionless)
+    assert found.name == name
+    assert vars(found)["tolerance"] == 1e-7
+    assert found.epsilon == 123.0
+    assert (found.supports(two_ways()) is None) == (name != "augmented-lagrangian")
+
+
+def test_a_twin_keeps_what_is_its_own() -> None:
+    assert twin(ALGORITHMS["qp"](backend="clarabel", eps=1e-6)) == Qp(backend="clarabel", eps=1e-6)
+    assert twin(ALGORITHMS["semismooth"](settle=0.5, c=7.0)) == Semismooth(settle=0.5)
+
+
+def test_who_has_no_twin_is_refused() -> None:
+    class Other(Semismooth):
+        name = "other"
+
+    with pytest.raises(ValueError, match="'other' has no twin"):
+        twin(Other())
