@@ -17,7 +17,8 @@ from studies.experiments.friction.rigid_bodies import block, pushed_up
 def test_the_greco_plate_on_coarse_meshes(n: int) -> None:
     """What they give: 5e-4 of the slips, 5e-4 of the friction; the naive set cycles."""
     table = friction_table([n]).set_index("algorithm")
-    assert dict(table["outcome"]) == {"semismooth": "converged", "trial-and-error": "cycling"}
+    assert set(table.index[table["outcome"] != "converged"]) == {"trial-and-error"}
+    assert table.loc["trial-and-error", "outcome"] == "cycling"
     assert table.loc["semismooth", "error"] < 5e-4
     assert table.loc["semismooth", "friction_N"] == pytest.approx(FRICTION, rel=5e-4)
 

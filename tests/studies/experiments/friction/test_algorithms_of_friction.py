@@ -1,0 +1,152 @@
+"""All algorithms with friction on the reference problems: who ends, where, and with what."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from contact.friction.base import FrictionalAlgorithm
+from contact.friction.catalogue import FRICTIONAL
+from contact.friction.path import follow
+from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.problem import ContactProblem, linear_mechanics
+from studies.experiments.friction.bars import EA, LENGTH, MU, PULL, RADIUS, T0, T1, TAU, Bar
+from studies.experiments.friction.greco import friction_table, solve
+from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
+from studies.experiments.solids.greco_plate import GrecoPlate
+
+EXACT = [name for name in FRICTIONAL if name not in ("trial-and-error", "regularised")]
+
+
+def algorithm(name: str) -> FrictionalAlgorithm:
+    return FRICTIONAL[name](epsilon=1e9) if name == "regularised" else FRICTIONAL[name]()
+
+
+@pytest.fixture(scope="module")
+def table():
+    return klarbring_table().set_index(["case", "algorithm"])
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_klarbrings_springs_have_the_answers_that_the_case_is_named_for(case: str) -> None:
+    words = [answer.word for answer in answers(CASES[case])]
+    number = {"two": 2, "three": 3, "none": 0}
+    assert len(words) == next((n for name, n in number.items() if f", {name}" in case), 1)
+    assert all(word in case for word in words) or len(words) > 1
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_enumerated_answer_obeys_the_law(case: str) -> None:
+    """Against the equations themselves: forces balance, nothing penetrates, friction is on its interval and opposes."""
+    k = CASES[case]
+    for a in answers(k):
+        assert k.tt * a.u_t + k.nt * a.u_n == pytest.approx(k.along + a.t, abs=1e-12)
+        assert k.nt * a.u_t + k.nn * a.u_n == pytest.approx(k.off + a.f, abs=1e-12)
+        slip = a.u_t + k.slip0
+        assert min(a.u_n, a.f) == pytest.approx(0, abs=1e-12)
+        assert abs(a.t) <= k.mu * a.f + 1e-12
+        assert a.t * slip <= 1e-12
+        assert abs(slip) < 1e-12 or abs(a.t) == pytest.approx(k.mu * a.f, abs=1e-12)
+
+
+def test_a_claimed_answer_is_one_of_them(table) -> None:
+    assert not (table["found"] == "wrong").any()
+    assert (table["outcome"][table["answers"] == 0] == "cycling").all()
+    claimed = table[table["outcome"] == "converged"]
+    assert all(found in which.split(", ") for found, which in zip(claimed["found"], claimed["which"], strict=True))
+
+
+def test_below_the_bound_all_find_it(table) -> None:
+    """Beyond it programmes and pivots alone end on a candidate that is pulled off and rubs itself down."""
+    alone = table[(table["answers"] == 1) & (table["mu_Knt_over_Ktt"] < 1)]
+    assert (alone["outcome"] == "converged").all()
+    pulled = table.loc["beyond it, slip - alone, pulled off", "outcome"]
+    assert set(pulled.index[pulled == "converged"]) == {"qp", "lcp"}
+    assert set(pulled[pulled != "converged"]) == {"cycling"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("off", [-1.0, 1.0])
+@pytest.mark.parametrize("along", [-4.0, 0.3, 1.8])
+@pytest.mark.parametrize("mu", [0.8, 1.8, 6.0])
+@pytest.mark.parametrize("nt", [-0.9, -0.6, 0.6])
+def test_below_the_bound_there_is_one_answer(nt: float, mu: float, along: float, off: float) -> None:
+    springs = Springs(1.0, nt, 1.0, mu, along, off, 0.35)
+    assert len(answers(springs)) == 1 if springs.coupling < 1 else len(answers(springs)) in (1, 3)
+
+
+@pytest.mark.parametrize("n", [8, pytest.param(16, marks=pytest.mark.slow)])
+def test_the_greco_plate_in_all_hands(n: int) -> None:
+    """The naive set alone cycles; the others agree to the last digits, on springs to the inverse of their stiffness."""
+    plate = GrecoPlate("Q2", n)
+    wanted = solve(plate, algorithm("semismooth"))
+    assert wanted.outcome.converged
+    for name in EXACT[1:]:
+        found = solve(plate, algorithm(name))
+        assert found.outcome.converged, name
+        assert np.array_equal(found.state, wanted.state), name
+        assert np.max(np.abs(found.u - wanted.u)) < 1e-8 * np.max(np.abs(wanted.u)), name
+        assert np.max(np.abs(found.friction - wanted.friction)) < 1e-8 * np.max(wanted.normal), name
+    assert solve(plate, algorithm("trial-and-error")).outcome.word == "cycling"
+    sprung = solve(plate, algorithm("regularised"))
+    assert sprung.outcome.converged
+    assert np.max(np.abs(sprung.friction - wanted.friction)) < 1e-4 * np.max(wanted.normal)
+
+
+@pytest.mark.slow
+def test_what_the_greco_plate_costs() -> None:
+    """Iterations and operations on 16 x 16 elements, semismooth first."""
+    table = friction_table([16]).set_index("algorithm")
+    assert set(table.index) == set(FRICTIONAL)
+    assert table.loc["lcp", "newton_iterations"] == table.loc["qp", "newton_iterations"] == 1
+    assert (table["operations"] >= table.loc["semismooth", "operations"]).all()
+
+
+@pytest.mark.parametrize("name", FRICTIONAL)
+def test_the_dragged_strip_in_all_hands(name: str) -> None:
+    """Only friction holds it along: there and back, the end in closed form up to the mesh."""
+    bar, end = Bar(10, LENGTH, 1.0, press=TAU), PULL**2 / (2 * EA * TAU)
+    states = list(follow(bar.stage_at, [PULL, 0.0], algorithm(name), bar.rest))
+    assert [state.solution.outcome.word for state in states] == ["converged", "converged"]
+    wanted = bar.follow([PULL, 0.0])
+    for found, known in zip(states, wanted, strict=True):
+        assert np.max(np.abs(found.solution.u - known.solution.u)) < (1e-5 if name == "regularised" else 1e-8) * end
+    assert states[0].solution.u[-2] == pytest.approx(end, rel=2e-2)
+    assert states[1].solution.u[-2] == pytest.approx(end / 2, rel=2e-2)
+
+
+@pytest.mark.parametrize("name", FRICTIONAL)
+def test_partial_slip_on_the_drum_in_all_hands(name: str) -> None:
+    bar = Bar(10, 2 * RADIUS, MU, curvature=1 / RADIUS, tension=T0, held=True)
+    (state,) = follow(bar.stage_at, [T1 - T0], algorithm(name), bar.rest)
+    assert state.solution.outcome.converged
+    exact = RADIUS / (EA * MU) * (T1 - T0 - T0 * math.log(T1 / T0))
+    assert state.solution.u[-2] == pytest.approx(exact, rel=1e-3)
+
+
+def on_slope(slope: float, mu: float, push: float) -> FrictionalProblem:
+    """A block of 1 N on soft springs, pushed horizontally; slip is positive upwards."""
+    up, off = np.array([math.cos(slope), math.sin(slope)]), np.array([-math.sin(slope), math.cos(slope)])
+    G, S = sparse.csr_matrix(off[None]), sparse.csr_matrix(np.array([up, [0.0, 0.0]]))
+    mechanics = linear_mechanics(sparse.csc_matrix(np.eye(2)), np.array([push, -1.0]))
+    contact = ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1))
+    return FrictionalProblem(contact, np.full(1, mu), lambda u: (S @ u).reshape(1, 2), lambda u: S)
+
+
+@pytest.mark.parametrize("name", FRICTIONAL)
+def test_wedge_and_slope_in_all_hands(name: str) -> None:
+    """NAFEMS CGS-4: it moves up at F/G = 0.412371; a block on 26.565 degrees stays where mu is above its tangent."""
+
+    def state(slope: float, mu: float, push: float) -> State:
+        found = algorithm(name).solve(on_slope(slope, mu, push), FrictionalSolution.at_rest(2, 1))
+        assert found.outcome.converged
+        return State(found.state[0])
+
+    wedge, slope = math.atan(0.1), math.radians(26.565)
+    assert state(wedge, 0.3, 0.412371 - 1e-5) == State.STICK
+    assert state(wedge, 0.3, 0.412371 + 1e-5) == State.SLIP
+    assert state(slope, 0.51, 0.0) == State.STICK
+    assert state(slope, 0.49, 0.0) == State.SLIP
