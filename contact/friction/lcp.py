@@ -10,7 +10,7 @@ import numpy as np
 from contact.friction.base import FrictionalNewton
 from contact.friction.compliance import Block, Chosen
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.programmed import approach, polygon, unfinished
+from contact.friction.programmed import finished, polygon, unfinished
 from contact.solvers.lcp_pivoting import lemke
 
 PIVOTS_EACH = 20  # allowed per unknown: far more than are needed where there is an end; the worst cases take 2^n
@@ -46,7 +46,7 @@ class Lcp(FrictionalNewton):
     def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
         run = self.run(problem, lawful=self.finish)
-        by = approach if self.finish else unfinished
+        by = finished if self.finish else unfinished
         return run.finish(*by(run, run.start(start), self._choose, [], self.max_iterations))
 
     def _choose(self, block: Block) -> Chosen:

@@ -32,7 +32,7 @@ def shortfall(sides: int) -> float:
     return 1 - math.cos(math.pi / sides)
 
 
-def approach(run: FrictionalRun, at: Point, choose: Choose, words: list[str], most: int) -> tuple[Point, Outcome]:
+def finished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], most: int) -> tuple[Point, Outcome]:
     """Ask ``choose`` where states change; the steps are exact on the states that it makes the linearised problem keep.
 
     words: what ``choose`` has to say of its last answer, for the history. Where it has none the states are settled from

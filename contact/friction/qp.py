@@ -11,7 +11,7 @@ import numpy as np
 from contact.friction.base import FrictionalNewton
 from contact.friction.compliance import Block, Chosen
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
-from contact.friction.programmed import approach, unfinished
+from contact.friction.programmed import finished, unfinished
 from contact.friction.tresca import Tresca
 from contact.solvers.qp_backends import DISCS, ask, missing
 
@@ -52,7 +52,7 @@ class Qp(FrictionalNewton):
     def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
         """Newton from ``start``; the outcome is REFUSED where the tangent is not symmetric."""
         run, words = self.run(problem, lawful=self.finish), list[str]()
-        by = approach if self.finish else unfinished
+        by = finished if self.finish else unfinished
         return run.finish(*by(run, run.start(start), partial(self._choose, words), words, self.max_iterations))
 
     def _choose(self, words: list[str], block: Block) -> Chosen:

@@ -154,3 +154,14 @@ def test_who_has_no_twin_is_refused() -> None:
 
     with pytest.raises(ValueError, match="'other' has no twin"):
         twin(Other())
+
+
+@pytest.mark.parametrize("mu", [1.0, 3.0])
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 12))])
+@pytest.mark.parametrize("name", EXACT)
+def test_what_strong_friction_is_said_to_be_obeys_the_law(name: str, seed: int, mu: float) -> None:
+    """Beyond what is known to have one answer, each finds one."""
+    wanted = planted(seed, mu, coupled=0.8, m=10)
+    found = solved(EXACT[name], wanted.problem)
+    assert found.outcome is Outcome.CONVERGED
+    assert not judge(wanted.problem, found.u, found.normal, found.friction).failures()
