@@ -13,9 +13,11 @@ from contact.friction.catalogue import FRICTIONAL
 from contact.friction.path import follow
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.problem import ContactProblem, linear_mechanics
-from studies.experiments.friction.bars import EA, LENGTH, MU, PULL, RADIUS, T0, T1, TAU, Bar
+from studies.experiments.friction.bars import EA, Bar
+from studies.experiments.friction.drum import MU, N0, N1, RADIUS
 from studies.experiments.friction.greco import friction_table, solve
 from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
+from studies.experiments.friction.strip import LENGTH, PULL, TAU
 from studies.experiments.solids.greco_plate import GrecoPlate
 
 EXACT = [name for name in FRICTIONAL if name not in ("trial-and-error", "regularised")]
@@ -120,10 +122,10 @@ def test_the_dragged_strip_in_all_hands(name: str) -> None:
 
 @pytest.mark.parametrize("name", FRICTIONAL)
 def test_partial_slip_on_the_drum_in_all_hands(name: str) -> None:
-    bar = Bar(10, 2 * RADIUS, MU, curvature=1 / RADIUS, tension=T0, held=True)
-    (state,) = follow(bar.stage_at, [T1 - T0], algorithm(name), bar.rest)
+    bar = Bar(10, 2 * RADIUS, MU, curvature=1 / RADIUS, tension=N0, held=True)
+    (state,) = follow(bar.stage_at, [N1 - N0], algorithm(name), bar.rest)
     assert state.solution.outcome.converged
-    exact = RADIUS / (EA * MU) * (T1 - T0 - T0 * math.log(T1 / T0))
+    exact = RADIUS / (EA * MU) * (N1 - N0 - N0 * math.log(N1 / N0))
     assert state.solution.u[-2] == pytest.approx(exact, rel=1e-3)
 
 
