@@ -209,6 +209,7 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "limits": lambda: (),  # a table alone
     "faults": lambda: (),  # a table alone
     "arena": lambda: (),  # likewise
+    "friction": lambda: (),  # likewise
     "report": lambda: (
         *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
@@ -223,6 +224,12 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "limits": ("shell_limits",),
     "faults": ("fuzz_faults",),
     "arena": ("problems", "problems_left_out"),
+    "friction": (
+        *("friction_dragged", "friction_turned", "friction_patch", "friction_steps", "friction_symmetry"),
+        *("friction_cost", "friction_agreement", "friction_greco", "friction_klarbring", "friction_strip"),
+        *("friction_drum", "friction_capstan", "friction_parking", "friction_rolling", "friction_path"),
+        *("friction_joint_motion", "friction_tied"),
+    ),
 }
 TABLES_OF["report"] = (
     *(name for names in TABLES_OF.values() for name in names),

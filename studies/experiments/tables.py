@@ -15,6 +15,18 @@ from studies.experiments.epsilon import epsilon_study
 from studies.experiments.error_coverage import error_coverage
 from studies.experiments.extremes.limits import limits_table
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
+from studies.experiments.friction import rubbed_scenes
+from studies.experiments.friction.agreement import agreement_table
+from studies.experiments.friction.cost import cost_table
+from studies.experiments.friction.drum import capstan_table, drum_table
+from studies.experiments.friction.greco import friction_table
+from studies.experiments.friction.joint_motion import joint_motion_table
+from studies.experiments.friction.klarbring import klarbring_table
+from studies.experiments.friction.limits import tied_table
+from studies.experiments.friction.patch import parking_table
+from studies.experiments.friction.path_error import path_table
+from studies.experiments.friction.rolling import rolling_table
+from studies.experiments.friction.strip import strip_table
 from studies.experiments.invariance.symmetry import symmetry_table
 from studies.experiments.invariance.tyre_mirror import mirror_table
 from studies.experiments.law_strain import law_strain_study
@@ -62,6 +74,23 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "manufactured_contact": manufactured_contact,
     "manufactured_statements": statements,
     "fuzz_faults": planted_faults,
+    "friction_dragged": rubbed_scenes.dragged_table,
+    "friction_turned": rubbed_scenes.turned_table,
+    "friction_patch": rubbed_scenes.patch_table,
+    "friction_steps": rubbed_scenes.steps_table,
+    "friction_symmetry": rubbed_scenes.symmetry_table,
+    "friction_cost": cost_table,
+    "friction_agreement": agreement_table,
+    "friction_greco": friction_table,
+    "friction_klarbring": klarbring_table,
+    "friction_strip": strip_table,
+    "friction_drum": drum_table,
+    "friction_capstan": capstan_table,
+    "friction_parking": parking_table,
+    "friction_rolling": rolling_table,
+    "friction_path": path_table,
+    "friction_joint_motion": joint_motion_table,
+    "friction_tied": tied_table,
     "problems": manifest,
     "problems_left_out": left_out,
 }

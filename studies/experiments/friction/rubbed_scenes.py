@@ -16,7 +16,7 @@ from studies.friction.observed import FORCES, FRICTION
 from studies.result import Result
 from studies.solving import solve
 
-MESH, DELTA = "28x26", 10.0  # of the tyre; mm
+MESH, DELTA = "42x40", 10.0  # of the tyre; mm
 COEFFICIENTS = (0.25, 0.5, 1.0)
 DRAGS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0, 64.0)  # mm
 TURNS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, *range(20, 100, 10))  # deg: the last ones alike
