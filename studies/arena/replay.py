@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,6 +14,11 @@ from contact.interchange.oracle import Confirmation, OracleError, confirm
 from contact.problem import ContactSolution
 from studies.certificate import certificate
 from studies.scene import UsageError
+
+if TYPE_CHECKING:
+    from studies.friction.replay import ResolvedWithFriction
+
+FRICTION = "friction"  # of the meta of a step with friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,8 +58,10 @@ class Resolved:
         return lines
 
 
-def resolve_step(path: Path, contact: str, epsilon: float | None = None, *, oracle: bool = False) -> Resolved:
-    """Read a frozen step, solve it from rest, judge it; raises UsageError with one line.
+def resolve_step(
+    path: Path, contact: str, epsilon: float | None = None, *, oracle: bool = False
+) -> Resolved | ResolvedWithFriction:
+    """Read a frozen step, solve it from rest, judge it; raises UsageError with one line. With friction, if it has any.
 
     epsilon [MPa/mm]: None is the algorithm's own.
     """
@@ -65,6 +72,10 @@ def resolve_step(path: Path, contact: str, epsilon: float | None = None, *, orac
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
     algorithm = ALGORITHMS[contact]() if epsilon is None else ALGORITHMS[contact](epsilon=epsilon)
+    if FRICTION in step.meta:
+        from studies.friction.replay import resolve_with_friction  # nothing of friction is imported without it
+
+        return resolve_with_friction(path, algorithm, oracle=oracle)
     problem = step.problem()
     refused = algorithm.supports(problem)
     if refused is not None:

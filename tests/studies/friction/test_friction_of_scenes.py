@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from contact.friction.oracle import Confirmation
 from contact.friction.problem import State
 from contact.problem import ContactProblem
+from studies.arena.replay import resolve_step
+from studies.branching import branches_of
 from studies.certificate import certificate
 from studies.complete import complete
+from studies.exchange.of_scene import problem_of
 from studies.friction.observed import FRICTION, in_space
+from studies.friction.replay import ResolvedWithFriction
 from studies.request import UsageError
 from studies.result import Result
 from studies.solving import solve
@@ -181,3 +187,26 @@ def test_friction_is_across_the_normal(dragged: Result) -> None:
     assert problem.directions is not None
     normal = problem.directions(dragged.end.point.solution.u)
     assert np.max(np.abs(np.sum(pull * normal, axis=1))) < 1e-12 * np.max(np.abs(pull))
+
+
+def test_a_frozen_step_is_solved_again_with_its_friction(dragged: Result, tmp_path: Path) -> None:
+    """At the solution the linearised step moves nothing and has its forces; the oracle has them, too."""
+    assert dragged.frozen is not None
+    file = tmp_path / "step.npz"
+    dragged.frozen().write(file)
+    again = resolve_step(file, "semismooth", oracle=True)
+    assert isinstance(again, ResolvedWithFriction)
+    assert again.sound
+    assert isinstance(again.oracle, Confirmation)
+    assert again.solution.normal.sum() == pytest.approx(
+        dragged.steps[-1]["force_N"], rel=1e-3
+    )  # a sum along the normal
+    pull = float(np.linalg.norm(again.solution.friction.sum(axis=0)))
+    assert pull == pytest.approx(dragged.steps[-1]["friction_N"], rel=1e-6)
+
+
+def test_friction_is_neither_exported_nor_branched(dragged: Result) -> None:
+    with pytest.raises(UsageError, match="cannot be exported"):
+        problem_of("tyre", {"mu": 0.5})
+    with pytest.raises(UsageError, match="friction has none"):
+        branches_of(dragged)
