@@ -225,7 +225,14 @@ TABLES_OF: dict[str, Sequence[str]] = {
     "faults": ("fuzz_faults",),
     "arena": ("problems", "problems_left_out"),
     "friction": (
-        *("friction_dragged", "friction_turned", "friction_patch", "friction_steps", "friction_symmetry"),
+        *(
+            "friction_dragged",
+            "friction_turned",
+            "friction_patch",
+            "friction_steps",
+            "friction_symmetry",
+            "friction_crushed_ring",
+        ),
         *("friction_cost", "friction_agreement", "friction_greco", "friction_klarbring", "friction_strip"),
         *("friction_drum", "friction_capstan", "friction_parking", "friction_rolling", "friction_path"),
         *("friction_joint_motion", "friction_tied"),

@@ -79,6 +79,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "friction_patch": rubbed_scenes.patch_table,
     "friction_steps": rubbed_scenes.steps_table,
     "friction_symmetry": rubbed_scenes.symmetry_table,
+    "friction_crushed_ring": rubbed_scenes.crushed_table,
     "friction_cost": cost_table,
     "friction_agreement": agreement_table,
     "friction_greco": friction_table,

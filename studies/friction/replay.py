@@ -43,7 +43,8 @@ class ResolvedWithFriction:
             f"{len(self.step.step.r)} unknowns, {len(self.step.mu)} candidates with friction"
             + (f": {origin}" if origin else ""),
             f"{found.outcome.value}: {int(found.counters['newton_iterations'])} iterations, "
-            f"{sticks} stick, {slips} slip, normal forces {float(found.normal.sum()):.9g} N, of friction {pull:.9g} N, epsilon {self.epsilon:g}",
+            f"{sticks} stick, {slips} slip, normal forces {float(found.normal.sum()):.9g} N, "
+            f"of friction {pull:.9g} N, epsilon {self.epsilon:g}",
             ", ".join(f"{name} {value:.1e}" for name, value in self.verdict.kkt.items()),
             *(f"wrong: {name}" for name in self.verdict.failures()),
         ]

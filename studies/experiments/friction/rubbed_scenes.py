@@ -14,6 +14,7 @@ import pandas as pd
 from studies.complete import complete
 from studies.friction.observed import FORCES, FRICTION
 from studies.result import Result
+from studies.scenes.data import reference_rows
 from studies.solving import solve
 
 MESH, DELTA = "42x40", 10.0  # of the tyre; mm
@@ -24,7 +25,7 @@ PATCH_STOPS = (0.5, 1.0, 2.0, 4.0, 0.0)  # mm: and back
 STEPS = (1, 2, 4, 8, 16, 32)
 
 
-def solved(scene: str, settings: Mapping[str, object], mesh: str, **options: Any) -> Result:
+def solved(scene: str, settings: Mapping[str, object], mesh: str | None, **options: Any) -> Result:
     """The result of a request."""
     return solve(*complete(scene, settings, mesh, **options))
 
@@ -84,6 +85,24 @@ def steps_table(mesh: str = "14x14", mu: float = 0.5, counts: Sequence[int] = ST
         *_, before, finest = table[name]
         table[f"{name}_error"] = table[name] / (2 * finest - before) - 1
     return table
+
+
+def crushed_table(mu: float = 0.4, scenes: Sequence[str] = ("crushed-ring", "crushed-ring-solid")) -> pd.DataFrame:
+    """The crushed ring with friction and without, shell and solid, beside what another program finds friction to add.
+
+    change, aster_change: of the force by friction [-]; that of Code_Aster is by another law of the material.
+    """
+    rows_read = reference_rows("contact_crushed_ring.csv")
+    aster = {row["delta_mm"]: row["aster_friction_N"] / row["aster_N"] - 1 for row in rows_read}
+    found = []
+    for scene in scenes:
+        smooth, rough = (solved(scene, {"mu": each}, None) for each in (0.0, mu))
+        for one, other in zip(smooth.steps, rough.steps, strict=True):
+            row = {"scene": scene, "mu": mu, "delta_mm": one["delta_mm"], "smooth_N": one["force_N"]}
+            row |= {"force_N": other["force_N"], "change": other["force_N"] / one["force_N"] - 1}
+            failures = " ".join(one["failures"] + other["failures"])
+            found.append({**row, "aster_change": aster.get(one["delta_mm"], np.nan), "failures": failures})
+    return pd.DataFrame(found)
 
 
 def symmetry_table(mesh: str = MESH, mu: float = 0.5) -> pd.DataFrame:
