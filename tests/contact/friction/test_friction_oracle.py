@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import sparse
 
+from contact.friction.frozen import FrozenFrictionalStep, frozen
 from contact.friction.oracle import confirm, minimise, refusal
 from contact.friction.problem import State
 from contact.friction.verify import judge
 from contact.interchange.oracle import OracleError
 from support.problems.frictional import all_answers, in_units, klarbring, manufactured
+from support.problems.frictional import step as step_of
+from support.problems.planted_friction import tied
 
 EXACT = 1e-8  # of quantities of the order one
 
@@ -96,9 +98,53 @@ def test_no_programme_no_answer() -> None:
     refused = {
         "not symmetric": replace(step, step=replace(step.step, K=skew)),
         "not positive definite": replace(step, step=replace(step.step, K=-step.step.K)),
-        "no Tresca bound": replace(step, mu=np.full(3, math.inf)),
     }
     for reason, wrong in refused.items():
         assert reason in str(refusal(wrong))
         with pytest.raises(OracleError, match=reason):
             minimise(wrong)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_endless_friction_ties_who_touches(seed) -> None:
+    """Against the equations of those that touch, all of their ways zero."""
+    problem = tied(seed)
+    step = frozen(problem, np.zeros(problem.slip_jacobian(np.zeros(0)).shape[1]), np.zeros(len(problem.mu)), {})
+    found = minimise(step)
+    touch = np.flatnonzero(found.state == State.STICK)
+    assert len(touch)
+    assert State.SLIP not in found.state
+    J = step.H.toarray()[:, (3 * touch[:, None] + np.arange(3)).ravel()]
+    K, ways = step.step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
+    A = np.block([[K, -J], [J.T, np.zeros((J.shape[1], J.shape[1]))]])
+    wanted = np.linalg.solve(A, np.concatenate([-step.step.r, -ways]))
+    np.testing.assert_allclose(found.du, wanted[: len(K)], rtol=0, atol=EXACT)
+    assert judge(problem, found.du, found.normal, found.friction).failures() == []
+
+
+def pulled(force: float) -> FrozenFrictionalStep:
+    """A block that nothing holds along the plane, pressed by 2 with mu = 0.5 and pulled."""
+    K, G, S = np.diag([0.0, 1.0]), np.array([[0.0, 1.0]]), np.array([[1.0, 0.0], [0.0, 0.0]])
+    return step_of(K, -np.array([force, -2.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([0.5]))
+
+
+def test_friction_alone_may_hold_a_body() -> None:
+    found = minimise(pulled(0.9))
+    assert found.state.tolist() == [State.STICK]
+    np.testing.assert_allclose(found.friction, [[-0.9, 0.0]], rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.du, 0.0, rtol=0, atol=EXACT)
+    with pytest.raises(OracleError):
+        minimise(pulled(1.1))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_redundant_contacts_share_what_one_carries(seed) -> None:
+    """Each candidate twice: the motion is that of each once, and so is the force of every pair."""
+    step, answer = manufactured(np.random.default_rng(seed), 4)
+    base, order = step.step, np.repeat(np.arange(4), 2)
+    rows = (2 * order[:, None] + np.arange(2)).ravel()
+    twice = replace(base, G=base.G[order], gap=base.gap[order], weights=base.weights[order])
+    found = minimise(FrozenFrictionalStep(twice, step.S[rows], step.slip[order], step.mu[order]))
+    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
