@@ -4,8 +4,9 @@ For given bounds b (m,) of friction [N] a step is a convex programme, with the d
 
     min 1/2 du.K.du + r.du + sum b_i |s0_i + S_i du|    subject to    g + G du >= 0
 
-whose multipliers are the forces. K may leave motions free, which contacts then hold. The bounds are mu f of the pass
-before, damped where they do not contract; an infinite coefficient has a bound beyond all forces of the pass before. An
+whose multipliers are the forces. K may leave motions free, which contacts then hold; where it is not symmetric, the
+programme has its symmetric part, and the other acts by the motion of the pass before. The bounds are mu f of that pass,
+damped where they do not contract; an infinite coefficient has a bound beyond all forces of it. An
 interior-point solver knows forces to 1e-6 and no closer, so it is asked for states alone, open, stick or slip: where a
 pass has those of the one before, or nearly its bounds. The exact answer on them (:mod:`contact.friction.oracle_states`)
 then has to obey every condition. That it is the only one nobody says: at large mu it need not be, and where contacts
@@ -17,7 +18,7 @@ Lengths and forces are scaled first: a unit diagonal of K, unit rows, displaceme
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
@@ -26,8 +27,7 @@ from contact.friction.frozen import FrozenFrictionalStep
 from contact.friction.oracle_states import Known, settle
 from contact.friction.problem import State
 from contact.interchange.linearised_step import FrozenStep
-from contact.interchange.oracle import AGREEMENT, TOLERANCES, OracleError, solve_tightly
-from contact.interchange.oracle import refusal as refusal_of_contact
+from contact.interchange.oracle import AGREEMENT, TOLERANCES, OracleError, positive_definite, solve_tightly
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 PASSES = 100
@@ -72,9 +72,12 @@ class Confirmation:
 
 def refusal(step: FrozenFrictionalStep) -> str | None:
     """Why there is no sequence of convex programmes, or None."""
-    K = step.step.K
-    raised = sparse.csc_matrix(K + SINGULAR * sparse.diags_array(_positive(K.diagonal())))
-    return refusal_of_contact(replace(step.step, K=raised))
+    if step.step.coupling is not None:
+        return "with consistent coupling the pressures are no multipliers of the gaps"
+    even = _even(step.step.K)
+    if not positive_definite(sparse.csc_matrix(even + SINGULAR * sparse.diags_array(_positive(even.diagonal())))):
+        return "K is not positive: the programme is not convex"
+    return None
 
 
 def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
@@ -93,8 +96,9 @@ def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
 def _fixed_point(step: FrozenFrictionalStep) -> tuple[Known, int]:
     """The answer of a scaled step, and the passes; raises OracleError."""
     solve, bound, damping, before, last = tresca(step), _first_bound(step), 1.0, np.inf, b""
+    du = np.zeros(len(step.step.r))
     for passes in range(1, PASSES + 1):
-        near = solve(bound)
+        near = solve(bound, du)
         wanted = _bound(step.mu, near)
         change = float(np.max(np.abs(wanted - bound), initial=0.0))
         if near.state.tobytes() == last or change <= NEAR * float(np.max(wanted, initial=0.0)):
@@ -102,13 +106,13 @@ def _fixed_point(step: FrozenFrictionalStep) -> tuple[Known, int]:
             if found is not None:
                 return found, passes
         damping = damping / 2 if change > CONTRACTS * before else damping
-        bound, before, last = bound + damping * (wanted - bound), change, near.state.tobytes()
+        bound, before, last, du = bound + damping * (wanted - bound), change, near.state.tobytes(), near.du
     raise OracleError(f"Tresca bounds came to no fixed point in {PASSES} passes")
 
 
 def _first_bound(step: FrozenFrictionalStep) -> np.ndarray:
     """(m,): none, or where K leaves motions free one that may hold them all."""
-    held = refusal_of_contact(step.step) is None
+    held = positive_definite(_even(step.step.K))
     return np.where(step.mu > 0, 0.0 if held else BEYOND * float(np.max(np.abs(step.step.r), initial=0.0)), 0.0)
 
 
@@ -120,20 +124,21 @@ def _bound(mu: np.ndarray, near: Known) -> np.ndarray:
     return np.where(tied, TIED * largest * (normal > 0), np.where(tied, 0.0, mu) * normal)
 
 
-def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray], Known]:
-    """The programme of a scaled step as a function of the bounds (m,), which raises OracleError."""
+def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray, np.ndarray], Known]:
+    """The programme of a scaled step as a function of the bounds (m,) and the du (n,) before; it raises OracleError."""
     import cvxpy as cp
 
     base, m = step.step, len(step.mu)
-    y, tau, b = cp.Variable(len(base.r)), cp.Variable(m), cp.Parameter(m, nonneg=True)
+    y, tau = cp.Variable(len(base.r)), cp.Variable(m)
+    b, load, even = cp.Parameter(m, nonneg=True), cp.Parameter(len(base.r)), _even(base.K)
     room = base.G @ y + base.gap
     slip = step.S @ y + step.slip.ravel()
-    cost = cp.quad_form(y, cp.psd_wrap(sparse.csc_matrix((base.K + base.K.T) / 2))) / 2 + base.r @ y + b @ tau
+    cost = cp.quad_form(y, cp.psd_wrap(even)) / 2 + load @ y + b @ tau
     cone = cp.SOC(tau, cp.reshape(slip, (2, m), order="F"))
     programme = cp.Problem(cp.Minimize(cost), [room >= 0, cone])
 
-    def solve(bound: np.ndarray) -> Known:
-        b.value = bound
+    def solve(bound: np.ndarray, before: np.ndarray) -> Known:
+        b.value, load.value = bound, base.r + base.K @ before - even @ before
         solve_tightly(programme, (*TOLERANCES, ROUGH))
         f = np.atleast_1d(programme.constraints[0].dual_value)
         t = np.asarray(cone.dual_value[1]).reshape(2, m, order="F").T
@@ -181,6 +186,11 @@ class Scaled:
         """In the units of the step."""
         normal, friction = known.normal * self.size / self.across, known.friction * (self.size / self.along)[:, None]
         return OracleAnswer(self.size * self.unit * known.du, normal, friction, known.state, passes)
+
+
+def _even(K: sparse.csc_matrix) -> sparse.csc_matrix:
+    """The symmetric part."""
+    return sparse.csc_matrix((K + K.T) / 2)
 
 
 def _positive(sizes: np.ndarray) -> np.ndarray:
