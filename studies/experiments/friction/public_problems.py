@@ -1,0 +1,207 @@
+"""The public problems with friction of Siconos before the algorithms, the judge and the oracle.
+
+Rigid bodies, from one contact to thousands, in the local and the global form of FCLib; files are not copied here but
+for the small ones in ``public_problems.json``. The table beside this module is made by::
+
+    git clone https://github.com/siconos/siconos && git -C siconos checkout 6070f0f6f
+    python -m studies.experiments.friction.public_problems OUT.csv siconos/numerics/src/FrictionContact/test/data \\
+        siconos/numerics/python/tests/data
+
+with h5py installed, else problems in HDF5 are left out. Algorithms get contacts with ways of their own
+(:mod:`contact.friction.own_ways`), the oracle the problem as a step of its unknowns (:mod:`contact.friction.siconos`).
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from importlib import import_module
+from importlib.resources import files
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+
+from contact.friction.fclib import read_fclib
+from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.oracle import OracleAnswer, minimise
+from contact.friction.own_ways import with_own_ways
+from contact.friction.path import FrictionalAlgorithm
+from contact.friction.problem import FrictionalSolution
+from contact.friction.semismooth import Semismooth
+from contact.friction.siconos import HDF5, SiconosError, SiconosProblem, read
+from contact.friction.trial_and_error import TrialAndError
+from contact.friction.verify import judge
+from contact.interchange.oracle import AGREEMENT, OracleError
+from contact.problem import Outcome
+from studies.store.atomic import write_table
+
+CATALOGUE = "contact.friction.catalogue"
+SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
+LIMIT_S = 20.0  # of the processor, of one solve
+ORACLE = "oracle"
+UNDECIDED = "not tried"
+
+
+class _LateError(BaseException):
+    """A solve has had its time; no handler of errors on the way may take it for another."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tried:
+    """outcome: of the solve.  certified: by the judge, None without a claim.  ways (m, 3) [mm], reason: in words."""
+
+    outcome: str
+    seconds: float = 0.0
+    certified: bool | None = None
+    ways: np.ndarray | None = None
+    reason: str = ""
+
+
+def algorithms() -> dict[str, FrictionalAlgorithm]:
+    """Those of the catalogue, or the two without one."""
+    if find_spec(CATALOGUE) is None:
+        return {Semismooth.name: Semismooth(), TrialAndError.name: TrialAndError()}
+    kinds: Mapping[str, Callable[[], FrictionalAlgorithm]] = import_module(CATALOGUE).FRICTIONAL
+    return {name: kind() for name, kind in kinds.items()}
+
+
+def public_table() -> pd.DataFrame:
+    """The shipped outcomes: a row a problem and algorithm, in the columns of :func:`rows`."""
+    with files("studies.experiments.friction").joinpath(SHIPPED).open(encoding="utf-8") as file:
+        return pd.read_csv(file, keep_default_na=False)
+
+
+def small() -> dict[str, SiconosProblem]:
+    """The problems that are shipped, by the names of their files."""
+    told = json.loads(files("studies.experiments.friction").joinpath(SMALL).read_text(encoding="utf-8"))
+    return {name: _of(given) for name, given in told["problems"].items()}
+
+
+def _of(given: Mapping[str, Any]) -> SiconosProblem:
+    arrays = {key: np.array(given[key], float) for key in given if key != "d"}
+    matrices = {key: sparse.csc_matrix(array) for key, array in arrays.items() if array.ndim == 2}
+    vectors = {key: array for key, array in arrays.items() if array.ndim == 1}
+    return SiconosProblem(d=given["d"], **vectors, **matrices)
+
+
+def read_any(path: Path) -> SiconosProblem:
+    """From text or HDF5; raises SiconosError, OSError."""
+    with path.open("rb") as file:
+        begins = file.read(len(HDF5))
+    return read_fclib(path) if begins == HDF5 else read(path)
+
+
+def rows(name: str, problem: SiconosProblem, limit_s: float = LIMIT_S) -> Iterator[dict[str, object]]:
+    """A row for the oracle and one an algorithm.
+
+    d, contacts, mu: of the problem, mu the largest.  certified: whether the judge takes what is called solved.
+    agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest; forces of redundant contacts are
+    several.  seconds: of the processor.  reason: why there is no answer.
+    """
+    head = {"problem": name, "kind": problem.kind, "d": problem.d}
+    head |= {"contacts": len(problem.mu), "mu": float(np.max(problem.mu))}
+    own = limited(partial(_by_oracle, problem), limit_s)
+    yield head | {"algorithm": ORACLE} | _told(own, None)
+    step = with_own_ways(problem)
+    for label, algorithm in algorithms().items():
+        found = limited(partial(_by_algorithm, algorithm, step), limit_s)
+        yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None)
+
+
+def _told(found: Tried, wanted: np.ndarray | None) -> dict[str, object]:
+    agrees: bool | str = ""
+    if found.ways is not None and found.certified and wanted is not None:
+        size = float(max(np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
+        agrees = float(np.max(np.abs(found.ways - wanted))) <= AGREEMENT * size
+    certified: bool | str = "" if found.certified is None else found.certified
+    told = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
+    return told | {"seconds": f"{found.seconds:.2f}", "reason": found.reason}
+
+
+def limited(solve: Callable[[], Tried], limit_s: float) -> Tried:
+    """What comes of a solve within so much time of the processor; compiled code is stopped when it returns."""
+
+    def late(number: int, frame: object) -> NoReturn:
+        raise _LateError
+
+    begun, before = time.process_time(), signal.signal(signal.SIGPROF, late)
+    try:
+        try:
+            signal.setitimer(signal.ITIMER_PROF, limit_s)
+            found = solve()
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            signal.signal(signal.SIGPROF, before)
+    except _LateError:
+        found = Tried("time limit", reason=f"more than {limit_s:g} s")
+    except MemoryError:
+        found = Tried("memory", reason="more memory than there is")
+    return Tried(found.outcome, time.process_time() - begun, found.certified, found.ways, found.reason)
+
+
+def _by_algorithm(algorithm: FrictionalAlgorithm, step: FrozenFrictionalStep) -> Tried:
+    problem, m = step.problem(), len(step.mu)
+    supports = getattr(algorithm, "supports", lambda problem: None)
+    why = supports(problem)
+    if why is not None:
+        return Tried(Outcome.REFUSED.word, reason=why)
+    try:
+        found = algorithm.solve(problem, FrictionalSolution.at_rest(len(step.step.r), m))
+    except (ValueError, ArithmeticError) as error:
+        return Tried(Outcome.REFUSED.word, reason=str(error).splitlines()[0])
+    if not found.outcome.converged:
+        return Tried(found.outcome.word)
+    epsilon = getattr(algorithm, "epsilon", np.inf)
+    if np.isfinite(epsilon):
+        return Tried(found.outcome.word, reason=f"by its own law, of springs of {epsilon:g} MPa/mm")
+    return _judged(found.outcome.word, step, found.u, found.normal, found.friction)
+
+
+def _by_oracle(problem: SiconosProblem) -> Tried:
+    try:
+        step = problem.step()
+        found: OracleAnswer = minimise(step)
+    except (SiconosError, OracleError) as error:
+        return Tried("none", reason=str(error).splitlines()[0])
+    return _judged("converged", step, found.du, found.normal, found.friction)
+
+
+def _judged(word: str, step: FrozenFrictionalStep, u: np.ndarray, normal: np.ndarray, friction: np.ndarray) -> Tried:
+    wrong = judge(step.problem(), u, normal, friction).failures()
+    ways = np.column_stack([step.step.gap + step.step.G @ u, step.slip + (step.S @ u).reshape(-1, 2)])
+    return Tried(word, certified=not wrong, ways=ways, reason=", ".join(wrong))
+
+
+def table(folders: Sequence[Path], limit_s: float = LIMIT_S) -> pd.DataFrame:
+    """All problems of folders, each name once, and what is none with the reason, smallest files first."""
+    paths = {path.name: path for folder in folders for path in sorted(folder.glob("*")) if path.is_file()}
+    found: list[dict[str, object]] = []
+    for name, path in sorted(paths.items(), key=lambda item: (item[1].stat().st_size, item[0])):
+        try:
+            problem = read_any(path)
+        except SiconosError as error:
+            why = str(error).replace(str(path), "the file")
+            found.append({"problem": name, "outcome": UNDECIDED, "reason": why})
+            continue
+        found.extend(rows(name, problem, limit_s))
+    columns = ["problem", "kind", "d", "contacts", "mu", "algorithm", "outcome", "certified", "agrees", "seconds"]
+    return pd.DataFrame(found, columns=[*columns, "reason"]).fillna("")
+
+
+def main(arguments: Sequence[str]) -> None:
+    """OUT.csv FOLDER .."""
+    out, *folders = map(Path, arguments)
+    write_table(out, table(folders))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
