@@ -16,7 +16,6 @@ import importlib
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from scipy import sparse
 
 from contact.friction.siconos import SiconosError, SiconosProblem

@@ -29,26 +29,28 @@ def with_own_ways(problem: SiconosProblem) -> FrozenFrictionalStep:
     """The step in x = (u, y), or x = (v, u, y); in a plane the second slip is none."""
     d, m = problem.d, len(problem.mu)
     c = 1 / _softness(problem)
-    one = c * sparse.eye_array(d * m)
+    one, no = c * sparse.eye_array(d * m), sparse.csr_matrix((d * m, d * m))
     if problem.W is not None:
         first, W = 0, c * problem.W
-        K = sparse.block_array([[None, one], [one, -c * W]], format="csc")
-        r, e = np.concatenate([0 * problem.offset, -c * problem.offset]), sparse.hstack([one, -c * W])
+        e = sparse.hstack([one, -c * W], format="csr")
+        upper, r = sparse.hstack([no, one]), np.zeros(d * m)
     else:
         assert problem.M is not None
         assert problem.H is not None
         assert problem.q is not None
         first, H = problem.M.shape[0], c * problem.H
-        K = sparse.block_array([[problem.M, None, -H], [None, None, one], [-H.T, one, None]], format="csc")
-        r = np.concatenate([-problem.q, 0 * problem.offset, -c * problem.offset])
-        e = sparse.hstack([-H.T, one, 0 * one])
-    K, r = K + e.T @ e / c, r - e.T @ problem.offset
+        e = sparse.hstack([-H.T, one, no], format="csr")
+        moved = sparse.hstack([problem.M, sparse.csr_matrix(H.shape), -H])
+        upper = sparse.vstack([moved, sparse.hstack([sparse.csr_matrix(H.T.shape), no, one])])
+        r = np.concatenate([-problem.q, np.zeros(d * m)])
+    K = sparse.csc_matrix(sparse.vstack([upper, e])) + sparse.csc_matrix(e.T @ e) / c
+    r = np.concatenate([r, -c * problem.offset]) - e.T @ problem.offset
     normal = first + d * np.arange(m)
     G, shape = _picked(normal, K.shape[0]), (2 * m, K.shape[0])
     rows = (2 * np.arange(m)[:, None] + np.arange(d - 1)).ravel()
     columns = (normal[:, None] + np.arange(1, d)).ravel()
     S = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=shape)
-    step = FrozenStep(sparse.csc_matrix(K), r, G, np.zeros(m), np.ones(m), float(np.linalg.norm(r)))
+    step = FrozenStep(K, r, G, np.zeros(m), np.ones(m), float(np.linalg.norm(r)))
     return FrozenFrictionalStep(step, S, np.zeros((m, 2)), problem.mu)
 
 

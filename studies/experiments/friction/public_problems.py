@@ -1,10 +1,10 @@
-"""The public problems with friction of Siconos before the algorithms, the judge and the oracle.
+r"""The public problems with friction of Siconos before the algorithms, the judge and the oracle.
 
 Rigid bodies, from one contact to thousands, in the local and the global form of FCLib; files are not copied here but
 for the small ones in ``public_problems.json``. The table beside this module is made by::
 
     git clone https://github.com/siconos/siconos && git -C siconos checkout 6070f0f6f
-    python -m studies.experiments.friction.public_problems OUT.csv siconos/numerics/src/FrictionContact/test/data \\
+    python -m studies.experiments.friction.public_problems OUT.csv siconos/numerics/src/FrictionContact/test/data \
         siconos/numerics/python/tests/data
 
 with h5py installed, else problems in HDF5 are left out. Algorithms get contacts with ways of their own
@@ -88,9 +88,8 @@ def small() -> dict[str, SiconosProblem]:
 
 def _of(given: Mapping[str, Any]) -> SiconosProblem:
     arrays = {key: np.array(given[key], float) for key in given if key != "d"}
-    matrices = {key: sparse.csc_matrix(array) for key, array in arrays.items() if array.ndim == 2}
-    vectors = {key: array for key, array in arrays.items() if array.ndim == 1}
-    return SiconosProblem(d=given["d"], **vectors, **matrices)
+    W, M, H = (sparse.csc_matrix(arrays[key]) if key in arrays else None for key in ("W", "M", "H"))
+    return SiconosProblem(given["d"], arrays["mu"], arrays["offset"], W, M, H, arrays.get("q"))
 
 
 def read_any(path: Path) -> SiconosProblem:
@@ -107,7 +106,7 @@ def rows(name: str, problem: SiconosProblem, limit_s: float = LIMIT_S) -> Iterat
     agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest; forces of redundant contacts are
     several.  seconds: of the processor.  reason: why there is no answer.
     """
-    head = {"problem": name, "kind": problem.kind, "d": problem.d}
+    head: dict[str, object] = {"problem": name, "kind": problem.kind, "d": problem.d}
     head |= {"contacts": len(problem.mu), "mu": float(np.max(problem.mu))}
     own = limited(partial(_by_oracle, problem), limit_s)
     yield head | {"algorithm": ORACLE} | _told(own, None)
@@ -123,7 +122,7 @@ def _told(found: Tried, wanted: np.ndarray | None) -> dict[str, object]:
         size = float(max(np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
         agrees = float(np.max(np.abs(found.ways - wanted))) <= AGREEMENT * size
     certified: bool | str = "" if found.certified is None else found.certified
-    told = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
+    told: dict[str, object] = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
     return told | {"seconds": f"{found.seconds:.2f}", "reason": found.reason}
 
 
