@@ -14,17 +14,21 @@ with h5py installed, else problems in HDF5 are left out. Algorithms get contacts
 from __future__ import annotations
 
 import json
+import math
+import resource
 import signal
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib import import_module
 from importlib.resources import files
 from importlib.util import find_spec
+from multiprocessing import get_context
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -47,12 +51,9 @@ from studies.store.atomic import write_table
 CATALOGUE = "contact.friction.catalogue"
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
 LIMIT_S = 20.0  # of the processor, of one solve
+MEMORY = 8 * 2**30  # bytes, of the process that solves
 ORACLE = "oracle"
 UNDECIDED = "not tried"
-
-
-class _LateError(BaseException):
-    """A solve has had its time; no handler of errors on the way may take it for another."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +65,10 @@ class Tried:
     certified: bool | None = None
     ways: np.ndarray | None = None
     reason: str = ""
+
+
+Solved = Callable[[Callable[[], Tried]], Tried]
+Row = dict[str, object]
 
 
 def algorithms() -> dict[str, FrictionalAlgorithm]:
@@ -82,8 +87,17 @@ def public_table() -> pd.DataFrame:
 
 def small() -> dict[str, SiconosProblem]:
     """The problems that are shipped, by the names of their files."""
-    told = json.loads(files("studies.experiments.friction").joinpath(SMALL).read_text(encoding="utf-8"))
-    return {name: _of(given) for name, given in told["problems"].items()}
+    return {name: _of(given) for name, given in _shipped()["problems"].items()}
+
+
+def source() -> tuple[str, str]:
+    """Where they are from, and their licence."""
+    told = _shipped()
+    return told["source"], told["licence"]
+
+
+def _shipped() -> dict[str, Any]:
+    return dict(json.loads(files("studies.experiments.friction").joinpath(SMALL).read_text(encoding="utf-8")))
 
 
 def _of(given: Mapping[str, Any]) -> SiconosProblem:
@@ -99,52 +113,67 @@ def read_any(path: Path) -> SiconosProblem:
     return read_fclib(path) if begins == HDF5 else read(path)
 
 
-def rows(name: str, problem: SiconosProblem, limit_s: float = LIMIT_S) -> Iterator[dict[str, object]]:
-    """A row for the oracle and one an algorithm.
+def limited(solve: Callable[[], Tried], limit_s: float = LIMIT_S) -> Tried:
+    """What comes of a solve in a process of its own, which is killed after so much time of the processor."""
+    context = get_context("fork")
+    pipe, theirs = context.Pipe(duplex=False)
+    process = context.Process(target=_sent, args=(solve, math.ceil(limit_s), theirs))
+    process.start()
+    theirs.close()
+    try:
+        return pipe.recv()
+    except EOFError:
+        process.join()
+        if process.exitcode == -signal.SIGXCPU:
+            return Tried("time limit", limit_s, reason=f"more than {limit_s:g} s")
+        return Tried("died", reason=f"exit code {process.exitcode}")
+    finally:
+        pipe.close()
+        process.join()
+
+
+def _sent(solve: Callable[[], Tried], limit_s: int, pipe: Connection[Tried, Tried]) -> None:
+    """The other side."""
+    resource.setrlimit(resource.RLIMIT_CPU, (limit_s, limit_s + 1))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    pipe.send(timed(solve))
+
+
+def timed(solve: Callable[[], Tried]) -> Tried:
+    """What comes of a solve, in this process, with the time of the processor."""
+    begun = time.process_time()
+    try:
+        found = solve()
+    except MemoryError:
+        found = Tried("memory", reason=f"more than {MEMORY / 2**30:g} GB")
+    return replace(found, seconds=time.process_time() - begun)
+
+
+def rows(name: str, problem: SiconosProblem, solved: Solved = limited) -> Iterator[Row]:
+    """A row for the oracle and one an algorithm; solved: how a solve is called, :func:`limited` or :func:`timed`.
 
     d, contacts, mu: of the problem, mu the largest.  certified: whether the judge takes what is called solved.
     agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest; forces of redundant contacts are
     several.  seconds: of the processor.  reason: why there is no answer.
     """
-    head: dict[str, object] = {"problem": name, "kind": problem.kind, "d": problem.d}
+    head: Row = {"problem": name, "kind": problem.kind, "d": problem.d}
     head |= {"contacts": len(problem.mu), "mu": float(np.max(problem.mu))}
-    own = limited(partial(_by_oracle, problem), limit_s)
+    own = solved(partial(_by_oracle, problem))
     yield head | {"algorithm": ORACLE} | _told(own, None)
     step = with_own_ways(problem)
     for label, algorithm in algorithms().items():
-        found = limited(partial(_by_algorithm, algorithm, step), limit_s)
+        found = solved(partial(_by_algorithm, algorithm, step))
         yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None)
 
 
-def _told(found: Tried, wanted: np.ndarray | None) -> dict[str, object]:
+def _told(found: Tried, wanted: np.ndarray | None) -> Row:
     agrees: bool | str = ""
     if found.ways is not None and found.certified and wanted is not None:
         size = float(max(np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
         agrees = float(np.max(np.abs(found.ways - wanted))) <= AGREEMENT * size
     certified: bool | str = "" if found.certified is None else found.certified
-    told: dict[str, object] = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
+    told: Row = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
     return told | {"seconds": f"{found.seconds:.2f}", "reason": found.reason}
-
-
-def limited(solve: Callable[[], Tried], limit_s: float) -> Tried:
-    """What comes of a solve within so much time of the processor; compiled code is stopped when it returns."""
-
-    def late(number: int, frame: object) -> NoReturn:
-        raise _LateError
-
-    begun, before = time.process_time(), signal.signal(signal.SIGPROF, late)
-    try:
-        try:
-            signal.setitimer(signal.ITIMER_PROF, limit_s)
-            found = solve()
-        finally:
-            signal.setitimer(signal.ITIMER_PROF, 0)
-            signal.signal(signal.SIGPROF, before)
-    except _LateError:
-        found = Tried("time limit", reason=f"more than {limit_s:g} s")
-    except MemoryError:
-        found = Tried("memory", reason="more memory than there is")
-    return Tried(found.outcome, time.process_time() - begun, found.certified, found.ways, found.reason)
 
 
 def _by_algorithm(algorithm: FrictionalAlgorithm, step: FrozenFrictionalStep) -> Tried:
@@ -180,10 +209,10 @@ def _judged(word: str, step: FrozenFrictionalStep, u: np.ndarray, normal: np.nda
     return Tried(word, certified=not wrong, ways=ways, reason=", ".join(wrong))
 
 
-def table(folders: Sequence[Path], limit_s: float = LIMIT_S) -> pd.DataFrame:
+def table(folders: Sequence[Path]) -> pd.DataFrame:
     """All problems of folders, each name once, and what is none with the reason, smallest files first."""
     paths = {path.name: path for folder in folders for path in sorted(folder.glob("*")) if path.is_file()}
-    found: list[dict[str, object]] = []
+    found: list[Row] = []
     for name, path in sorted(paths.items(), key=lambda item: (item[1].stat().st_size, item[0])):
         try:
             problem = read_any(path)
@@ -191,7 +220,7 @@ def table(folders: Sequence[Path], limit_s: float = LIMIT_S) -> pd.DataFrame:
             why = str(error).replace(str(path), "the file")
             found.append({"problem": name, "outcome": UNDECIDED, "reason": why})
             continue
-        found.extend(rows(name, problem, limit_s))
+        found.extend(rows(name, problem))
     columns = ["problem", "kind", "d", "contacts", "mu", "algorithm", "outcome", "certified", "agrees", "seconds"]
     return pd.DataFrame(found, columns=[*columns, "reason"]).fillna("")
 

@@ -13,8 +13,8 @@ from contact.friction.oracle import confirm, minimise, refusal
 from contact.friction.problem import State
 from contact.friction.verify import judge
 from contact.interchange.oracle import OracleError
+from studies.experiments.friction.random_steps import dense_step
 from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured
-from support.problems.frictional import step as step_of
 from support.problems.planted_friction import tied
 
 EXACT = 1e-8  # of quantities of the order one
@@ -132,7 +132,7 @@ def test_an_endless_friction_ties_who_touches(seed) -> None:
 def pulled(force: float) -> FrozenFrictionalStep:
     """A block that nothing holds along the plane, pressed by 2 with mu = 0.5 and pulled."""
     K, G, S = np.diag([0.0, 1.0]), np.array([[0.0, 1.0]]), np.array([[1.0, 0.0], [0.0, 0.0]])
-    return step_of(K, -np.array([force, -2.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([0.5]))
+    return dense_step(K, -np.array([force, -2.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([0.5]))
 
 
 def test_friction_alone_may_hold_a_body() -> None:

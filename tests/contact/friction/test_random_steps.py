@@ -13,7 +13,7 @@ from contact.friction.problem import FrictionalSolution, State
 from contact.friction.semismooth import Semismooth
 from contact.friction.trial_and_error import TrialAndError
 from contact.friction.verify import judge
-from support.problems.random_frictional import random_step
+from studies.experiments.friction.random_steps import random_step
 
 FEW, MANY = 20, 300
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy import sparse
 
 from contact.friction.frozen import FrozenFrictionalStep
 from contact.friction.problem import State
-from support.problems.frictional import step
+from contact.interchange.linearised_step import FrozenStep
 
 
 def random_step(seed: int) -> FrozenFrictionalStep:
@@ -37,4 +38,13 @@ def random_step(seed: int) -> FrozenFrictionalStep:
     u = rng.standard_normal(n)
     r = G.T @ normal + S.T @ friction.ravel() - K @ u
     gap = np.where(closed, 0.0, 10 ** rng.uniform(-2, 0, m)) - G @ u
-    return step(K, r, G, gap, S, moved - (S @ u).reshape(m, 2), mu)
+    return dense_step(K, r, G, gap, S, moved - (S @ u).reshape(m, 2), mu)
+
+
+def dense_step(
+    K: np.ndarray, r: np.ndarray, G: np.ndarray, gap: np.ndarray, S: np.ndarray, slip: np.ndarray, mu: np.ndarray
+) -> FrozenFrictionalStep:
+    """Of dense matrices, with areas one."""
+    scale = float(np.linalg.norm(r))
+    contact = FrozenStep(sparse.csc_matrix(K), r, sparse.csr_matrix(G), gap, np.ones(len(gap)), scale)
+    return FrozenFrictionalStep(contact, sparse.csr_matrix(S), slip, mu)
