@@ -24,7 +24,7 @@ import numpy as np
 from scipy import sparse
 
 from contact.friction.frozen import FrozenFrictionalStep
-from contact.friction.oracle_states import Known, settle
+from contact.friction.oracle_states import Known, on_states, settle
 from contact.friction.problem import State
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import AGREEMENT, TOLERANCES, OracleError, positive_definite, solve_tightly
@@ -124,6 +124,18 @@ def _bound(mu: np.ndarray, near: Known) -> np.ndarray:
     return np.where(tied, TIED * largest * (normal > 0), np.where(tied, 0.0, mu) * normal)
 
 
+def on_its_states(step: FrozenFrictionalStep, known: Known) -> OracleAnswer:
+    """The exact answer on the states of one that is nearly right, whatever its signs; raises OracleError for none."""
+    try:
+        scaled = Scaled.of(step)
+        found = on_states(scaled.step, scaled.forth(known))
+    except SingularMatrixError as error:
+        raise OracleError(f"the equations on the states are singular: {error}") from None
+    if found is None:
+        raise OracleError("the equations on the states have no answer near that one")
+    return scaled.back(found, 0)
+
+
 def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray, np.ndarray], Known]:
     """The programme of a scaled step as a function of the bounds (m,) and the du (n,) before; it raises OracleError."""
     import cvxpy as cp
@@ -181,6 +193,11 @@ class Scaled:
         contact = FrozenStep(sparse.csc_matrix(K), unit * base.r / size, G, base.gap / (across * size), ones, 1.0)
         slip, mu = step.slip / (along * size)[:, None], step.mu * along / across
         return cls(FrozenFrictionalStep(contact, S, slip, mu), unit, across, along, size)
+
+    def forth(self, known: Known) -> Known:
+        """In the units of the scaled step."""
+        du, normal = known.du / (self.size * self.unit), known.normal * self.across / self.size
+        return Known(du, normal, known.friction * (self.along / self.size)[:, None], known.state)
 
     def back(self, known: Known, passes: int) -> OracleAnswer:
         """In the units of the step."""

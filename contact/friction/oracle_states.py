@@ -25,6 +25,7 @@ from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 ITERATIONS = 40
 LAST_DIGITS = 1e-13
 ASTRAY = 10.0  # times what is known already: an increment as large as that is of a singular matrix
+NO_SLIP = 1e-11  # of a displacement of one: too short to have a direction
 DENSE = 1500  # equations up to which an increment of least size is looked for
 DEPENDENT = 1e-11  # relative singular value that is none
 
@@ -62,9 +63,9 @@ def settle(step: FrozenFrictionalStep, near: Known) -> Known | None:
 def on_states(step: FrozenFrictionalStep, near: Known) -> Known | None:
     """The answer on the states of ``near`` whatever its signs; None where Newton's method does not come to rest."""
     equations = _Equations(step, near.state)
-    x, before, first = equations.start(near), np.inf, near.friction
+    x, before = equations.start(near), np.inf
     for k in range(ITERATIONS):
-        directions = equations.directions(x, None if k else first)
+        directions = equations.directions(x, first=k == 0)
         if directions is None:
             return None
         residual, jacobian = equations.at(x, *directions)
@@ -103,23 +104,21 @@ class _Equations:
         normal[self._nodes], friction[self._nodes] = f, t.reshape(-1, 2)
         return Known(du, normal, friction, self._state)
 
-    def directions(self, x: np.ndarray, friction: np.ndarray | None) -> tuple[np.ndarray, np.ndarray] | None:
-        """d = s/|s| (k, 2) and its derivative by s (k, 2, 2), 0 where no candidate slips; None where a slip is none.
+    def directions(self, x: np.ndarray, *, first: bool = False) -> tuple[np.ndarray, np.ndarray] | None:
+        """d = s/|s| (k, 2) and its derivative by s (k, 2, 2), 0 where no candidate slips; None where d is unknown.
 
-        friction (m, 2): d against it instead, its derivative left out, as for the first iteration.
+        Where a slip is none, and in the ``first`` iteration, d is against the friction and its derivative is left out.
         """
-        k = len(self._nodes)
         rubs = ~self._sticks & (self._mu > 0)
-        way = self._slip(x) if friction is None else -friction[self._nodes]
+        slip, friction = self._slip(x), self._split(x)[2].reshape(-1, 2)
+        moves = (np.linalg.norm(slip, axis=1) > NO_SLIP) & (not first)
+        way = np.where(moves[:, None], slip, -friction)
         length = np.linalg.norm(way, axis=1)
         if np.any(length[rubs] == 0):
             return None
-        d = np.divide(way, length[:, None], out=np.zeros((k, 2)), where=rubs[:, None])
-        if friction is not None:
-            return d, np.zeros((k, 2, 2))
-        across = np.eye(2) - d[:, :, None] * d[:, None, :]
-        bends = np.divide(across, length[:, None, None], out=np.zeros((k, 2, 2)), where=rubs[:, None, None])
-        return d, bends
+        d = np.divide(way, length[:, None], out=np.zeros_like(way), where=rubs[:, None])
+        across, turns = np.eye(2) - d[:, :, None] * d[:, None, :], (rubs & moves)[:, None, None]
+        return d, np.divide(across, length[:, None, None], out=np.zeros_like(across), where=turns)
 
     def at(self, x: np.ndarray, d: np.ndarray, bends: np.ndarray) -> tuple[np.ndarray, sparse.csc_matrix]:
         """Left sides and their derivatives by x."""
@@ -144,7 +143,7 @@ class _Equations:
 
     def solved(self, x: np.ndarray) -> bool:
         """Whether the equations hold but for rounding, an increment of least size may leave some of them."""
-        directions = self.directions(x, None)
+        directions = self.directions(x)
         if directions is None:
             return False
         base, (du, f, t) = self._step.step, self._split(x)
@@ -177,11 +176,11 @@ def _put_right(step: FrozenFrictionalStep, found: Known) -> np.ndarray:
     f, t, state = found.normal, np.linalg.norm(found.friction, axis=1), found.state
     small = EXACT * float(max(np.max(np.abs(f), initial=0.0), np.max(t, initial=0.0)))
     moved = step.step.G @ found.du
-    near = EXACT * float(np.max(np.abs(step.step.gap) + np.abs(moved), initial=0.0))
+    near = EXACT * float(np.max(np.abs(step.step.gap) + np.abs(moved), initial=1.0))
     bound = np.where(f > 0, step.mu, 0.0) * np.where(f > 0, f, 0.0)
     slip = step.slip + (step.S @ found.du).reshape(-1, 2)
     slips = np.linalg.norm(slip, axis=1)
-    far = EXACT * float(np.max(np.abs(step.slip) + np.abs(slip), initial=0.0))
+    far = EXACT * float(np.max(np.abs(step.slip) + np.abs(slip), initial=1.0))
     better = state.copy()
     better[(state == State.STICK) & (slips > far)] = State.SLIP  # nothing of it follows the foundation
     better[(state == State.OPEN) & (step.step.gap + moved < -near)] = State.STICK

@@ -137,6 +137,7 @@ def pulled(force: float) -> FrozenFrictionalStep:
 
 def test_friction_alone_may_hold_a_body() -> None:
     found = minimise(pulled(0.9))
+    assert found.passes <= 2
     assert found.state.tolist() == [State.STICK]
     np.testing.assert_allclose(found.friction, [[-0.9, 0.0]], rtol=0, atol=EXACT)
     np.testing.assert_allclose(found.du, 0.0, rtol=0, atol=EXACT)
