@@ -50,7 +50,7 @@ from studies.store.atomic import write_table
 
 CATALOGUE = "contact.friction.catalogue"
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
-LIMIT_S = 20.0  # of the processor, of one solve
+LIMIT_S = 5.0  # of the processor, of one solve
 MEMORY = 8 * 2**30  # bytes, of the process that solves
 ORACLE = "oracle"
 UNDECIDED = "not tried"
