@@ -48,7 +48,6 @@ from contact.interchange.oracle import AGREEMENT, OracleError
 from contact.problem import Outcome
 from studies.store.atomic import write_table
 
-CATALOGUE = "contact.friction.catalogue"
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
 LIMIT_S = 5.0  # of the processor, of one solve
 MEMORY = 8 * 2**30  # bytes, of the process that solves
@@ -73,9 +72,9 @@ Row = dict[str, object]
 
 def algorithms() -> dict[str, FrictionalAlgorithm]:
     """Those of the catalogue, or the two without one."""
-    if find_spec(CATALOGUE) is None:
+    if find_spec("contact.friction.catalogue") is None:
         return {Semismooth.name: Semismooth(), TrialAndError.name: TrialAndError()}
-    kinds: Mapping[str, Callable[[], FrictionalAlgorithm]] = import_module(CATALOGUE).FRICTIONAL
+    kinds: Mapping[str, Callable[[], FrictionalAlgorithm]] = import_module("contact.friction.catalogue").FRICTIONAL
     return {name: kind() for name, kind in kinds.items()}
 
 

@@ -105,5 +105,3 @@ def test_files_that_are_none_are_told(tmp_path) -> None:
     found = table([tmp_path])
     assert found["outcome"].tolist() == [UNDECIDED]
     assert "the file is no frictional problem" in found["reason"][0]
-
-

@@ -31,8 +31,9 @@ from studies.arena.collected.rule import manifest
 from studies.arena.solver_run import problems_in
 from studies.cli import main
 from studies.request import UsageError
-from support.problems.frictional import all_answers, klarbring, manufactured
+from support.problems.frictional import all_answers, klarbring
 
+STATES = ["open", "sticking", "slipping"]
 SMALL = "rigid", "springs", "random"
 
 
@@ -47,8 +48,8 @@ def test_the_manifest_has_the_listed_steps() -> None:
     assert kept["name"].is_unique
     assert not set(kept["name"]) & set(manifest()["name"])
     assert set(kept["friction"]) == {"coulomb"}
-    assert (kept[["open", "sticking", "slipping"]].sum(axis=1) == kept["candidates"]).all()
-    assert (kept[["open", "sticking", "slipping"]].sum() > 100).all()
+    assert (kept[STATES].sum(axis=1) == kept["candidates"]).all()
+    assert (kept[STATES].sum() > 100).all()
     assert kept["confirmed_by"].str.startswith(EQUATIONS).all()
     assert kept["confirmed_by"].str.contains(PROGRAMMES).sum() >= 30
 
@@ -101,10 +102,6 @@ def test_gross_slip_has_the_capstans_ratio() -> None:
 
 
 def test_a_wrong_answer_is_not_confirmed() -> None:
-    step, _ = manufactured(np.random.default_rng(3), 4)
-    wide = replace(step)  # its candidates share unknowns: no algorithm, as said
-    with pytest.raises(NotCertifiedError, match="share"):
-        find(wide)
     step = next(random_steps()).step
     right = find(step)
     with pytest.raises(NotCertifiedError, match="off the equations"):
@@ -127,7 +124,7 @@ def test_several_answers_are_no_contradiction() -> None:
     assert told == {True: 2, False: 1}
 
 
-def test_files_come_out_again(tmp_path: File, capsys) -> None:
+def test_files_come_out_again(tmp_path: File) -> None:
     candidates = made("rigid")
     rows = [row(c) | {"bytes": write(tmp_path, c).stat().st_size} for c in candidates]
     kept = pd.DataFrame(rows)
@@ -224,6 +221,5 @@ def test_all_files_are_made_again(tmp_path: File) -> None:
 @pytest.mark.slow
 def test_the_rule_chooses_the_same_again(tmp_path: File) -> None:
     found = rule.choose_frictional(tmp_path, only="greco").set_index("name")
-    kept = friction_manifest().set_index("name")
-    assert list(found.index) == list(kept.index[kept["family"] == "greco"])
-    assert (found[["open", "sticking", "slipping"]] == kept.loc[found.index, ["open", "sticking", "slipping"]]).all(None)
+    kept = friction_manifest().query("family == 'greco'").set_index("name")
+    pd.testing.assert_frame_equal(found[STATES], kept[STATES])
