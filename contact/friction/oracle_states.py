@@ -52,7 +52,9 @@ def settle(step: FrozenFrictionalStep, near: Known) -> Known | None:
             return None
         better = _put_right(step, found)
         if np.array_equal(better, found.state):
-            return Known(found.du, np.maximum(found.normal, 0.0), found.friction, better)
+            pressed = found.normal > 0  # what rounding has pulled carries no friction, either
+            friction = np.where(pressed[:, None], found.friction, 0.0)
+            return Known(found.du, np.where(pressed, found.normal, 0.0), friction, better)
         if better.tobytes() in seen:
             return None
         seen.add(better.tobytes())

@@ -10,6 +10,7 @@ from scipy import sparse
 
 from contact.friction.frozen import FrozenFrictionalStep, frozen
 from contact.friction.oracle import confirm, minimise, refusal
+from contact.friction.oracle_states import Known, settle
 from contact.friction.problem import State
 from contact.friction.verify import judge
 from contact.interchange.oracle import OracleError
@@ -156,3 +157,15 @@ def test_redundant_contacts_share_what_one_carries(seed) -> None:
     np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
     np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
     np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
+
+
+def test_a_contact_that_just_touches_carries_nothing() -> None:
+    """A normal force of -1e-15 beside one of 1 is rounding, and friction of its sign would drive."""
+    eye = np.eye(6)
+    r = np.array([1.0, -3.0, 0.0, -1e-15, -3.0, 0.0])  # K du + r = F with K = 1: f = r_n, and a slip of 3 - mu f
+    step = dense_step(eye, r, eye[[0, 3]], np.zeros(2), eye[[1, 2, 4, 5]], np.zeros((2, 2)), np.full(2, 0.5))
+    slips = np.full(2, State.SLIP)
+    found = settle(step, Known(np.zeros(6), np.ones(2), np.array([[-0.5, 0.0], [-0.5, 0.0]]), slips))
+    np.testing.assert_allclose(found.friction, [[-0.5, 0.0], [0.0, 0.0]], rtol=0, atol=EXACT)
+    assert found.normal[1] == 0
+    assert np.all(found.friction[1] == 0)
