@@ -9,6 +9,11 @@ for the small ones in ``public_problems.json``. The table beside this module is 
 
 with h5py installed, else problems in HDF5 are left out. Algorithms get contacts with ways of their own
 (:mod:`contact.friction.own_ways`), the oracle the problem as a step of its unknowns (:mod:`contact.friction.siconos`).
+
+Of 65 files 62 are problems. With 5 s of the processor each, 57 of them have an answer that the judge takes, and nothing
+that is called solved is refused by it: the augmented Lagrangian has 45, lcp 42, the oracle 41, semismooth 32, qp 26 and
+trial-and-error 18. Redundant contacts make the systems of active sets singular, and W that is not symmetric is refused
+by qp. Where the oracle has an answer, too, every other one has its ways.
 """
 
 from __future__ import annotations
@@ -156,7 +161,7 @@ def rows(name: str, problem: SiconosProblem, solved: Solved = limited) -> Iterat
     several.  seconds: of the processor.  reason: why there is no answer.
     """
     head: Row = {"problem": name, "kind": problem.kind, "d": problem.d}
-    head |= {"contacts": len(problem.mu), "mu": float(np.max(problem.mu))}
+    head |= {"contacts": len(problem.mu), "mu": float(f"{np.max(problem.mu):.6g}")}
     own = solved(partial(_by_oracle, problem))
     yield head | {"algorithm": ORACLE} | _told(own, None)
     step = with_own_ways(problem)
@@ -221,7 +226,7 @@ def table(folders: Sequence[Path]) -> pd.DataFrame:
             continue
         found.extend(rows(name, problem))
     columns = ["problem", "kind", "d", "contacts", "mu", "algorithm", "outcome", "certified", "agrees", "seconds"]
-    return pd.DataFrame(found, columns=[*columns, "reason"]).fillna("")
+    return pd.DataFrame(found, columns=[*columns, "reason"], dtype=object).fillna("")
 
 
 def main(arguments: Sequence[str]) -> None:
