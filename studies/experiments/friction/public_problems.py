@@ -27,9 +27,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from importlib import import_module
 from importlib.resources import files
-from importlib.util import find_spec
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -39,15 +37,14 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
+from contact.friction.base import FrictionalAlgorithm
+from contact.friction.catalogue import FRICTIONAL
 from contact.friction.fclib import read_fclib
 from contact.friction.frozen import FrozenFrictionalStep
 from contact.friction.oracle import OracleAnswer, minimise
 from contact.friction.own_ways import with_own_ways
-from contact.friction.path import FrictionalAlgorithm
 from contact.friction.problem import FrictionalSolution
-from contact.friction.semismooth import Semismooth
 from contact.friction.siconos import HDF5, SiconosError, SiconosProblem, read
-from contact.friction.trial_and_error import TrialAndError
 from contact.friction.verify import judge
 from contact.interchange.oracle import AGREEMENT, OracleError
 from contact.problem import Outcome
@@ -76,11 +73,8 @@ Row = dict[str, object]
 
 
 def algorithms() -> dict[str, FrictionalAlgorithm]:
-    """Those of the catalogue, or the two without one."""
-    if find_spec("contact.friction.catalogue") is None:
-        return {Semismooth.name: Semismooth(), TrialAndError.name: TrialAndError()}
-    kinds: Mapping[str, Callable[[], FrictionalAlgorithm]] = import_module("contact.friction.catalogue").FRICTIONAL
-    return {name: kind() for name, kind in kinds.items()}
+    """Those of the catalogue, by name."""
+    return {name: kind() for name, kind in FRICTIONAL.items()}
 
 
 def public_table() -> pd.DataFrame:
@@ -182,8 +176,7 @@ def _told(found: Tried, wanted: np.ndarray | None) -> Row:
 
 def _by_algorithm(algorithm: FrictionalAlgorithm, step: FrozenFrictionalStep) -> Tried:
     problem, m = step.problem(), len(step.mu)
-    supports = getattr(algorithm, "supports", lambda problem: None)
-    why = supports(problem)
+    why = algorithm.supports(problem)
     if why is not None:
         return Tried(Outcome.REFUSED.word, reason=why)
     try:
@@ -192,9 +185,8 @@ def _by_algorithm(algorithm: FrictionalAlgorithm, step: FrozenFrictionalStep) ->
         return Tried(Outcome.REFUSED.word, reason=str(error).splitlines()[0])
     if not found.outcome.converged:
         return Tried(found.outcome.word)
-    epsilon = getattr(algorithm, "epsilon", np.inf)
-    if np.isfinite(epsilon):
-        return Tried(found.outcome.word, reason=f"by its own law, of springs of {epsilon:g} MPa/mm")
+    if np.isfinite(algorithm.epsilon):
+        return Tried(found.outcome.word, reason=f"by its own law, of springs of {algorithm.epsilon:g} MPa/mm")
     return _judged(found.outcome.word, step, found.u, found.normal, found.friction)
 
 

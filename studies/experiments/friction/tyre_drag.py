@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.algorithms.semismooth import Semismooth as Frictionless
-from contact.friction.foundation import Motion, Slip
+from contact.coulomb import Motion
+from contact.friction.foundation import Slip
 from contact.friction.path import PathState, Stage
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.obstacles.foundation import Candidates, Foundation

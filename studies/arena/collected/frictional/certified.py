@@ -43,7 +43,7 @@ def find(step: FrozenFrictionalStep) -> FrictionCertified:
     rest = FrictionalSolution.at_rest(len(step.step.r), len(step.mu))
     starts = rest, replace(rest, state=np.full(len(step.mu), State.STICK, np.int8))
     for (name, algorithm), start in product(algorithms().items(), starts):
-        if np.isfinite(getattr(algorithm, "epsilon", np.inf)):
+        if np.isfinite(algorithm.epsilon):
             continue
         try:
             found = algorithm.solve(problem, start)
