@@ -11,7 +11,7 @@ with h5py installed, else problems in HDF5 are left out. Algorithms get contacts
 (:mod:`contact.friction.own_ways`), the oracle the problem as a step of its unknowns (:mod:`contact.friction.siconos`).
 
 Of 65 files 62 are problems. With 5 s of the processor each, 57 of them have an answer that the judge takes, and nothing
-that is called solved is refused by it: the augmented Lagrangian has 45, lcp 42, the oracle 41, semismooth 32, qp 26 and
+that is called solved is refused by it: the augmented Lagrangian has 45, lcp 42, the oracle 42, semismooth 32, qp 26 and
 trial-and-error 18. Redundant contacts make the systems of active sets singular, and W that is not symmetric is refused
 by qp. Where the oracle has an answer, too, every other one has its ways.
 """
@@ -48,6 +48,7 @@ from contact.friction.siconos import HDF5, SiconosError, SiconosProblem, read
 from contact.friction.verify import judge
 from contact.interchange.oracle import AGREEMENT, OracleError
 from contact.problem import Outcome
+from contact.solvers.sparse import checked_solve, factorise
 from studies.store.atomic import write_table
 
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
@@ -151,23 +152,30 @@ def rows(name: str, problem: SiconosProblem, solved: Solved = limited) -> Iterat
     """A row for the oracle and one an algorithm; solved: how a solve is called, :func:`limited` or :func:`timed`.
 
     d, contacts, mu: of the problem, mu the largest.  certified: whether the judge takes what is called solved.
-    agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest; forces of redundant contacts are
-    several.  seconds: of the processor.  reason: why there is no answer.
+    agrees: whether the ways of the contacts are the oracle's to 1e-7 of the largest, with and without contact; forces
+    of redundant contacts are several.  seconds: of the processor.  reason: why there is no answer.
     """
     head: Row = {"problem": name, "kind": problem.kind, "d": problem.d}
     head |= {"contacts": len(problem.mu), "mu": float(f"{np.max(problem.mu):.6g}")}
     own = solved(partial(_by_oracle, problem))
-    yield head | {"algorithm": ORACLE} | _told(own, None)
-    step = with_own_ways(problem)
+    yield head | {"algorithm": ORACLE} | _told(own, None, 0.0)
+    step, free = with_own_ways(problem), float(np.max(np.abs(_free(problem))))
     for label, algorithm in algorithms().items():
         found = solved(partial(_by_algorithm, algorithm, step))
-        yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None)
+        yield head | {"algorithm": label} | _told(found, own.ways if own.certified else None, free)
 
 
-def _told(found: Tried, wanted: np.ndarray | None) -> Row:
+def _free(problem: SiconosProblem) -> np.ndarray:
+    """The ways of the contacts where none carries anything."""
+    if problem.M is None or problem.H is None or problem.q is None:
+        return problem.offset
+    return problem.offset + problem.H.T @ checked_solve(factorise(problem.M), problem.M, problem.q)
+
+
+def _told(found: Tried, wanted: np.ndarray | None, free: float) -> Row:
     agrees: bool | str = ""
     if found.ways is not None and found.certified and wanted is not None:
-        size = float(max(np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
+        size = float(max(free, np.max(np.abs(wanted)), np.max(np.abs(found.ways)))) or 1.0
         agrees = float(np.max(np.abs(found.ways - wanted))) <= AGREEMENT * size
     certified: bool | str = "" if found.certified is None else found.certified
     told: Row = {"outcome": found.outcome, "certified": certified, "agrees": agrees}
