@@ -4,36 +4,39 @@ For given bounds b (m,) of friction [N] a step is a convex programme, with the d
 
     min 1/2 du.K.du + r.du + sum b_i |s0_i + S_i du|    subject to    g + G du >= 0
 
-whose multipliers are the forces. The bounds are mu f of the pass before, damped where they do not contract. An
-interior-point solver knows forces to 1e-6 and no closer, so each pass that is near to the one before is asked for its
-states alone: open, stick or slip. The exact answer on them, where s = 0 on all that stick and t = -mu f s/|s| on all
-that slip, is a fixed point to rounding. It then has to obey every condition. That it is the only one nobody says: at
-large mu it need not be.
+whose multipliers are the forces. K may leave motions free, which contacts then hold; where it is not symmetric, the
+programme has its symmetric part, and the other acts by the motion of the pass before. The bounds are mu f of that pass,
+damped where they do not contract; an infinite coefficient has a bound beyond all forces of it. An
+interior-point solver knows forces to 1e-6 and no closer, so it is asked for states alone, open, stick or slip: where a
+pass has those of the one before, or nearly its bounds. The exact answer on them (:mod:`contact.friction.oracle_states`)
+then has to obey every condition. That it is the only one nobody says: at large mu it need not be, and where contacts
+are redundant forces are not.
+
+Lengths and forces are scaled first: a unit diagonal of K, unit rows, displacements of about one.
 """
 
 from __future__ import annotations
 
-import contextlib
-import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
 from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.oracle_states import Known, on_states, settle
 from contact.friction.problem import State
-from contact.interchange.oracle import AGREEMENT, EXACT, SETTLINGS, TOLERANCES, OracleError
-from contact.interchange.oracle import refusal as refusal_of_contact
-from contact.solvers.sparse import Factor, SingularMatrixError, checked_solve, factorise
+from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.oracle import AGREEMENT, TOLERANCES, OracleError, positive_definite, solve_tightly
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 PASSES = 100
 NEAR = 1e-3  # change of bounds from pass to pass, of the largest, below which states are tried
+ROUGH = 1e-6  # of the interior-point solver at worst: forces are not taken from it
 CONTRACTS = 0.9  # a change that falls by less is damped
-ITERATIONS = 40
-LAST_DIGITS = 1e-13
-
-Forces = tuple[np.ndarray, np.ndarray]  # normal (m,), friction (m, 2)
+SINGULAR = 1e-11  # of its diagonal: what may be added to K to make it definite
+TIED = 10.0  # times the largest force: the bound of an infinite coefficient
+BEYOND = 1e3  # times the load: a bound that holds whatever else is free
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,9 +54,9 @@ class OracleAnswer:
 class Confirmation:
     """The oracle's answer, and how far another one is from it.
 
-    displacement_error: |difference| over the larger of du and the free response [-].  force_error: largest difference
-    of a force, normal or friction, over the largest of them [-].  differing: candidates of which one differs by more
-    than the agreement.
+    displacement_error: largest difference over the displacement to be expected, both in units of a unit diagonal of K
+    [-].  force_error: largest difference of a force, normal or friction, over the largest of them [-].  differing:
+    candidates of which one differs by more than the agreement.
     """
 
     own: OracleAnswer
@@ -69,9 +72,12 @@ class Confirmation:
 
 def refusal(step: FrozenFrictionalStep) -> str | None:
     """Why there is no sequence of convex programmes, or None."""
-    if not np.all(np.isfinite(step.mu)):
-        return "an infinite coefficient has no Tresca bound"
-    return refusal_of_contact(step.step)
+    if step.step.coupling is not None:
+        return "with consistent coupling the pressures are no multipliers of the gaps"
+    even = _even(step.step.K)
+    if not positive_definite(sparse.csc_matrix(even + SINGULAR * sparse.diags_array(_positive(even.diagonal())))):
+        return "K is not positive: the programme is not convex"
+    return None
 
 
 def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
@@ -80,180 +86,153 @@ def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
     if reason is not None:
         raise OracleError(reason)
     try:
-        exact, solve = _Exact.of(step), tresca(step)
-        bound, damping, before = np.zeros(len(step.mu)), 1.0, np.inf
-        for passes in range(1, PASSES + 1):
-            (normal, friction), state = solve(bound)
-            wanted = np.where(state == State.OPEN, 0.0, step.mu * np.maximum(normal, 0.0))
-            change = float(np.max(np.abs(wanted - bound), initial=0.0))
-            if change <= NEAR * float(np.max(wanted, initial=0.0)):
-                found = exact.settle(state, friction)
-                if found is not None:
-                    return OracleAnswer(*found, passes)
-            damping = damping / 2 if change > CONTRACTS * before else damping
-            bound, before = bound + damping * (wanted - bound), change
+        scaled = Scaled.of(step)
+        known, passes = _fixed_point(scaled.step)
     except (SingularMatrixError, RuntimeError, np.linalg.LinAlgError) as error:
         raise OracleError(f"the oracle failed: {error}") from None
+    return scaled.back(known, passes)
+
+
+def _fixed_point(step: FrozenFrictionalStep) -> tuple[Known, int]:
+    """The answer of a scaled step, and the passes; raises OracleError."""
+    solve, bound, damping, before, last = tresca(step), _first_bound(step), 1.0, np.inf, b""
+    du = np.zeros(len(step.step.r))
+    for passes in range(1, PASSES + 1):
+        near = solve(bound, du)
+        wanted = _bound(step.mu, near)
+        change = float(np.max(np.abs(wanted - bound), initial=0.0))
+        if near.state.tobytes() == last or change <= NEAR * float(np.max(wanted, initial=0.0)):
+            found = settle(step, near)
+            if found is not None:
+                return found, passes
+        damping = damping / 2 if change > CONTRACTS * before else damping
+        bound, before, last, du = bound + damping * (wanted - bound), change, near.state.tobytes(), near.du
     raise OracleError(f"Tresca bounds came to no fixed point in {PASSES} passes")
 
 
-def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray], tuple[Forces, np.ndarray]]:
-    """The programme as a function: bounds (m,) to forces and states (m,); it raises OracleError.
+def _first_bound(step: FrozenFrictionalStep) -> np.ndarray:
+    """(m,): none, or where K leaves motions free one that may hold them all."""
+    held = positive_definite(_even(step.step.K))
+    return np.where(step.mu > 0, 0.0 if held else BEYOND * float(np.max(np.abs(step.step.r), initial=0.0)), 0.0)
 
-    In unknowns y with a unit diagonal of K, du = size unit y, size the displacement to be expected.
-    """
+
+def _bound(mu: np.ndarray, near: Known) -> np.ndarray:
+    """mu f (m,)."""
+    normal = np.where(near.state == State.OPEN, 0.0, np.maximum(near.normal, 0.0))
+    tied = np.isinf(mu)
+    largest = max(float(np.max(normal, initial=0.0)), float(np.max(np.abs(near.friction), initial=0.0)))
+    return np.where(tied, TIED * largest * (normal > 0), np.where(tied, 0.0, mu) * normal)
+
+
+def on_its_states(step: FrozenFrictionalStep, known: Known) -> OracleAnswer:
+    """The exact answer on the states of one that is nearly right, whatever its signs; raises OracleError for none."""
+    try:
+        scaled = Scaled.of(step)
+        found = on_states(scaled.step, scaled.forth(known))
+    except SingularMatrixError as error:
+        raise OracleError(f"the equations on the states are singular: {error}") from None
+    if found is None:
+        raise OracleError("the equations on the states have no answer near that one")
+    return scaled.back(found, 0)
+
+
+def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray, np.ndarray], Known]:
+    """The programme of a scaled step as a function of the bounds (m,) and the du (n,) before; it raises OracleError."""
     import cvxpy as cp
 
     base, m = step.step, len(step.mu)
-    unit = 1 / np.sqrt(base.K.diagonal())
-    free = checked_solve(factorise(base.K), base.K, -base.r)
-    G, S = (sparse.csr_matrix(A @ sparse.diags_array(unit)) for A in (base.G, step.S))
-    across = np.sqrt(np.asarray(G.multiply(G).sum(axis=1)).ravel())
-    across[across == 0] = 1.0
-    slips = np.sqrt(np.asarray(S.multiply(S).sum(axis=1)).ravel().reshape(m, 2).sum(axis=1))
-    along = np.where(slips > 0, slips, 1.0)
-    reach = [free / unit, -base.gap / across, np.linalg.norm(step.slip, axis=1) / along]
-    size = max(float(np.max(np.abs(reach[0]), initial=0.0)), *(float(np.max(x, initial=0.0)) for x in reach[1:])) or 1.0
-
-    y, tau, b = cp.Variable(len(unit)), cp.Variable(m), cp.Parameter(m, nonneg=True)
-    K = sparse.diags_array(unit) @ base.K @ sparse.diags_array(unit)
-    room = (sparse.diags_array(1 / across) @ G) @ y + base.gap / (across * size)
-    twice = np.repeat(along, 2)
-    slip = (sparse.diags_array(1 / twice) @ S) @ y + step.slip.ravel() / (twice * size)
-    cost = cp.quad_form(y, cp.psd_wrap(sparse.csc_matrix((K + K.T) / 2))) / 2 + (unit * base.r / size) @ y + b @ tau
+    y, tau = cp.Variable(len(base.r)), cp.Variable(m)
+    b, load, even = cp.Parameter(m, nonneg=True), cp.Parameter(len(base.r)), _even(base.K)
+    room = base.G @ y + base.gap
+    slip = step.S @ y + step.slip.ravel()
+    cost = cp.quad_form(y, cp.psd_wrap(even)) / 2 + load @ y + b @ tau
     cone = cp.SOC(tau, cp.reshape(slip, (2, m), order="F"))
     programme = cp.Problem(cp.Minimize(cost), [room >= 0, cone])
 
-    def solve(bound: np.ndarray) -> tuple[Forces, np.ndarray]:
-        b.value = bound * along / size
-        for tolerance in TOLERANCES:
-            tight = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas", "tol_ktratio"), tolerance)
-            with contextlib.suppress(cp.error.SolverError), warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": such an answer is not taken
-                programme.solve(solver=cp.CLARABEL, **tight)
-                if programme.status == "optimal":
-                    break
-        else:
-            raise OracleError(f"the oracle found no solution: {programme.status}")
+    def solve(bound: np.ndarray, before: np.ndarray) -> Known:
+        b.value, load.value = bound, base.r + base.K @ before - even @ before
+        solve_tightly(programme, (*TOLERANCES, ROUGH))
         f = np.atleast_1d(programme.constraints[0].dual_value)
         t = np.asarray(cone.dual_value[1]).reshape(2, m, order="F").T
         s = np.linalg.norm(slip.value.reshape(m, 2), axis=1)
-        left = b.value - np.linalg.norm(t, axis=1)
-        state = np.where(f <= room.value, State.OPEN, np.where(s > left, State.SLIP, State.STICK))
-        return (f * size / across, t * (size / along)[:, None]), state
+        slips = (s > bound - np.linalg.norm(t, axis=1)) & ~np.isinf(step.mu)
+        state = np.where(f <= room.value, State.OPEN, np.where(slips, State.SLIP, State.STICK))
+        return Known(np.asarray(y.value), f, t, state)
 
     return solve
 
 
 @dataclass(frozen=True, eq=False)
-class _Exact:
-    """Answers on given states, condensed on the forces that act, three a candidate: u_i = q_i + (W l)_i."""
+class Scaled:
+    """A step in unknowns y, du = size unit y, and its forces; across, along (m,): what its gaps and slips are over."""
 
     step: FrozenFrictionalStep
-    factor: Factor
-    free: np.ndarray
+    unit: np.ndarray
+    across: np.ndarray
+    along: np.ndarray
+    size: float
 
     @classmethod
-    def of(cls, step: FrozenFrictionalStep) -> _Exact:
-        K = step.step.K
-        factor = factorise(K)
-        return cls(step, factor, checked_solve(factor, K, -step.step.r))
+    def of(cls, step: FrozenFrictionalStep) -> Scaled:
+        """In unknowns with a unit diagonal of K; raises SingularMatrixError."""
+        base, m = step.step, len(step.mu)
+        unit = 1 / np.sqrt(_positive(base.K.diagonal()))
+        D = sparse.diags_array(unit)
+        K, G, S = (sparse.csr_matrix(A) for A in (D @ base.K @ D, base.G @ D, step.S @ D))
+        across = _positive(np.sqrt(np.asarray(G.multiply(G).sum(axis=1)).ravel()))
+        along = _positive(np.sqrt(np.asarray(S.multiply(S).sum(axis=1)).reshape(m, 2).sum(axis=1)))
+        G, S = (sparse.csr_matrix(sparse.diags_array(1 / by) @ A) for by, A in ((across, G), (np.repeat(along, 2), S)))
+        every = sparse.csc_matrix(K + G.T @ G + S.T @ S)  # definite wherever contacts hold what K leaves free
+        reach = [
+            np.abs(checked_solve(factorise(every), every, -unit * base.r)),
+            np.abs(base.gap / across),
+            np.linalg.norm(step.slip, axis=1) / along,
+        ]
+        size = max(float(np.max(part, initial=0.0)) for part in reach) or 1.0
+        ones = np.ones(m)
+        contact = FrozenStep(sparse.csc_matrix(K), unit * base.r / size, G, base.gap / (across * size), ones, 1.0)
+        slip, mu = step.slip / (along * size)[:, None], step.mu * along / across
+        return cls(FrozenFrictionalStep(contact, S, slip, mu), unit, across, along, size)
 
-    def settle(
-        self, state: np.ndarray, friction: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
-        """du, normal, friction and states where states and friction, nearly right, can be put right; None where not."""
-        step, H = self.step, self.step.H
-        rest = step.w + H.T @ self.free
-        for _ in range(SETTLINGS):
-            nodes = np.flatnonzero(state != State.OPEN)
-            columns = (3 * nodes[:, None] + np.arange(3)).ravel()
-            act = sparse.csc_matrix(H[:, columns])
-            moved = [checked_solve(self.factor, step.step.K, column) for column in act.toarray().T]
-            flexible = np.column_stack([np.zeros((len(self.free), 0)), *moved])
-            W = act.T @ flexible
-            forces = _on_states(
-                (W + W.T) / 2, rest[columns], state[nodes] == State.SLIP, step.mu[nodes], friction[nodes]
-            )
-            if forces is None:
-                return None
-            du, every = self.free + flexible @ forces, np.zeros((len(state), 3))
-            every[nodes] = forces.reshape(-1, 3)
-            better = self._put_right(state, step.w + H.T @ du, every)
-            if np.array_equal(better, state):
-                return du, np.maximum(every[:, 0], 0.0), every[:, 1:], state
-            state = better
-        return None
+    def forth(self, known: Known) -> Known:
+        """In the units of the scaled step."""
+        du, normal = known.du / (self.size * self.unit), known.normal * self.across / self.size
+        return Known(du, normal, known.friction * (self.along / self.size)[:, None], known.state)
 
-    def _put_right(self, state: np.ndarray, u: np.ndarray, forces: np.ndarray) -> np.ndarray:
-        """The states (m,) with each that breaks a condition changed to the one it breaks it for."""
-        f, t = forces[:, 0], np.linalg.norm(forces[:, 1:], axis=1)
-        small = EXACT * float(np.max(np.abs(forces), initial=0.0))
-        near = EXACT * float(np.max(np.abs(self.step.w) + np.abs(u - self.step.w), initial=0.0))
-        better = state.copy()
-        better[(state == State.OPEN) & (u[::3] < -near)] = State.STICK
-        better[(state == State.STICK) & (t - self.step.mu * f > small)] = State.SLIP
-        better[(state != State.OPEN) & (f < -small)] = State.OPEN
-        return better
+    def back(self, known: Known, passes: int) -> OracleAnswer:
+        """In the units of the step."""
+        normal, friction = known.normal * self.size / self.across, known.friction * (self.size / self.along)[:, None]
+        return OracleAnswer(self.size * self.unit * known.du, normal, friction, known.state, passes)
 
 
-def _on_states(
-    W: np.ndarray, q: np.ndarray, slips: np.ndarray, mu: np.ndarray, friction: np.ndarray
-) -> np.ndarray | None:
-    """Forces (3k,) of candidates that all touch: no gap, no slip of those that stick, t = -mu f s/|s| of the others.
-
-    Newton's method, from the directions of ``friction`` (k, 2); None where it does not come to rest.
-    """
-    k = len(mu)
-    if not k:
-        return np.zeros(0)
-    forces, before = np.zeros(3 * k), np.inf
-    direction = -friction / np.maximum(np.linalg.norm(friction, axis=1), np.finfo(float).tiny)[:, None]
-    turning = np.zeros((k, 2, 2))  # ds/|s| of a direction: none in the first iteration
-    for _ in range(ITERATIONS):
-        A, b = W.copy(), -q.copy()
-        for i in np.flatnonzero(slips):
-            rows = slice(3 * i + 1, 3 * i + 3)
-            bend = mu[i] * forces[3 * i] * turning[i]
-            A[rows] = bend @ W[rows]
-            A[rows, rows] += np.eye(2)
-            A[rows, 3 * i] += mu[i] * direction[i]
-            b[rows] = bend @ (W[rows] @ forces)
-        new = np.linalg.solve(A, b)
-        change, size = float(np.max(np.abs(new - forces))), float(np.max(np.abs(new)))
-        forces = new
-        if not np.isfinite(size):
-            return None
-        if change <= LAST_DIGITS * size or before / 2 <= change <= EXACT * size:  # or no digit more is to be had
-            return forces
-        before = change
-        for k, s in _slips(W, q, forces, slips):
-            length = float(np.linalg.norm(s))
-            if length == 0:
-                return None
-            direction[k] = s / length
-            turning[k] = (np.eye(2) - np.outer(direction[k], direction[k])) / length
-    return None
+def _even(K: sparse.csc_matrix) -> sparse.csc_matrix:
+    """The symmetric part."""
+    return sparse.csc_matrix((K + K.T) / 2)
 
 
-def _slips(W: np.ndarray, q: np.ndarray, forces: np.ndarray, slips: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """Number and slip (2,) of each candidate that slips."""
-    u = (q + W @ forces).reshape(-1, 3)
-    for i in np.flatnonzero(slips):
-        yield int(i), u[i, 1:]
+def _positive(sizes: np.ndarray) -> np.ndarray:
+    """The same with ones for what is not positive."""
+    return np.where(sizes > 0, sizes, 1.0)
 
 
 def confirm(step: FrozenFrictionalStep, du: np.ndarray, normal: np.ndarray, friction: np.ndarray) -> Confirmation:
     """Compare an answer of the step with the oracle's; raises OracleError where that has none."""
-    own = minimise(step)
-    free = checked_solve(factorise(step.step.K), step.step.K, -step.step.r)
-    size = float(max(np.linalg.norm(free), np.linalg.norm(own.du))) or 1.0
+    return compared(step, minimise(step), du, normal, friction)
+
+
+def compared(
+    step: FrozenFrictionalStep, own: OracleAnswer, du: np.ndarray, normal: np.ndarray, friction: np.ndarray
+) -> Confirmation:
+    """The same where the oracle's answer is known."""
+    scaled = Scaled.of(step)
+    apart = float(np.max(np.abs(du - own.du) / scaled.unit, initial=0.0))
+    size = max(scaled.size, float(np.max(np.abs(own.du) / scaled.unit, initial=0.0)))
     theirs, ours = np.column_stack([normal, friction]), np.column_stack([own.normal, own.friction])
     largest = float(max(np.max(np.abs(theirs), initial=0.0), np.max(np.abs(ours), initial=0.0))) or 1.0
     error = np.linalg.norm(theirs - ours, axis=1) / largest
     return Confirmation(
         own,
-        float(np.linalg.norm(du - own.du)) / size,
+        apart / size,
         float(np.max(error, initial=0.0)),
         np.flatnonzero(error > AGREEMENT),
     )

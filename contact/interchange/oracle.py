@@ -12,7 +12,9 @@ from __future__ import annotations
 
 import contextlib
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -113,14 +115,22 @@ def _interior(step: FrozenStep, epsilon: float, free: np.ndarray) -> np.ndarray:
         room = room + cp.multiply(1 / (row * np.sqrt(epsilon * step.weights)), s)
         cost = cost + cp.sum_squares(s) / 2
     programme = cp.Problem(cp.Minimize(cost), [room >= 0])
-    for tolerance in TOLERANCES:
+    solve_tightly(programme)
+    multipliers = np.atleast_1d(programme.constraints[0].dual_value)
+    return np.asarray(multipliers > np.atleast_1d(room.value))
+
+
+def solve_tightly(programme: Any, tolerances: Sequence[float] = TOLERANCES) -> None:
+    """Solve a programme of cvxpy by Clarabel to the first tolerance that it reaches; raises OracleError for none."""
+    import cvxpy as cp
+
+    for tolerance in tolerances:
         tight = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas", "tol_ktratio"), tolerance)
         with contextlib.suppress(cp.error.SolverError), warnings.catch_warnings():
             warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": such an answer is not taken
             programme.solve(solver=cp.CLARABEL, **tight)
             if programme.status == "optimal":
-                multipliers = np.atleast_1d(programme.constraints[0].dual_value)
-                return np.asarray(multipliers > np.atleast_1d(room.value))
+                return
     raise OracleError(f"the oracle found no solution: {programme.status}")
 
 

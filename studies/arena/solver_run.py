@@ -58,7 +58,10 @@ FIELDS = {
 
 
 def problems_in(folder: Path) -> dict[str, FrozenStep]:
-    """The frozen steps of a folder by name, fewest unknowns first; raises UsageError for one that is none."""
+    """The frozen steps of a folder by name, fewest unknowns first; raises UsageError for one that is none.
+
+    Those with friction are left out: no solver here knows it.
+    """
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise UsageError(f"--problems {folder}: no frozen steps (*.npz) in it")
@@ -66,7 +69,10 @@ def problems_in(folder: Path) -> dict[str, FrozenStep]:
         found = {path.stem: FrozenStep.read(path) for path in paths}
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
-    return dict(sorted(found.items(), key=lambda item: len(item[1].r)))
+    without = {name: step for name, step in found.items() if "friction" not in step.meta}
+    if not without:
+        raise UsageError(f"--problems {folder}: all frozen steps in it are with friction, which no solver here knows")
+    return dict(sorted(without.items(), key=lambda item: len(item[1].r)))
 
 
 def run(

@@ -17,7 +17,7 @@ made from it by one command. What they hold is compared by sums that rounding mo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -222,14 +222,25 @@ def unlike(directory: Path, kept: pd.DataFrame) -> list[str]:
         except FrozenStepError as error:
             lines.append(f"{row['name']}: {error}")
             continue
-        if (len(step.r), len(step.gap)) != (row["unknowns"], row["candidates"]):
-            lines.append(f"{row['name']}: of another size")
-            continue
-        for name, own in zip(SUMS, sums(step), strict=True):
-            told = float(row[name])
-            size = max(abs(told), step.scale if name == "sum_r" else 0.0)  # what is in balance is known to its parts
-            if not abs(own - told) <= ROUNDING * size:
-                lines.append(f"{row['name']}: {name} is {own!r}, the manifest says {told!r}")
+        # what is in balance is known to its parts
+        lines += differing(row, step, dict(zip(SUMS, sums(step), strict=True)), {"sum_r": step.scale})
+    return lines
+
+
+def differing(
+    told: Mapping[Hashable, Any], step: FrozenStep, found: Mapping[str, float], sizes: Mapping[str, float]
+) -> list[str]:
+    """What a row of the manifest says otherwise than the sums that were ``found`` of a step, a line each.
+
+    sizes: of what some of them are the difference of; those are known to so much.
+    """
+    if (len(step.r), len(step.gap)) != (told["unknowns"], told["candidates"]):
+        return [f"{told['name']}: of another size"]
+    lines = []
+    for name, own in found.items():
+        kept = float(told[name])
+        if not abs(own - kept) <= ROUNDING * max(abs(kept), sizes.get(name, 0.0)):
+            lines.append(f"{told['name']}: {name} is {own!r}, the manifest says {kept!r}")
     return lines
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from contact.friction.frozen import FrozenFrictionalStep
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from studies.commands import FAILED, OK
 from studies.commands.options import positive, progress_bar
@@ -14,6 +15,7 @@ from studies.door.columns import columns
 from studies.request import UsageError
 
 PROBLEMS = Path(".footprint/problems")
+RUBBED = ("name", "unknowns", "candidates", "open", "sticking", "slipping", "mu", "kind", "friction")
 SHOWN = ("name", "unknowns", "candidates", "pressed", "touching", "kind", "coupling", "adds")
 
 
@@ -40,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     exporting = parts.add_parser("export", help="one problem in a format of other programs")
     exporting.add_argument("problem", type=Path, metavar="PROBLEM.npz")
-    exporting.add_argument("--format", required=True, help="mat, qpsolvers, mps, mtx, siconos")
+    exporting.add_argument(
+        "--format", required=True, help="mat, qpsolvers, mps, mtx, siconos; with friction mtx, fclib"
+    )
     exporting.add_argument("--out", type=Path, required=True, metavar="FILE")
     exporting.set_defaults(part=_export)
 
@@ -51,7 +55,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
     judging = parts.add_parser("judge", help="recompute what an answer claims")
     judging.add_argument("problem", type=Path, metavar="PROBLEM.npz")
-    judging.add_argument("answer", type=Path, metavar="ANSWER", help=".npz or .json with du and pressure")
+    judging.add_argument(
+        "answer", type=Path, metavar="ANSWER", help=".npz or .json with du and pressure, or du, normal and friction"
+    )
     judging.add_argument("--tolerance", type=float, help="accuracy that is asked for, default 1e-8")
     judging.set_defaults(part=_judge)
 
@@ -62,28 +68,35 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _list(options: argparse.Namespace) -> int:
-    kept = _kept(options.family)
-    rows = [tuple(map(str, row)) for row in kept[list(SHOWN)].itertuples(index=False)]
-    print("\n".join(columns([SHOWN, *rows], right=range(1, 5))))
-    print(f"{len(kept)} problems, {kept['bytes'].sum() / 1e6:.1f} MB: footprint problems make")
+    for kept, shown, right, what in zip(
+        _kept(options.family), (SHOWN, RUBBED), (5, 7), ("problems", "problems with friction"), strict=True
+    ):
+        if len(kept):
+            rows = [tuple(map(str, row)) for row in kept[list(shown)].itertuples(index=False)]
+            print("\n".join(columns([shown, *rows], right=range(1, right))))
+            print(f"{len(kept)} {what}, {kept['bytes'].sum() / 1e6:.1f} MB: footprint problems make")
     return OK
 
 
-def _kept(family: str | None) -> pd.DataFrame:
-    """The manifest, or the rows of a family; raises UsageError."""
+def _kept(family: str | None) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The manifests without friction and with it, or their rows of a family; raises UsageError."""
+    from studies.arena.collected.frictional.rule import friction_manifest
     from studies.arena.collected.rule import manifest
 
-    whole = manifest()
+    whole = manifest(), friction_manifest()
     if family is None:
         return whole
-    names = sorted(set(whole["family"]))
+    names = sorted({*whole[0]["family"], *whole[1]["family"]})
     if family not in names:
         raise UsageError(f"--family {family!r} must be one of {', '.join(names)}")
-    return whole[whole["family"] == family]
+    smooth, rubbed = (each[each["family"] == family] for each in whole)
+    return smooth, rubbed
 
 
 def _make(options: argparse.Namespace) -> int:
-    from studies.arena.collected.rule import choose, make, unlike
+    from studies.arena.collected.frictional.rule import choose_frictional, make_frictional
+    from studies.arena.collected.frictional.steps import FAMILIES
+    from studies.arena.collected.rule import choose, make
 
     if options.out.is_file():
         raise UsageError(f"--out {options.out} is a file, not a directory")
@@ -96,23 +109,35 @@ def _make(options: argparse.Namespace) -> int:
             advance(done, 0, name)
 
         if options.choose:
-            table = choose(options.out, tell, options.family or "")
-            print(f"{len(table)} problems, {table['bytes'].sum() / 1e6:.1f} MB: {options.out}")
+            only = options.family or ""
+            tables = [] if only in FAMILIES else [choose(options.out, tell, only)]
+            tables += [choose_frictional(options.out, tell, only)] if only in ("", *FAMILIES) else []
+            print(
+                f"{sum(map(len, tables))} problems, {sum(t['bytes'].sum() for t in tables) / 1e6:.1f} MB: {options.out}"
+            )
             return OK
-        kept = _kept(options.family)
-        make(options.out, kept, tell)
-    return _say(unlike(options.out, kept), len(kept), options.out)
+        smooth, rubbed = _kept(options.family)
+        make(options.out, smooth, tell)
+        make_frictional(options.out, rubbed, tell)
+    return _say(_unlike(options.out, smooth, rubbed), len(smooth) + len(rubbed), options.out)
 
 
 def _check(options: argparse.Namespace) -> int:
-    from studies.arena.collected.rule import keep_agreeing, unlike
+    from studies.arena.collected.rule import keep_agreeing
 
     if not options.directory.is_dir():
         raise UsageError(f"{options.directory} is no directory: footprint problems make")
-    kept = _kept(None)
+    smooth, rubbed = _kept(None)
     if options.keep is not None:
-        keep_agreeing(options.directory, kept, options.keep)
-    return _say(unlike(options.directory, kept), len(kept), options.directory)
+        keep_agreeing(options.directory, smooth, options.keep)
+    return _say(_unlike(options.directory, smooth, rubbed), len(smooth) + len(rubbed), options.directory)
+
+
+def _unlike(directory: Path, smooth: pd.DataFrame, rubbed: pd.DataFrame) -> list[str]:
+    from studies.arena.collected.frictional.rule import unlike_frictional
+    from studies.arena.collected.rule import unlike
+
+    return unlike(directory, smooth) + unlike_frictional(directory, rubbed)
 
 
 def _say(wrong: list[str], count: int, directory: Path) -> int:
@@ -121,18 +146,25 @@ def _say(wrong: list[str], count: int, directory: Path) -> int:
     return FAILED if wrong else OK
 
 
-def _step(path: Path) -> FrozenStep:
+def _step(path: Path) -> FrozenStep | FrozenFrictionalStep:
+    """With friction where the file says so; raises UsageError."""
     try:
-        return FrozenStep.read(path)
+        step = FrozenStep.read(path)
+        return FrozenFrictionalStep.read(path) if "friction" in step.meta else step
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
 
 
 def _export(options: argparse.Namespace) -> int:
     from studies.arena.collected.exports import export
+    from studies.arena.collected.frictional.exports import export_frictional
 
     step = _step(options.problem)
-    export(step, options.format, options.out)
+    if isinstance(step, FrozenFrictionalStep):
+        export_frictional(step, options.format, options.out)
+        step = step.step
+    else:
+        export(step, options.format, options.out)
     print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")
     return OK
 
@@ -153,8 +185,16 @@ def _import(options: argparse.Namespace) -> int:
 
 def _judge(options: argparse.Namespace) -> int:
     from studies.arena.answers import CERTIFIED, judge_answer, read_answer
+    from studies.arena.frictional_answers import judge_friction_answer, read_friction_answer
 
+    step = _step(options.problem)
+    if isinstance(step, FrozenFrictionalStep):
+        if options.tolerance is not None:
+            raise UsageError("--tolerance is for problems without friction: the judge of friction has its own bounds")
+        rubbed = judge_friction_answer(step, read_friction_answer(options.answer))
+        print("\n".join(rubbed.lines()))
+        return OK if rubbed.sound else FAILED
     asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
-    found = judge_answer(_step(options.problem), read_answer(options.answer), asked)
+    found = judge_answer(step, read_answer(options.answer), asked)
     print("\n".join(found.lines()))
     return OK if found.sound else FAILED

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy import sparse
 
+from contact.friction.frozen import FrozenFrictionalStep, frozen
 from contact.friction.oracle import confirm, minimise, refusal
+from contact.friction.oracle_states import Known, settle
 from contact.friction.problem import State
 from contact.friction.verify import judge
 from contact.interchange.oracle import OracleError
-from support.problems.frictional import all_answers, in_units, klarbring, manufactured
+from studies.experiments.friction.random_steps import dense_step
+from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured
+from support.problems.planted_friction import tied
 
 EXACT = 1e-8  # of quantities of the order one
 
@@ -91,14 +94,78 @@ def test_a_spoilt_answer_is_contradicted() -> None:
 def test_no_programme_no_answer() -> None:
     step, _ = manufactured(np.random.default_rng(5), 3)
     assert refusal(step) is None
+    wrong = replace(step, step=replace(step.step, K=-step.step.K))
+    assert "not positive" in str(refusal(wrong))
+    with pytest.raises(OracleError, match="not positive"):
+        minimise(wrong)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_matrix_that_is_not_symmetric(seed) -> None:
+    """The answer stays where the load makes up for what is added to K."""
+    step, answer = manufactured(np.random.default_rng(seed), 4)
     n = len(step.step.r)
-    skew = sparse.csc_matrix(step.step.K.toarray() + 1e-3 * np.triu(np.ones((n, n)), 1))
-    refused = {
-        "not symmetric": replace(step, step=replace(step.step, K=skew)),
-        "not positive definite": replace(step, step=replace(step.step, K=-step.step.K)),
-        "no Tresca bound": replace(step, mu=np.full(3, math.inf)),
-    }
-    for reason, wrong in refused.items():
-        assert reason in str(refusal(wrong))
-        with pytest.raises(OracleError, match=reason):
-            minimise(wrong)
+    skew = 0.1 * np.triu(np.ones((n, n)), 1)
+    other = replace(step, step=replace(step.step, K=sparse.csc_matrix(step.step.K + skew - skew.T)))
+    found = minimise(balanced(other, answer))
+    np.testing.assert_array_equal(found.state, answer.state)
+    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.friction, answer.friction, rtol=0, atol=EXACT)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_endless_friction_ties_who_touches(seed) -> None:
+    """Against the equations of those that touch, all of their ways zero."""
+    problem = tied(seed)
+    step = frozen(problem, np.zeros(problem.slip_jacobian(np.zeros(0)).shape[1]), np.zeros(len(problem.mu)), {})
+    found = minimise(step)
+    touch = np.flatnonzero(found.state == State.STICK)
+    assert len(touch)
+    assert State.SLIP not in found.state
+    J = step.H.toarray()[:, (3 * touch[:, None] + np.arange(3)).ravel()]
+    K, ways = step.step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
+    A = np.block([[K, -J], [J.T, np.zeros((J.shape[1], J.shape[1]))]])
+    wanted = np.linalg.solve(A, np.concatenate([-step.step.r, -ways]))
+    np.testing.assert_allclose(found.du, wanted[: len(K)], rtol=0, atol=EXACT)
+    assert judge(problem, found.du, found.normal, found.friction).failures() == []
+
+
+def pulled(force: float) -> FrozenFrictionalStep:
+    """A block that nothing holds along the plane, pressed by 2 with mu = 0.5 and pulled."""
+    K, G, S = np.diag([0.0, 1.0]), np.array([[0.0, 1.0]]), np.array([[1.0, 0.0], [0.0, 0.0]])
+    return dense_step(K, -np.array([force, -2.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([0.5]))
+
+
+def test_friction_alone_may_hold_a_body() -> None:
+    found = minimise(pulled(0.9))
+    assert found.passes <= 2
+    assert found.state.tolist() == [State.STICK]
+    np.testing.assert_allclose(found.friction, [[-0.9, 0.0]], rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.du, 0.0, rtol=0, atol=EXACT)
+    with pytest.raises(OracleError):
+        minimise(pulled(1.1))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_redundant_contacts_share_what_one_carries(seed) -> None:
+    """Each candidate twice: the motion is that of each once, and so is the force of every pair."""
+    step, answer = manufactured(np.random.default_rng(seed), 4)
+    base, order = step.step, np.repeat(np.arange(4), 2)
+    rows = (2 * order[:, None] + np.arange(2)).ravel()
+    twice = replace(base, G=base.G[order], gap=base.gap[order], weights=base.weights[order])
+    found = minimise(FrozenFrictionalStep(twice, step.S[rows], step.slip[order], step.mu[order]))
+    np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)
+
+
+def test_a_contact_that_just_touches_carries_nothing() -> None:
+    """A normal force of -1e-15 beside one of 1 is rounding, and friction of its sign would drive."""
+    eye = np.eye(6)
+    r = np.array([1.0, -3.0, 0.0, -1e-15, -3.0, 0.0])  # K du + r = F with K = 1: f = r_n, and a slip of 3 - mu f
+    step = dense_step(eye, r, eye[[0, 3]], np.zeros(2), eye[[1, 2, 4, 5]], np.zeros((2, 2)), np.full(2, 0.5))
+    slips = np.full(2, State.SLIP)
+    found = settle(step, Known(np.zeros(6), np.ones(2), np.array([[-0.5, 0.0], [-0.5, 0.0]]), slips))
+    np.testing.assert_allclose(found.friction, [[-0.5, 0.0], [0.0, 0.0]], rtol=0, atol=EXACT)
+    assert found.normal[1] == 0
+    assert np.all(found.friction[1] == 0)

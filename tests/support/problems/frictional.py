@@ -5,11 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import sparse
 
 from contact.friction.frozen import FrozenFrictionalStep
 from contact.friction.problem import State
-from contact.interchange.linearised_step import FrozenStep
+from studies.experiments.friction.random_steps import dense_step
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,15 +19,6 @@ class Answer:
     normal: np.ndarray
     friction: np.ndarray
     state: np.ndarray
-
-
-def step(
-    K: np.ndarray, r: np.ndarray, G: np.ndarray, gap: np.ndarray, S: np.ndarray, slip: np.ndarray, mu: np.ndarray
-) -> FrozenFrictionalStep:
-    """Of dense matrices, with areas one."""
-    scale = float(np.linalg.norm(r))
-    contact = FrozenStep(sparse.csc_matrix(K), r, sparse.csr_matrix(G), gap, np.ones(len(gap)), scale)
-    return FrozenFrictionalStep(contact, sparse.csr_matrix(S), slip, mu)
 
 
 def sure(K: np.ndarray, G: np.ndarray, S: np.ndarray) -> float:
@@ -63,7 +53,7 @@ def manufactured(
     friction = (share_of_bound * mu * normal)[:, None] * direction
     slip = moved[:, None] * direction - (S @ u).reshape(m, 2)
     r = G.T @ normal + S.T @ friction.ravel() - K @ u
-    return step(K, r, G, gap, S, slip, mu), Answer(u, normal, friction, state)
+    return dense_step(K, r, G, gap, S, slip, mu), Answer(u, normal, friction, state)
 
 
 def klarbring(mu: float, load: tuple[float, float], coupling: float) -> FrozenFrictionalStep:
@@ -73,7 +63,7 @@ def klarbring(mu: float, load: tuple[float, float], coupling: float) -> FrozenFr
     """
     K = np.array([[2.0, -coupling, 0.0], [-coupling, 1.0, 0.0], [0.0, 0.0, 1.0]])
     G, S = np.array([[0.0, 1.0, 0.0]]), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
-    return step(K, -np.array([*load, 0.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([mu]))
+    return dense_step(K, -np.array([*load, 0.0]), G, np.zeros(1), S, np.zeros((1, 2)), np.array([mu]))
 
 
 def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:

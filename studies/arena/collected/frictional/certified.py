@@ -1,0 +1,84 @@
+"""The answer to a frozen step with friction, found by one way and confirmed by others that share no line with it.
+
+The first is an algorithm of ours before the judge of friction. The second solves the equations on its states anew;
+signs and cones are the judge's. Where the step is a sequence of convex programmes, the oracle has to come to the same
+answer from no states at all. An answer of its own that the judge takes is no contradiction: answers are several then.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.oracle import OracleAnswer, compared, minimise, on_its_states
+from contact.friction.oracle_states import Known
+from contact.friction.problem import FrictionalSolution, State
+from contact.friction.verify import judge
+from contact.interchange.oracle import AGREEMENT, OracleError
+from studies.arena.collected.certified import ROUNDED, SAME, NotCertifiedError
+from studies.experiments.friction.public_problems import algorithms
+
+EQUATIONS, PROGRAMMES = "equations on the states", "Tresca programmes by an interior point"
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionCertified:
+    """The answer, who found it, and the ways that confirm it.  several: whether the oracle has another sound one."""
+
+    known: Known
+    found_by: str
+    confirmed_by: tuple[str, ...] = ()
+    several: bool = False
+
+
+def find(step: FrozenFrictionalStep) -> FrictionCertified:
+    """By the first exact algorithm whose answer the judge takes; raises NotCertifiedError where none has one.
+
+    From rest, and where K leaves free what contacts hold, from all of them sticking.
+    """
+    problem, reasons = step.problem(), []
+    rest = FrictionalSolution.at_rest(len(step.step.r), len(step.mu))
+    starts = rest, replace(rest, state=np.full(len(step.mu), State.STICK, np.int8))
+    for (name, algorithm), start in product(algorithms().items(), starts):
+        if np.isfinite(algorithm.epsilon):
+            continue
+        try:
+            found = algorithm.solve(problem, start)
+        except (ValueError, ArithmeticError) as error:
+            reasons.append(f"{name}: {error}")
+            continue
+        wrong = judge(problem, found.u, found.normal, found.friction).failures() if found.outcome.converged else []
+        if found.outcome.converged and not wrong:
+            return FrictionCertified(Known(found.u, found.normal, found.friction, found.state), name)
+        reasons.append(f"{name}: {', '.join(wrong) or found.outcome.word}")
+    raise NotCertifiedError("; ".join(dict.fromkeys(reasons)))
+
+
+def confirm(step: FrozenFrictionalStep, answer: FrictionCertified, condition: float = 1.0) -> FrictionCertified:
+    """The answer with the ways that confirm it; raises NotCertifiedError where the equations contradict.
+
+    condition: of K, where it is known; what rounding makes of it is no contradiction, up to the oracle's agreement.
+    """
+    same = min(max(SAME, ROUNDED * float(np.finfo(float).eps) * condition), AGREEMENT)
+    try:
+        apart = _apart(step, on_its_states(step, answer.known), answer.known)
+    except OracleError as error:
+        raise NotCertifiedError(str(error)) from None
+    if not apart <= same:
+        raise NotCertifiedError(f"the answer of {answer.found_by} is {apart:.1e} off the equations on its states")
+    try:
+        own = minimise(step)
+    except OracleError:
+        return replace(answer, confirmed_by=(EQUATIONS,))
+    if _apart(step, own, answer.known) <= same:
+        return replace(answer, confirmed_by=(EQUATIONS, PROGRAMMES))
+    wrong = judge(step.problem(), own.du, own.normal, own.friction).failures()
+    return replace(answer, confirmed_by=(EQUATIONS,), several=not wrong)
+
+
+def _apart(step: FrozenFrictionalStep, own: OracleAnswer, known: Known) -> float:
+    found = compared(step, own, known.du, known.normal, known.friction)
+    return max(found.displacement_error, found.force_error)

@@ -1,0 +1,83 @@
+"""What an answer from outside to a step with friction is worth, from the two files alone.
+
+An answer is ``du`` (n,) [mm], ``normal`` (m,) [N] and ``friction`` (m, 2) [N], in a .npz or as lists in a .json; no
+claims are made. The residuals and their bounds are those of :mod:`contact.friction.verify`. No algorithm is run here.
+"""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.verify import FrictionVerdict, judge
+from studies.request import UsageError
+
+PARTS = ("du", "normal", "friction")
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionAnswer:
+    """du (n,), normal (m,), friction (m, 2)."""
+
+    du: np.ndarray
+    normal: np.ndarray
+    friction: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionJudgement:
+    """The residuals, and the names of those beyond their bounds."""
+
+    verdict: FrictionVerdict
+    failures: tuple[str, ...]
+
+    @property
+    def sound(self) -> bool:
+        """Whether every residual is within its bound."""
+        return not self.failures
+
+    def lines(self) -> list[str]:
+        """In words: each residual, the verdict last."""
+        told = [f"{name}: {value:.2e}" for name, value in self.verdict.kkt.items()]
+        told.append(f"relative to {self.verdict.force:.6g} N and {self.verdict.length:.6g} mm")
+        wrong = f"NOT certified: {', '.join(self.failures)}"
+        return [*told, "certified: every residual within its bound" if self.sound else wrong]
+
+
+def read_friction_answer(path: Path) -> FrictionAnswer:
+    """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
+    try:
+        if path.suffix == ".json":
+            return _given(json.loads(path.read_text(encoding="utf-8")))
+        if not zipfile.is_zipfile(path):
+            path.open("rb").close()  # says so when there is none
+            raise ValueError("it is neither .json nor .npz")
+        with np.load(path, allow_pickle=False) as arrays:
+            return _given({name: arrays[name] for name in PARTS if name in arrays})
+    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        why = f"{error} is missing" if isinstance(error, KeyError) else str(error).splitlines()[0]
+        raise UsageError(f"{path} is no answer to a problem with friction: {why}") from None
+
+
+def _given(told: Mapping[str, Any]) -> FrictionAnswer:
+    if not isinstance(told, Mapping):
+        raise ValueError("it must be a JSON object")
+    return FrictionAnswer(*(np.asarray(told[name], dtype=float) for name in PARTS))
+
+
+def judge_friction_answer(step: FrozenFrictionalStep, given: FrictionAnswer) -> FrictionJudgement:
+    """Every residual recomputed; raises UsageError for the wrong number of values."""
+    if given.du.shape != step.step.r.shape:
+        raise UsageError(f"du of the shape {given.du.shape} for {len(step.step.r)} unknowns")
+    try:
+        verdict = judge(step.problem(), given.du, given.normal, given.friction)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    return FrictionJudgement(verdict, tuple(verdict.failures()))
