@@ -14,10 +14,11 @@ from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.obstacles.foundation import Candidates, Foundation
 from contact.problem import ContactProblem
 from studies.complete import complete
-from studies.experiments.friction.dragged_tyre import REACH
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.model import TyreModel
 from studies.walk import walk
+
+REACH = 3.0  # times the travel: gaps of the inflated tyre beyond which nobody touches
 
 
 @dataclass(frozen=True, eq=False)
