@@ -48,7 +48,7 @@ def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
     plain = algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})
     if MU.key not in settings:
         return plain
-    from contact.friction.catalogue import twin  # nothing of friction is imported without it
+    from contact.friction.algorithms.catalogue import twin  # nothing of friction is imported without it
     from contact.friction.posed import WithFriction
 
     return WithFriction(plain, twin(plain))

@@ -130,7 +130,7 @@ def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
     meta = plain({**origin, **commit})
     if problem.coulomb is None:
         return freeze(problem, state.u, state.pressure, meta)
-    from contact.friction.frozen import frozen  # nothing of friction is imported without it
+    from contact.friction.interchange.frozen import frozen  # nothing of friction is imported without it
     from contact.friction.posed import anchors_left, posed
 
     # at a solution the slip is that of its own step, else that which the failed step begins with

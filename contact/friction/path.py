@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction.base import FrictionalAlgorithm
+from contact.friction.algorithms.base import FrictionalAlgorithm
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
 from contact.problem import Outcome
 

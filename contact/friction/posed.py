@@ -13,7 +13,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.coulomb import Friction
-from contact.friction.base import FrictionalAlgorithm
+from contact.friction.algorithms.base import FrictionalAlgorithm
 from contact.friction.foundation import Slip
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.parameters import Parameter

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.verify import FrictionVerdict, judge
 from studies.request import UsageError
 

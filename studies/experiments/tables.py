@@ -15,18 +15,18 @@ from studies.experiments.epsilon import epsilon_study
 from studies.experiments.error_coverage import error_coverage
 from studies.experiments.extremes.limits import limits_table
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
-from studies.experiments.friction import rubbed_scenes
-from studies.experiments.friction.agreement import agreement_table
-from studies.experiments.friction.cost import cost_table
-from studies.experiments.friction.drum import capstan_table, drum_table
-from studies.experiments.friction.greco import friction_table
-from studies.experiments.friction.joint_motion import joint_motion_table
-from studies.experiments.friction.klarbring import klarbring_table
-from studies.experiments.friction.limits import tied_table
-from studies.experiments.friction.patch import parking_table
-from studies.experiments.friction.path_error import path_table
-from studies.experiments.friction.rolling import rolling_table
-from studies.experiments.friction.strip import strip_table
+from studies.experiments.friction.closed_forms.drum import capstan_table, drum_table
+from studies.experiments.friction.closed_forms.patch import parking_table
+from studies.experiments.friction.closed_forms.rolling import rolling_table
+from studies.experiments.friction.closed_forms.strip import strip_table
+from studies.experiments.friction.discrete.greco import friction_table
+from studies.experiments.friction.discrete.joint_motion import joint_motion_table
+from studies.experiments.friction.discrete.klarbring import klarbring_table
+from studies.experiments.friction.discrete.limits import tied_table
+from studies.experiments.friction.discrete.path_error import path_table
+from studies.experiments.friction.scenes import rubbed_scenes
+from studies.experiments.friction.scenes.agreement import agreement_table
+from studies.experiments.friction.scenes.cost import cost_table
 from studies.experiments.invariance.symmetry import symmetry_table
 from studies.experiments.invariance.tyre_mirror import mirror_table
 from studies.experiments.law_strain import law_strain_study

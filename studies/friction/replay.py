@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from contact.friction.catalogue import twin
-from contact.friction.frozen import FrozenFrictionalStep
-from contact.friction.oracle import Confirmation, confirm
+from contact.friction.algorithms.catalogue import twin
+from contact.friction.interchange.frozen import FrozenFrictionalStep
+from contact.friction.interchange.oracle import Confirmation, confirm
 from contact.friction.problem import FrictionalSolution, State
 from contact.friction.verify import FrictionVerdict, judge
 from contact.interchange.linearised_step import FrozenStepError

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from studies.commands import FAILED, OK
 from studies.commands.options import positive, progress_bar

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.friction.frozen import frozen
-from contact.friction.oracle import confirm
+from contact.friction.algorithms.semismooth import Semismooth
+from contact.friction.algorithms.trial_and_error import TrialAndError
+from contact.friction.interchange.frozen import frozen
+from contact.friction.interchange.oracle import confirm
 from contact.friction.problem import FrictionalSolution
-from contact.friction.semismooth import Semismooth
-from contact.friction.trial_and_error import TrialAndError
 from contact.friction.verify import judge
 from support.problems.planted_friction import Planted, planted
 

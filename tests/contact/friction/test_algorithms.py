@@ -9,14 +9,14 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
-from contact.friction.augmented_lagrangian import AugmentedLagrangian
-from contact.friction.base import FrictionalAlgorithm
-from contact.friction.catalogue import FRICTIONAL, twin
-from contact.friction.lcp import Lcp
+from contact.friction.algorithms.augmented_lagrangian import AugmentedLagrangian
+from contact.friction.algorithms.base import FrictionalAlgorithm
+from contact.friction.algorithms.catalogue import FRICTIONAL, twin
+from contact.friction.algorithms.lcp import Lcp
+from contact.friction.algorithms.qp import Qp
+from contact.friction.algorithms.regularised import Regularised
+from contact.friction.algorithms.semismooth import Semismooth
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.qp import Qp
-from contact.friction.regularised import Regularised
-from contact.friction.semismooth import Semismooth
 from contact.friction.verify import judge
 from contact.problem import ContactSolution, Outcome
 from support.problems.frictional import manufactured

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.frozen import FrozenFrictionalStep, frozen
-from contact.friction.oracle import confirm, minimise, refusal
-from contact.friction.oracle_states import Known, settle
+from contact.friction.interchange.frozen import FrozenFrictionalStep, frozen
+from contact.friction.interchange.oracle import confirm, minimise, refusal
+from contact.friction.interchange.oracle_states import Known, settle
 from contact.friction.problem import State
 from contact.friction.verify import judge
 from contact.interchange.oracle import OracleError
-from studies.experiments.friction.random_steps import dense_step
+from studies.experiments.friction.public.random_steps import dense_step
 from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured
 from support.problems.planted_friction import tied
 

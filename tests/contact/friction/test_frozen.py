@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.frozen import FrozenFrictionalStep, frozen
+from contact.friction.interchange.frozen import FrozenFrictionalStep, frozen
 from contact.friction.verify import judge
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from support.problems.frictional import manufactured

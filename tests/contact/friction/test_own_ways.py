@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.oracle import minimise
-from contact.friction.own_ways import with_own_ways
+from contact.friction.algorithms.semismooth import Semismooth
+from contact.friction.interchange.oracle import minimise
+from contact.friction.interchange.own_ways import with_own_ways
+from contact.friction.interchange.siconos import SiconosProblem
 from contact.friction.problem import FrictionalSolution
-from contact.friction.semismooth import Semismooth
-from contact.friction.siconos import SiconosProblem
 from contact.friction.verify import judge
 
 EXACT = 1e-9

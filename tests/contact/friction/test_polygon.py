@@ -10,13 +10,13 @@ import pytest
 from scipy import sparse
 
 from contact.events import EventKind, events
-from contact.friction import lcp as lcp_module
-from contact.friction.compliance import Block
-from contact.friction.lcp import Lcp
+from contact.friction.algorithms import lcp as lcp_module
+from contact.friction.algorithms.compliance import Block
+from contact.friction.algorithms.lcp import Lcp
+from contact.friction.algorithms.programmed import shortfall
+from contact.friction.algorithms.qp import Qp
+from contact.friction.algorithms.tresca import Tresca
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.programmed import shortfall
-from contact.friction.qp import Qp
-from contact.friction.tresca import Tresca
 from contact.friction.verify import judge
 from contact.problem import Outcome, linear_mechanics
 from contact.solvers.lcp_pivoting import LcpError, lemke

@@ -8,11 +8,11 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from contact.friction.catalogue import FRICTIONAL
-from contact.friction.oracle import compared, minimise
+from contact.friction.algorithms.catalogue import FRICTIONAL
+from contact.friction.interchange.oracle import compared, minimise
 from contact.friction.problem import FrictionalSolution, State
 from contact.friction.verify import judge
-from studies.experiments.friction.random_steps import random_step
+from studies.experiments.friction.public.random_steps import random_step
 
 FEW, MANY = 20, 300
 EXACT = [name for name, kind in FRICTIONAL.items() if np.isinf(kind().epsilon)]

@@ -7,10 +7,10 @@ import pytest
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth as Frictionless
-from contact.friction.laws import Local, directed, friction_of
+from contact.friction.algorithms.semismooth import Semismooth
+from contact.friction.algorithms.trial_and_error import TrialAndError
+from contact.friction.newton.laws import Local, directed, friction_of
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.semismooth import Semismooth
-from contact.friction.trial_and_error import TrialAndError
 from contact.problem import ContactSolution, Outcome
 from tests.contact.friction.test_step import linear_step
 from tests.support.problems.planted_friction import linear, planted, tied

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.friction.oracle import minimise
+from contact.friction.interchange.oracle import minimise
+from contact.friction.interchange.siconos import SiconosError, parse, read
 from contact.friction.problem import State
-from contact.friction.siconos import SiconosError, parse, read
 from contact.friction.verify import judge
 
 EXACT = 1e-10

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.friction.held import Directions
-from contact.friction.laws import Local, directed
+from contact.friction.algorithms.regularised import Regularised
+from contact.friction.algorithms.springs import SprungStep
+from contact.friction.newton.held import Directions
+from contact.friction.newton.laws import Local, directed
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.regularised import Regularised
-from contact.friction.springs import SprungStep
 from contact.friction.verify import judge
 from contact.newton.step import NewtonRun
 from contact.problem import Outcome

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.held import Directions
-from contact.friction.laws import Laws
+from contact.friction.newton.held import Directions
+from contact.friction.newton.laws import Laws
+from contact.friction.newton.step import FrictionalStep, Stepped
 from contact.friction.problem import FrictionalProblem, State
-from contact.friction.step import FrictionalStep, Stepped
 from contact.newton.step import NewtonRun
 from tests.support.problems.planted_friction import planted
 
@@ -70,7 +70,7 @@ def test_a_step_is_that_of_the_saddle_point_system_on_any_states(
     seed: int, components: int, anew: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Factorised on every choice of states, and by the columns of one factorisation alone."""
-    monkeypatch.setattr("contact.friction.step.factor_flops", lambda factor: 0.0 if anew else np.inf)
+    monkeypatch.setattr("contact.friction.newton.step.factor_flops", lambda factor: 0.0 if anew else np.inf)
     problem = planted(seed, 0.5, components=components).problem
     m, rng = len(problem.mu), np.random.default_rng(100 + seed)
     u = rng.standard_normal(problem.slip_jacobian(np.zeros(0)).shape[1])

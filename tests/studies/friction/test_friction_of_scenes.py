@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact.friction.oracle import Confirmation
+from contact.friction.interchange.oracle import Confirmation
 from contact.friction.problem import State
 from contact.problem import ContactProblem
 from studies.arena.replay import resolve_step

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.problem import State
-from studies.experiments.friction.random_steps import dense_step
+from studies.experiments.friction.public.random_steps import dense_step
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,14 +12,14 @@ from itertools import product
 
 import numpy as np
 
-from contact.friction.frozen import FrozenFrictionalStep
-from contact.friction.oracle import OracleAnswer, compared, minimise, on_its_states
-from contact.friction.oracle_states import Known
+from contact.friction.interchange.frozen import FrozenFrictionalStep
+from contact.friction.interchange.oracle import OracleAnswer, compared, minimise, on_its_states
+from contact.friction.interchange.oracle_states import Known
 from contact.friction.problem import FrictionalSolution, State
 from contact.friction.verify import judge
 from contact.interchange.oracle import AGREEMENT, OracleError
 from studies.arena.collected.certified import ROUNDED, SAME, NotCertifiedError
-from studies.experiments.friction.public_problems import algorithms
+from studies.experiments.friction.public.public_problems import algorithms
 
 EQUATIONS, PROGRAMMES = "equations on the states", "Tresca programmes by an interior point"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from scipy import io, sparse
 
-from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from studies.request import UsageError
 from studies.store.atomic import PART, write_by, write_json
 

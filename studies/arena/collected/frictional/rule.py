@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.problem import State
 from contact.interchange.linearised_step import FrozenStepError
 from studies.arena.collected.frictional.certified import FrictionCertified, confirm, find

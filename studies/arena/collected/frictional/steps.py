@@ -13,17 +13,17 @@ from typing import Any
 
 import numpy as np
 
-from contact.friction.frozen import FrozenFrictionalStep, frozen
-from contact.friction.own_ways import with_own_ways
+from contact.friction.algorithms.semismooth import Semismooth
+from contact.friction.interchange.frozen import FrozenFrictionalStep, frozen
+from contact.friction.interchange.own_ways import with_own_ways
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.semismooth import Semismooth
 from studies.arena.collected.candidates import LICENCE
-from studies.experiments.friction.bars import Bar
-from studies.experiments.friction.greco import frictional
-from studies.experiments.friction.public_problems import small, source
-from studies.experiments.friction.random_steps import dense_step, random_step
-from studies.experiments.friction.rigid_bodies import SOFT
-from studies.experiments.friction.tyre_drag import tyre_drag
+from studies.experiments.friction.closed_forms.bars import Bar
+from studies.experiments.friction.closed_forms.rigid_bodies import SOFT
+from studies.experiments.friction.discrete.greco import frictional
+from studies.experiments.friction.public.public_problems import small, source
+from studies.experiments.friction.public.random_steps import dense_step, random_step
+from studies.experiments.friction.scenes.tyre_drag import tyre_drag
 from studies.experiments.solids.greco_plate import GrecoPlate
 
 RADIUS, TENSION = 100.0, 10.0  # mm, N: of drums

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.base import FrictionalAlgorithm
-from contact.friction.catalogue import FRICTIONAL
+from contact.friction.algorithms.base import FrictionalAlgorithm
+from contact.friction.algorithms.catalogue import FRICTIONAL
 from contact.friction.path import follow
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.problem import ContactProblem, linear_mechanics
-from studies.experiments.friction.bars import EA, Bar
-from studies.experiments.friction.drum import MU, N0, N1, RADIUS
-from studies.experiments.friction.greco import friction_table, solve
-from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
-from studies.experiments.friction.strip import LENGTH, PULL, TAU
+from studies.experiments.friction.closed_forms.bars import EA, Bar
+from studies.experiments.friction.closed_forms.drum import MU, N0, N1, RADIUS
+from studies.experiments.friction.closed_forms.strip import LENGTH, PULL, TAU
+from studies.experiments.friction.discrete.greco import friction_table, solve
+from studies.experiments.friction.discrete.klarbring import CASES, Springs, answers, klarbring_table
 from studies.experiments.solids.greco_plate import GrecoPlate
 
 EXACT = [name for name in FRICTIONAL if name not in ("trial-and-error", "regularised")]

@@ -7,7 +7,15 @@ import pandas as pd
 import pytest
 
 from contact.coulomb import Motion
-from studies.experiments.friction.joint_motion import EA, FEET, ON_FEET, TOP, joint_motion_table, pyramid, stage_at
+from studies.experiments.friction.discrete.joint_motion import (
+    EA,
+    FEET,
+    ON_FEET,
+    TOP,
+    joint_motion_table,
+    pyramid,
+    stage_at,
+)
 from support.problems.differences import central_difference
 
 ROUNDING = 1e-9  # N, of bars of 500 N/mm whose nodes are 2000 mm away: eps EA/L x = 2e-10

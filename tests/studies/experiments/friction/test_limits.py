@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from contact.friction.problem import State
-from studies.experiments.friction.greco import solve
-from studies.experiments.friction.limits import frictionless_table, tied, tied_table
+from studies.experiments.friction.discrete.greco import solve
+from studies.experiments.friction.discrete.limits import frictionless_table, tied, tied_table
 from studies.experiments.solids.greco_plate import GrecoPlate
 
 ROUNDING = 1e-12
-# friction_of in contact.friction.laws multiplies an infinite bound by no slip, and drops what comes of it
+# friction_of in contact.friction.newton.laws multiplies an infinite bound by no slip, and drops what comes of it
 UNBOUNDED = pytest.mark.filterwarnings("ignore:invalid value encountered in multiply:RuntimeWarning")
 
 

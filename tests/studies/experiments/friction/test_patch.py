@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from studies.experiments.friction.patch import (
+from studies.experiments.friction.closed_forms.patch import (
     DISC,
     MU,
     PRESSURES,
@@ -19,7 +19,7 @@ from studies.experiments.friction.patch import (
     spin_table,
     uneven,
 )
-from studies.experiments.friction.rates import order, orders
+from studies.experiments.friction.closed_forms.rates import order, orders
 
 EXACT = 1e-9
 ERRORS = ("moment_error", "loop_error")

@@ -8,10 +8,10 @@ from functools import partial
 import numpy as np
 import pytest
 
-from contact.friction.oracle import minimise
+from contact.friction.interchange.oracle import minimise
+from contact.friction.interchange.siconos import SiconosError
 from contact.friction.problem import State
-from contact.friction.siconos import SiconosError
-from studies.experiments.friction.public_problems import (
+from studies.experiments.friction.public.public_problems import (
     ORACLE,
     SHIPPED,
     UNDECIDED,

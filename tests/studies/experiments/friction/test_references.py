@@ -7,8 +7,8 @@ import math
 import pytest
 
 from contact.friction.problem import State
-from studies.experiments.friction.greco import FRICTION, SLIPS, friction_table
-from studies.experiments.friction.rigid_bodies import block, pushed_up
+from studies.experiments.friction.closed_forms.rigid_bodies import block, pushed_up
+from studies.experiments.friction.discrete.greco import FRICTION, SLIPS, friction_table
 
 
 @pytest.mark.slow

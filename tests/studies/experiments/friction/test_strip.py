@@ -6,9 +6,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.experiments.friction.bars import Bar, front
-from studies.experiments.friction.rates import orders
-from studies.experiments.friction.strip import ERRORS, MESHES, TAU, strip_table
+from studies.experiments.friction.closed_forms.bars import Bar, front
+from studies.experiments.friction.closed_forms.rates import orders
+from studies.experiments.friction.closed_forms.strip import ERRORS, MESHES, TAU, strip_table
 
 ROUNDING = 1e-9
 

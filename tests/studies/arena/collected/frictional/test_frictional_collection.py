@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 from scipy import io, sparse
 
-from contact.friction.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.problem import State
 from studies.arena.collected.certified import NotCertifiedError
 from studies.arena.collected.frictional import rule

@@ -1,0 +1,223 @@
+"""One solve of a frictional problem: the tests of convergence of the frictionless one, with friction in the balance.
+
+Which states there are next is the algorithm's business and must not enter here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from scipy.linalg import norm
+
+from contact.events import Event, EventKind
+from contact.friction.algorithms.springs import SprungStep
+from contact.friction.newton.held import Directions, NotHeldError
+from contact.friction.newton.laws import Laws, Local, Margins, expected, friction_of
+from contact.friction.newton.step import FrictionalStep, Stepped
+from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.newton.loop import StepError
+from contact.newton.state import Iterate
+from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, NewtonRun
+from contact.problem import Linearisation, Linearised, Outcome
+from contact.rounding import rounding_floor
+from contact.solvers.sparse import SingularMatrixError
+
+EPS = float(np.finfo(float).eps)
+Failure = SingularMatrixError | NotHeldError | StepError
+FAILURES = (SingularMatrixError, NotHeldError, StepError)  # why there is no step
+
+
+class LinearStep(Protocol):
+    """A linearised problem that knows its step under any states."""
+
+    def step(self, laws: Laws) -> Stepped:
+        """The step under the laws; raises SingularMatrixError, NotHeldError."""
+
+    def foreseen(self, laws: Laws) -> Stepped:
+        """The same for the choice of states, less exact where that is cheaper."""
+
+
+@dataclass(frozen=True, eq=False)
+class Point:
+    """An iterate: that of the contact problem with friction among its loads, and what the candidates do there.
+
+    lin: the mechanics alone.  local: with a finite epsilon gap and slip are without what springs give way, g + f/k and
+    s + t/k.  laws: of the last step.  friction (m, 2) [N]: of the laws, where ``local`` has that of
+    the linear step.
+    """
+
+    newton: Iterate
+    lin: Linearised
+    local: Local
+    laws: Laws
+    friction: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionalRun:
+    """A problem and the run of its contact problem, which factorises, solves and counts.
+
+    lawful: friction is that of the law at every point, else as it comes out of the linear step under given laws.
+    """
+
+    problem: FrictionalProblem
+    newton: NewtonRun
+    lawful: bool = True
+
+    def start(self, start: FrictionalSolution) -> Point:
+        """The first point, by the states of ``start``; slips begin anew, and so do their directions."""
+        laws = Laws(start.state, np.zeros_like(start.friction), np.zeros(len(start.state)))
+        lin = self.newton.linearise(start.u, None)
+        return self.at(lin, start.u, start.normal, start.friction, laws)
+
+    def at(
+        self,
+        lin: Linearised,
+        u: np.ndarray,
+        normal: np.ndarray,
+        friction: np.ndarray,
+        laws: Laws,
+        before: Iterate | None = None,
+    ) -> Point:
+        """The point at u (n,) with the forces (m,), (m, 2) of a step under the laws."""
+        contact = self.problem.contact
+        c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
+        give = self.give
+        gap, slip = contact.gap(u) + give * normal, self.problem.slip(u) + give[:, None] * friction
+        local = Local(gap, slip, normal, friction, c)
+        found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
+        rubbed = np.asarray(self.problem.slip_jacobian(u).T @ found.ravel())
+        scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
+        loaded = Linearisation(lin.residual - rubbed, lin.tangent, scale, lin.remember)
+        pressure = np.divide(normal, contact.weights, out=np.zeros_like(normal), where=contact.weights > 0)
+        newton = self.newton.at(loaded, u, pressure, laws.closed, before)
+        if before is None:
+            local = replace(local, c=newton.stiffness.per_area * contact.weights)
+        return Point(newton, lin, local, laws, found)
+
+    @property
+    def give(self) -> np.ndarray:
+        """1/(w epsilon) (m,) [mm/N]: what gaps and slips give way under a unit force."""
+        w = self.problem.contact.weights
+        return np.divide(1 / self.newton.epsilon, w, out=np.zeros_like(w), where=w > 0)
+
+    def slip_rounding(self, u: np.ndarray, length: float = 0.0) -> float:
+        """Size [mm] of a slip that is none."""
+        way = float(np.max(abs(self.problem.slip_jacobian(u)) @ np.abs(u), initial=0.0))
+        return GAP_TOLERANCE * max(way, length) + ROUNDING_MARGIN * EPS * self.problem.slip_size
+
+    def margins(self, at: Point, moved: float = 0.0) -> Margins:
+        """What rounding explains at a point; ``moved`` [mm]: how far a candidate has come since."""
+        force = ROUNDING_MARGIN * (rounding_floor(at.lin, at.newton.u) + EPS * at.newton.scale)
+        gap = self.newton.gap_rounding(at.newton, moved)
+        return Margins(force, gap, self.slip_rounding(at.newton.u, max(at.newton.length, moved)))
+
+    def expected(self, at: Point) -> Laws:
+        """The laws that the next step is to obey.
+
+        At the start who sticks has not slipped: a foundation that has moved in the meantime takes it along first.
+        """
+        local = at.local
+        if at.newton.stepped is None:
+            local = replace(local, slip=np.where((at.laws.state == State.STICK)[:, None], 0.0, local.slip))
+        return self._expected(at, local, at.laws, 0.0)
+
+    def foreseen(self, at: Point, stepped: Stepped, laws: Laws) -> Laws:
+        """The laws after a linear step under ``laws``; those who slip on keep the direction of its linearisation."""
+        moved = float(np.max(np.abs(stepped.gap - at.local.gap), initial=0.0))
+        moved = max(moved, float(np.max(np.abs(stepped.slip - at.local.slip), initial=0.0)))
+        local = Local(stepped.gap, stepped.slip, stepped.normal, stepped.friction, at.local.c)
+        after = self._expected(at, local, laws, moved)
+        same = after.state == laws.state
+        direction = np.where(same[:, None], laws.direction, after.direction)
+        return Laws(after.state, direction, np.where(same, laws.across, after.across))
+
+    def _expected(self, at: Point, local: Local, laws: Laws, moved: float) -> Laws:
+        return expected(local, laws, self.problem.mu, self.margins(at, moved), self._led(at.newton.u))
+
+    def _led(self, u: np.ndarray) -> np.ndarray:
+        """Candidates (m,) that slip whatever they do: nothing of theirs follows the foundation along their slip."""
+        slips = self.problem.slip_jacobian(u)
+        if np.isfinite(self.newton.epsilon):
+            return np.zeros(len(self.problem.mu), bool)
+        fixed = (np.asarray(abs(slips).sum(axis=1)).reshape(-1, 2) == 0) & (
+            np.abs(self.problem.slip(u)) > self.slip_rounding(u)
+        )
+        return np.asarray(fixed.any(axis=1))
+
+    def settled(self, at: Point) -> bool:
+        """True where the set obeys g = 0, and who sticks s = 0."""
+        sticks = at.laws.state == State.STICK
+        slip = np.max(np.abs(at.local.slip[sticks]), initial=0.0)
+        return self.newton.closed(at.newton) and bool(slip <= self.slip_rounding(at.newton.u, at.newton.length))
+
+    def ended(self, at: Point, laws: Laws) -> Outcome | None:
+        """How a point ends the iteration when the next step is to obey ``laws``, if it does."""
+        if np.isinf(at.newton.residual):
+            return Outcome.DIVERGED
+        if not (laws.same(at.laws) and self.settled(at)):
+            return None
+        if self.newton.balanced(at.newton):
+            return Outcome.CONVERGED
+        return Outcome.ROUNDING if self.newton.stuck(at.newton) else None
+
+    def linear(self, at: Point, laws: Laws) -> LinearStep:
+        """The linearised problem, factorised under the laws; raises SingularMatrixError, NotHeldError."""
+        u, contact = at.newton.u, self.problem.contact
+        K = contact.stiffness(at.lin, u, at.newton.pressure)
+        ways = Directions.of(contact.gap_jacobian(u), self.problem.slip_jacobian(u))
+        now = np.column_stack([contact.gap(u), self.problem.slip(u)]).ravel()
+        if np.isfinite(self.newton.epsilon):
+            k = self.newton.epsilon * contact.weights
+            return SprungStep(self.newton, at.lin, K, ways, now, self.problem.mu, k)
+        return FrictionalStep(self.newton, at.lin, K, ways, now, self.problem.mu, laws)
+
+    def by_law(self, at: Point) -> Point:
+        """The same point with the friction of the law."""
+        found, local = replace(self, lawful=True), at.local
+        return found.at(at.lin, at.newton.u, local.normal, local.friction, at.laws, at.newton)
+
+    def advance(self, at: Point, stepped: Stepped, laws: Laws) -> Point:
+        """The next point: one Newton iteration."""
+        run, same = self.newton, at.newton.stepped is not None and at.laws.same(laws)
+        run.tally.counters["newton_iterations"] += 1
+        memory, moved = run.remember(at.lin, stepped.du)
+        moved_before = at.newton.moved if same else np.inf
+        before = replace(at.newton, stepped=laws.closed, moved=moved, moved_before=moved_before)
+        if at.newton.stepped is None:
+            asked = self.problem.force(at.newton.u, stepped.normal, stepped.friction)
+            before = replace(before, first_scale=max(at.newton.first_scale, float(norm(asked, check_finite=False))))
+        u = at.newton.u + stepped.du
+        return self.at(run.linearise(u, memory), u, stepped.normal, stepped.friction, laws, before)
+
+    def finish(self, at: Point, outcome: Outcome) -> FrictionalSolution:
+        """The solution record; normal forces of a converged one that rounding made negative become zero."""
+        normal, friction = at.local.normal, at.friction
+        if outcome.converged:
+            normal = np.maximum(normal, 0.0)
+            friction = within(friction, self.problem.bound(normal))
+        counters, history = dict(self.newton.tally.counters), tuple(self.newton.tally.history)
+        return FrictionalSolution(at.newton.u, normal, friction, at.laws.state, outcome, counters, history)
+
+    def failed(self, error: Failure) -> Outcome:
+        """How a solve ends that has no step; the history says why."""
+        self.newton.tally.tell(Event(EventKind.FAILED, str(error)))
+        if isinstance(error, StepError):
+            return error.outcome
+        return Outcome.REFUSED if isinstance(error, NotHeldError) else Outcome.SINGULAR
+
+    def note(self, at: Point, laws: Laws, before: Laws, event: Event | None = None) -> None:
+        """One row of history: how many stick and slip, and how many states have changed."""
+        self.newton.tally.note(at.newton.residual, laws.closed, before.closed, event)
+        row = self.newton.tally.history[-1]
+        row["sticking"], row["slipping"] = (int(np.sum(laws.state == each)) for each in (State.STICK, State.SLIP))
+        row["changed"] = int(np.sum(laws.state != before.state))
+
+
+def within(friction: np.ndarray, bound: np.ndarray) -> np.ndarray:
+    """Friction (m, 2) on discs of the radii (m,): what rounding has put beyond them is pulled back."""
+    size = np.linalg.norm(friction, axis=1)
+    share = np.divide(bound, size, out=np.ones_like(size), where=size > bound)
+    return np.asarray(share[:, None] * friction)

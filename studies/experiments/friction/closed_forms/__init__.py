@@ -1,0 +1,1 @@
+"""Reference problems with friction whose answers are known in closed form. No scene may enter here."""
