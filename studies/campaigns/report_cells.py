@@ -235,7 +235,7 @@ TABLES_OF: dict[str, Sequence[str]] = {
         ),
         *("friction_cost", "friction_agreement", "friction_greco", "friction_klarbring", "friction_strip"),
         *("friction_drum", "friction_capstan", "friction_parking", "friction_rolling", "friction_path"),
-        *("friction_joint_motion", "friction_tied"),
+        *("friction_joint_motion", "friction_tied", "friction_public"),
     ),
 }
 TABLES_OF["report"] = (

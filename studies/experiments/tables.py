@@ -24,6 +24,7 @@ from studies.experiments.friction.discrete.joint_motion import joint_motion_tabl
 from studies.experiments.friction.discrete.klarbring import klarbring_table
 from studies.experiments.friction.discrete.limits import tied_table
 from studies.experiments.friction.discrete.path_error import path_table
+from studies.experiments.friction.public.public_problems import public_table
 from studies.experiments.friction.scenes import rubbed_scenes
 from studies.experiments.friction.scenes.agreement import agreement_table
 from studies.experiments.friction.scenes.cost import cost_table
@@ -92,6 +93,7 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "friction_path": path_table,
     "friction_joint_motion": joint_motion_table,
     "friction_tied": tied_table,
+    "friction_public": public_table,
     "problems": manifest,
     "problems_left_out": left_out,
 }

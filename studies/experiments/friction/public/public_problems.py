@@ -81,7 +81,7 @@ def algorithms() -> dict[str, FrictionalAlgorithm]:
 
 def public_table() -> pd.DataFrame:
     """The shipped outcomes: a row a problem and algorithm, in the columns of :func:`rows`."""
-    with files("studies.experiments.friction").joinpath(SHIPPED).open(encoding="utf-8") as file:
+    with files("studies.experiments.friction.public").joinpath(SHIPPED).open(encoding="utf-8") as file:
         return pd.read_csv(file, keep_default_na=False)
 
 
@@ -97,7 +97,7 @@ def source() -> tuple[str, str]:
 
 
 def _shipped() -> dict[str, Any]:
-    return dict(json.loads(files("studies.experiments.friction").joinpath(SMALL).read_text(encoding="utf-8")))
+    return dict(json.loads(files("studies.experiments.friction.public").joinpath(SMALL).read_text(encoding="utf-8")))
 
 
 def _of(given: Mapping[str, Any]) -> SiconosProblem:
