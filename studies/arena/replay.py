@@ -4,21 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import Confirmation, OracleError, confirm
-from contact.problem import ContactSolution
+from contact.problem import ContactAlgorithm, ContactSolution
 from studies.certificate import certificate
 from studies.scene import UsageError
-
-if TYPE_CHECKING:
-    from studies.friction.replay import ResolvedWithFriction
-
-FRICTION = "friction"  # of the meta of a step with friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,32 +45,52 @@ class Resolved:
             ", ".join(f"{name} {value:.1e}" for name, value in self.certificate["kkt"].items()),
             *self.certificate["diagnosis"],
         ]
-        if isinstance(self.oracle, str):
-            lines.append(f"no oracle: {self.oracle}")
-        elif self.oracle is not None:
-            verdict = "agrees" if self.oracle.agrees else f"differs at {len(self.oracle.differing)} candidates"
-            lines.append(f"oracle {verdict}: forces to {self.oracle.force_error:.1e}")
-        return lines
+        return [*lines, *said_by(self.oracle)]
 
 
-def resolve_step(
-    path: Path, contact: str, epsilon: float | None = None, *, oracle: bool = False
-) -> Resolved | ResolvedWithFriction:
-    """Read a frozen step, solve it from rest, judge it; raises UsageError with one line. With friction, if it has any.
+class Confirming(Protocol):
+    """What an oracle says, with or without friction."""
 
-    epsilon [MPa/mm]: None is the algorithm's own.
-    """
-    if contact not in ALGORITHMS:
-        raise UsageError(f"contact {contact!r} must be one of {', '.join(ALGORITHMS)}")
+    @property
+    def agrees(self) -> bool:
+        """Whether the answers are one."""
+
+    @property
+    def force_error(self) -> float:
+        """Largest difference of a force over the largest of them [-]."""
+
+    @property
+    def differing(self) -> np.ndarray:
+        """Candidates at which they differ."""
+
+
+def said_by(oracle: Confirming | str | None) -> list[str]:
+    """What a user reads of the oracle: nothing where it was not asked."""
+    if oracle is None:
+        return []
+    if isinstance(oracle, str):
+        return [f"no oracle: {oracle}"]
+    verdict = "agrees" if oracle.agrees else f"differs at {len(oracle.differing)} candidates"
+    return [f"oracle {verdict}: forces to {oracle.force_error:.1e}"]
+
+
+def read_step(path: Path) -> FrozenStep:
+    """The frozen step in a file; raises UsageError with one line."""
     try:
-        step = FrozenStep.read(path)
+        return FrozenStep.read(path)
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
-    algorithm = ALGORITHMS[contact]() if epsilon is None else ALGORITHMS[contact](epsilon=epsilon)
-    if FRICTION in step.meta:
-        from studies.friction.replay import resolve_with_friction  # nothing of friction is imported without it
 
-        return resolve_with_friction(path, algorithm, oracle=oracle)
+
+def algorithm_of(contact: str, epsilon: float | None = None) -> ContactAlgorithm:
+    """One of the catalogue, with an epsilon [MPa/mm] or its own; raises UsageError."""
+    if contact not in ALGORITHMS:
+        raise UsageError(f"contact {contact!r} must be one of {', '.join(ALGORITHMS)}")
+    return ALGORITHMS[contact]() if epsilon is None else ALGORITHMS[contact](epsilon=epsilon)
+
+
+def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, oracle: bool = False) -> Resolved:
+    """Solve a frozen step from rest, judge it; raises UsageError with one line."""
     problem = step.problem()
     refused = algorithm.supports(problem)
     if refused is not None:

@@ -8,13 +8,14 @@ from pathlib import Path
 import numpy as np
 
 from contact.friction.algorithms.catalogue import twin
-from contact.friction.interchange.frozen import FrozenFrictionalStep
+from contact.friction.interchange.frozen import MARK, FrozenFrictionalStep
 from contact.friction.interchange.oracle import Confirmation, confirm
 from contact.friction.problem import FrictionalSolution, State
 from contact.friction.verify import FrictionVerdict, judge
-from contact.interchange.linearised_step import FrozenStepError
+from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import OracleError
 from contact.problem import ContactAlgorithm
+from studies.arena.replay import said_by
 from studies.scene import UsageError
 
 
@@ -48,12 +49,12 @@ class ResolvedWithFriction:
             ", ".join(f"{name} {value:.1e}" for name, value in self.verdict.kkt.items()),
             *(f"wrong: {name}" for name in self.verdict.failures()),
         ]
-        if isinstance(self.oracle, str):
-            lines.append(f"no oracle: {self.oracle}")
-        elif self.oracle is not None:
-            said = "agrees" if self.oracle.agrees else f"differs at {len(self.oracle.differing)} candidates"
-            lines.append(f"oracle {said}: forces to {self.oracle.force_error:.1e}")
-        return lines
+        return [*lines, *said_by(self.oracle)]
+
+
+def has_friction(step: FrozenStep) -> bool:
+    """Whether a file, read as a step without friction, has some."""
+    return all(step.meta.get(key) == value for key, value in MARK.items())
 
 
 def resolve_with_friction(path: Path, plain: ContactAlgorithm, *, oracle: bool = False) -> ResolvedWithFriction:

@@ -125,15 +125,20 @@ def export(step: FrozenStep, form: str, path: Path) -> None:
     """Write a problem; raises UsageError for a format that is none, or cannot have it."""
     if form not in FORMATS:
         raise UsageError(f"format {form!r} must be one of {', '.join(FORMATS)}")
+    write = FORMATS[form][0]
+    written(path, lambda place: write(place, step), directory=form == "mtx")
+
+
+def written(path: Path, write: Callable[[Path], object], *, directory: bool) -> None:
+    """A file, or a directory of them, whole or not at all; raises UsageError where there is one already."""
     if path.exists():
         raise UsageError(f"--out {path} is there already")
-    write = FORMATS[form][0]
-    if form != "mtx":
-        write_by(path, lambda temporary: write(temporary, step))
+    if not directory:
+        write_by(path, write)
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=PART) as aside:
         whole = Path(aside) / "whole"
         whole.mkdir()
-        write(whole, step)
+        write(whole)
         whole.rename(path)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from studies.arena.replay import resolve_step
+from studies.arena.replay import Resolved, algorithm_of, read_step, resolve_step
 from studies.commands import FAILED, NOT_CONVERGED, OK
+from studies.friction.replay import ResolvedWithFriction, has_friction, resolve_with_friction
 from studies.scene import UsageError
 
 
@@ -22,7 +23,12 @@ def run(options: argparse.Namespace) -> int:
     """Solve the step and print what the judge says."""
     if options.epsilon is not None and not options.epsilon > 0:
         raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
-    found = resolve_step(options.file, options.contact, options.epsilon, oracle=options.oracle)
+    step, algorithm = read_step(options.file), algorithm_of(options.contact, options.epsilon)
+    found: Resolved | ResolvedWithFriction
+    if has_friction(step):
+        found = resolve_with_friction(options.file, algorithm, oracle=options.oracle)
+    else:
+        found = resolve_step(step, algorithm, oracle=options.oracle)
     print("\n".join(found.lines()))
     if not found.solution.outcome.converged:
         return NOT_CONVERGED

@@ -13,7 +13,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import Confirmation
-from studies.arena.replay import resolve_step
+from studies.arena.replay import algorithm_of, read_step, resolve_step
 from studies.cli import main
 
 FORCE = 1e-9
@@ -40,7 +40,7 @@ def test_meta_tells_where_the_step_is_from(frozen) -> None:
 def test_every_algorithm_finds_the_forces_of_the_path(frozen, name) -> None:
     """From no displacement and no set at all; the oracle has the last word."""
     step = json.loads((frozen / "result" / "result.json").read_text())["steps"][-1]
-    found = resolve_step(frozen / "step.npz", name, np.inf, oracle=True)
+    found = resolve_step(read_step(frozen / "step.npz"), algorithm_of(name, np.inf), oracle=True)
     assert found.solution.outcome.converged
     assert found.certificate["failures"] == []
     force = np.sum(found.step.weights * found.solution.pressure)
@@ -81,7 +81,7 @@ def test_a_failed_path_freezes_the_step_that_failed(tmp_path, capsys) -> None:
     assert step.meta["from"] < step.meta["parameter"] < 95
     assert step.meta["outcome"] != "converged"
     assert step.gap.min() < 0
-    found = resolve_step(tmp_path / "step.npz", "semismooth")
+    found = resolve_step(read_step(tmp_path / "step.npz"), algorithm_of("semismooth"))
     pressed = step.meta["parameter"] - step.meta["from"]
     assert np.abs(found.solution.u).max() > 0.9 * pressed
 

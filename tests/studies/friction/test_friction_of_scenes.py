@@ -12,13 +12,13 @@ import pytest
 from contact.friction.interchange.oracle import Confirmation
 from contact.friction.problem import State
 from contact.problem import ContactProblem
-from studies.arena.replay import resolve_step
+from studies.arena.replay import algorithm_of, read_step
 from studies.branching import branches_of
 from studies.certificate import certificate
 from studies.complete import complete
 from studies.exchange.of_scene import problem_of
 from studies.friction.observed import FRICTION, in_space
-from studies.friction.replay import ResolvedWithFriction
+from studies.friction.replay import has_friction, resolve_with_friction
 from studies.request import UsageError
 from studies.result import Result
 from studies.solving import solve
@@ -194,8 +194,8 @@ def test_a_frozen_step_is_solved_again_with_its_friction(dragged: Result, tmp_pa
     assert dragged.frozen is not None
     file = tmp_path / "step.npz"
     dragged.frozen().write(file)
-    again = resolve_step(file, "semismooth", oracle=True)
-    assert isinstance(again, ResolvedWithFriction)
+    assert has_friction(read_step(file))
+    again = resolve_with_friction(file, algorithm_of("semismooth"), oracle=True)
     assert again.sound
     assert isinstance(again.oracle, Confirmation)
     assert again.solution.normal.sum() == pytest.approx(dragged.steps[-1]["force_N"], rel=1e-6)

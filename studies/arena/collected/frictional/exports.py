@@ -6,7 +6,6 @@ with mu: the global form of FCLib, whose own files, HDF5, are not written. v is 
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -14,8 +13,9 @@ import numpy as np
 from scipy import io, sparse
 
 from contact.friction.interchange.frozen import FrozenFrictionalStep
+from studies.arena.collected.exports import written
 from studies.request import UsageError
-from studies.store.atomic import PART, write_by, write_json
+from studies.store.atomic import write_json
 
 SPACE = 3
 
@@ -48,14 +48,5 @@ def export_frictional(step: FrozenFrictionalStep, form: str, path: Path) -> None
     """Write a problem; raises UsageError for a format that is none, or has no friction."""
     if form not in FORMATS:
         raise UsageError(f"with friction, format {form!r} must be one of {', '.join(FORMATS)}")
-    if path.exists():
-        raise UsageError(f"--out {path} is there already")
-    if form != "mtx":
-        write_by(path, lambda temporary: arrays(temporary, step))
-        return
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=PART) as aside:
-        whole = Path(aside) / "whole"
-        whole.mkdir()
-        matrix_market(whole, step)
-        whole.rename(path)
+    write = FORMATS[form][0]
+    written(path, lambda place: write(place, step), directory=form == "mtx")
