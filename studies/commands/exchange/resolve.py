@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> int:
     """Solve the step and print what the judge says."""
     if options.epsilon is not None and not options.epsilon > 0:
         raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
-    step, algorithm = read_step(options.file), algorithm_of(options.contact, options.epsilon)
+    algorithm, step = algorithm_of(options.contact, options.epsilon), read_step(options.file)
     found: Resolved | ResolvedWithFriction
     if has_friction(step):
         found = resolve_with_friction(options.file, algorithm, oracle=options.oracle)
