@@ -10,7 +10,14 @@ from studies.scene import Setting
 MU = Setting("mu", None, "Coulomb's coefficient of friction", low=0, infinite=True, otherwise="0: no friction")
 STOPS = "stops of the foundation on its way {} once it has pressed, in turn"
 DRAG = Setting("drag_mm", None, STOPS.format("along itself"), "path", otherwise="it is not dragged")
-WAY = Setting("drag_deg", None, "direction of the drag in the tangent plane", low=-360, high=360, otherwise="0")
+WAY = Setting(
+    "drag_deg",
+    None,
+    "direction of the drag in the tangent plane, from its first axis",
+    low=-360,
+    high=360,
+    otherwise="0",
+)
 TURN = Setting("turn_deg", None, STOPS.format("around its normal, after the drag,"), "path", otherwise="no turn")
 SLIDING = (DRAG, WAY, TURN)
 

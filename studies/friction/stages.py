@@ -13,7 +13,6 @@ from functools import partial
 import numpy as np
 
 from contact.coulomb import Motion, Surface, with_friction
-from contact.friction.foundation import tangents
 from contact.problem import ContactProblem, ContactSolution
 from studies.friction.observed import FORCES, FRICTION, forces, nodal
 from studies.friction.settings import DRAG, MU, TURN, WAY
@@ -21,6 +20,7 @@ from studies.request import Settings, UsageError
 from studies.scene import Begun, CurveStage, Observation, Setting, Stage
 from studies.store.tables import Table
 
+STEEP = 0.8  # cosine of an axis with the normal
 INVARIANT = 1e-9  # of the size of a foundation: a gap that has not changed
 
 
@@ -48,12 +48,17 @@ class Slide:
 
     @classmethod
     def under(cls, pressed: Pressed, degrees: float) -> Slide:
-        """In the tangent plane where foundation and body are nearest before the press."""
+        """In the tangent plane where foundation and body are nearest before the press.
+
+        degrees: of the way from the first axis of space that is not nearly along the normal there.
+        """
         y = pressed.surface.positions(pressed.begun)
         nearest = int(np.argmin(pressed.surface.gap(y)))
         normal = pressed.surface.gradient(y[nearest : nearest + 1])[0]
-        along, across = tangents(normal[None])[0]
-        angle = math.radians(degrees)
+        axis = np.eye(3)[int(np.argmax(np.abs(normal) < STEEP))]
+        along = axis - (axis @ normal) * normal
+        along /= np.linalg.norm(along)
+        across, angle = np.cross(normal, along), math.radians(degrees)
         return cls(normal, math.cos(angle) * along + math.sin(angle) * across)
 
     def motion(self, drag: float, turn: float) -> Motion:

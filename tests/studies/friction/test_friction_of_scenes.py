@@ -85,6 +85,15 @@ def test_a_foundation_that_does_not_slide_along_itself_is_refused() -> None:
     assert solve(*complete("panel", {**ball, "turn_deg": 1.0})).verdict == "converged"
 
 
+def test_a_drum_slides_along_its_axis_alone() -> None:
+    drum = {"foundation": "drum", "delta_mm": 5.0, "mu": 0.5, "drag_mm": (2.0, 20.0)}
+    along = solve(*complete("tyre", {**drum, "drag_deg": 90.0}, MESH))
+    assert along.verdict == "converged"
+    assert along.steps[-1]["friction_N"] == pytest.approx(along.steps[-1]["bound_N"], rel=1e-4)
+    with pytest.raises(UsageError, match="does not slide along itself"):
+        solve(*complete("tyre", drum, MESH))
+
+
 def test_friction_has_no_path_by_arc_length() -> None:
     with pytest.raises(UsageError, match="arc length"):
         solve(*complete("tyre", {"mu": 0.5, "path": "arc"}, MESH, model="full"))
