@@ -13,7 +13,7 @@ DRAG = Setting("drag_mm", None, STOPS.format("along itself"), "path", otherwise=
 WAY = Setting(
     "drag_deg",
     None,
-    "direction of the drag in the tangent plane, from its first axis",
+    "direction of the drag in the tangent plane",
     low=-360,
     high=360,
     otherwise="0",

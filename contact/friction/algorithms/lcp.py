@@ -47,10 +47,10 @@ class Lcp(FrictionalNewton):
         """Newton from ``start`` on linearised problems that are each solved to the end."""
         run = self.run(problem, lawful=self.finish)
         by = finished if self.finish else unfinished
-        return run.finish(*by(run, run.start(start), self._choose, [], self.max_iterations))
+        return run.finish(*by(run, run.start(start), self.choose, [], self.max_iterations))
 
-    def _choose(self, block: Block) -> Chosen:
-        """Raises LcpError."""
+    def choose(self, block: Block) -> Chosen:
+        """Forces and states of the candidates of a condensed linearisation; raises LcpError."""
         c, (rubs, D) = len(block.mu), corners(block, self.sides)
         owners, which = np.unique(rubs, return_inverse=True)
         b, e = len(rubs), len(owners)

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contact.friction.algorithms.base import FrictionalNewton
-from contact.friction.algorithms.loop import iterate
+from contact.friction.algorithms.lcp import Lcp
+from contact.friction.algorithms.loop import approach
+from contact.friction.algorithms.programmed import finished
 from contact.friction.problem import FrictionalProblem, FrictionalSolution
+from contact.problem import Outcome
 
 
 @dataclass(frozen=True)
@@ -16,9 +19,10 @@ class Semismooth(FrictionalNewton):
 
     The states are updated on one linearisation until at most the fraction ``settle`` of those that touch changes; who
     slips on keeps the direction of the linearisation. States that come back are a cycle: that linearisation is left as
-    it is, and where Newton has been before the states are changed one at a time there. No rule ends for every problem:
-    where that comes back, too, or where there is no answer, the outcome is CYCLING, or what Newton's iteration ends
-    with. mu = 0 gives the iterates of the frictionless algorithm but for its answer to cycles.
+    it is, and where Newton has been before the states are changed one at a time there. Where that comes back, too, the
+    states are those of the complementarity problem on a polygon (:class:`Lcp`), as far as it applies, and the history
+    says so. No rule ends for every problem: else, or where there is no answer, the outcome is CYCLING, or what Newton's
+    iteration ends with. mu = 0 gives the iterates of the frictionless algorithm but for its answer to cycles.
     Sources: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375; Hintermüller, Ito, Kunisch, SIAM J.
     Optim. 13 (2002) 865-888.
     """
@@ -28,4 +32,8 @@ class Semismooth(FrictionalNewton):
 
     def solve(self, problem: FrictionalProblem, start: FrictionalSolution) -> FrictionalSolution:
         """Iterate from ``start`` until the states repeat and the forces balance."""
-        return iterate(self.run(problem), start, self.settle, self.max_iterations)
+        run, pivots = self.run(problem), Lcp()
+        at, outcome = approach(run, run.start(start), self.settle, self.max_iterations)
+        if outcome is Outcome.CYCLING and pivots.supports(problem) is None:
+            at, outcome = finished(run, at, pivots.choose, [], self.max_iterations)
+        return run.finish(at, outcome)
