@@ -59,10 +59,13 @@ def _moved(moves: Mapping[str, object], mus: Sequence[float], mesh: str) -> pd.D
     return pd.DataFrame(found)
 
 
-def patch_table(mu: float = 0.5, mesh: str = MESH) -> pd.DataFrame:
-    """The candidates that touch at each stop of a drag forth and back: place, forces, slip, and whether they stick."""
+def patch_table(mu: float = 0.5, mesh: str = MESH, steps: int = 8) -> pd.DataFrame:
+    """The candidates that touch at each stop of a drag forth and back: place, forces, slip, and whether they stick.
+
+    In so many steps from stop to stop: pressed in one, all would slip away from the middle.
+    """
     settings = {"delta_mm": DELTA, "mu": mu, "drag_mm": PATCH_STOPS, "drag_deg": 90.0}
-    tables = solved("tyre", settings, mesh, model="full").tables[FRICTION]
+    tables = solved("tyre", settings, mesh, model="full", steps=steps).tables[FRICTION]
     stops = (0.0, *PATCH_STOPS)
     frames = [table.frame().assign(stop=k, drag_mm=stops[k], mu=mu) for k, table in enumerate(tables)]
     return pd.concat(frames, ignore_index=True).drop(columns="delta_mm")
