@@ -13,6 +13,8 @@ from reports.chapters.answers import findings, glossary, questions
 from reports.chapters.arena import page as arena
 from reports.chapters.catalogue import gallery
 from reports.chapters.contact import agreement, algorithms, epsilon
+from reports.chapters.friction import algorithms as friction_algorithms
+from reports.chapters.friction import tyre as friction
 from reports.chapters.limits import extremes, fuzz, shell_limits, symmetry
 from reports.chapters.overview import data, solved
 from reports.chapters.shells import benchmarks, convergence, locking, measures, rigid_body
@@ -23,7 +25,7 @@ from reports.chapters.validation import experiment, manufactured
 GROUPS = {
     "Answers": (questions, measures, advice, shell_limits),
     "Verification": (*(tyre, benchmarks, convergence, manufactured, rigid_body, locking, symmetry, fuzz, experiment),),
-    "Contact": (agreement, algorithms, epsilon, extremes),
+    "Contact": (agreement, algorithms, epsilon, friction, friction_algorithms, extremes),
     "Arena": (arena,),
     "Cost": (tradeoff, cost),
     "Catalogue": (gallery, glossary),

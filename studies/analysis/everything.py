@@ -18,6 +18,7 @@ from studies.analysis.cells.rows import reference_rows
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
+from studies.analysis.comparisons.friction import COST_BARS, FULL, GRECO, friction_tables
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.ladders import summary as summary_of_ladders
 from studies.analysis.comparisons.law_strain import law_offsets, law_rules
@@ -77,6 +78,7 @@ RULES = {  # thresholds that the pages state
     **{"near_order": NEAR, "coarse_below": BELOW},
     **{**{name.replace("error_", "theory_"): order for name, order in THEORY.items()}},
     **{"epsilon_soft": SOFT, "epsilon_level": LEVEL, "expensive": TIMES},
+    **{"friction_full": FULL, "friction_greco": GRECO, **COST_BARS},
 }
 
 
@@ -121,6 +123,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         "solid_shell": solid_shell(answers),
         "tyre_models": tyre_models(answers),
         **program_tables(store / "tables"),
+        **friction_tables(store / "tables"),
         **{name: fit(pd.read_csv(path)) for name, (path, fit) in made.items() if path.exists()},
     }
 

@@ -168,7 +168,7 @@ def limitations(store: Store) -> Part:
     about = sentence(store, "tyre-linear")
     steady += [f"- The paper's sentence on linear strains does not hold. {about}"] if about else []
     steady.append(
-        "- These pages cover one shell element in static equilibrium. The obstacle is rigid and without friction; "
-        "friction, wear, dynamics and contact between two deformable bodies are not computed."
+        "- These pages cover one shell element in static equilibrium. The obstacle is rigid, its friction Coulomb's "
+        "with one coefficient; wear, rolling, dynamics and contact between two deformable bodies are not computed."
     )
     return joined("## Known limitations", "\n".join(steady), machine("\n".join(timed)) if timed else "")

@@ -9,7 +9,6 @@ import pandas as pd
 
 ASK_COLUMNS = ("question", "threads", "answers", "command", "missing", "answered")
 READER_COLUMNS = ("question", "answers", "page", "answered")
-FRICTION = "friction: every obstacle here is frictionless"
 
 
 @dataclass(frozen=True)
@@ -41,14 +40,20 @@ ASKS = (
         "idaholab/moose#32856",
         ("epsilon-range", "epsilon"),
         "footprint solve tyre --contact regularised --set epsilon=1e4 --out DIR",
-        "the tangential parameter: every obstacle here is frictionless",
+        "a study of the tangential parameter alone",
     ),
     Ask(
         "How sensitive is an answer to the regularisation of Coulomb's law?",
         "idaholab/moose#33356, idaholab/moose#33358, idaholab/moose#6524",
-        missing=FRICTION,
+        ("friction-regularised", "friction-greco"),
+        "footprint solve tyre --contact regularised --model full --set mu=0.5 --set drag_mm=2 --out DIR",
+        "a range of the parameter: one stiffness of springs is compared with the exact law",
     ),
-    Ask("Which tolerance in the tangential equation?", "pmgbergen/porepy#957", missing=FRICTION),
+    Ask(
+        "Which tolerance in the tangential equation?",
+        "pmgbergen/porepy#957",
+        missing="a study of it: stick and slip are states here, that are met exactly",
+    ),
     Ask(
         "Which change of the contact area is small enough to stop?",
         "GEOS-DEV/GEOS#3379",

@@ -8,7 +8,7 @@ from pathlib import Path
 import pandas as pd
 
 from studies.analysis.statements import asked, laws
-from studies.analysis.statements.contact import agreement, algorithms, arena, robustness
+from studies.analysis.statements.contact import agreement, algorithms, arena, friction, friction_algorithms, robustness
 from studies.analysis.statements.questions import asks, readers
 from studies.analysis.statements.record import Evidence, Maker, Statement, as_tables
 from studies.analysis.statements.shells import benchmarks, measures, tyre
@@ -17,7 +17,8 @@ from studies.analysis.statements.trade import cost, equal_error, prices
 MAKERS: Sequence[Maker] = (
     *(*tyre.MAKERS, *benchmarks.MAKERS, *laws.MAKERS),
     *(*measures.MAKERS, *algorithms.MAKERS, *prices.MAKERS),
-    *(*agreement.MAKERS, *robustness.MAKERS, *arena.MAKERS, *cost.MAKERS, *equal_error.MAKERS, *asked.MAKERS),
+    *(*agreement.MAKERS, *robustness.MAKERS, *friction.MAKERS, *friction_algorithms.MAKERS),
+    *(*arena.MAKERS, *cost.MAKERS, *equal_error.MAKERS, *asked.MAKERS),
 )
 
 

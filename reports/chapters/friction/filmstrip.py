@@ -1,0 +1,109 @@
+"""The patch of a dragged tyre stop by stop, in mm: pressure and traction above, stick and slip below."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from reports.figures.drawing import BLACK, BLUE, ORANGE, canvas, svg
+
+COLUMNS = 3
+ROOM = 4.0  # mm around the patch
+ARROW_MM = 10.0  # length of the longest traction
+STATES = {1: ("sticks", BLUE), 0: ("slips", ORANGE)}
+
+
+@svg
+def filmstrip(table: pd.DataFrame) -> Figure:
+    """All stops, COLUMNS of them side by side: a row of pressures with tractions, a row of states below it."""
+    stops = [own for _, own in table.groupby("stop")]
+    rows = -(-len(stops) // COLUMNS)
+    figure, panels = canvas(2 * rows * COLUMNS, COLUMNS, width=11.0, height=1.95, head=0.9)
+    pressure = table["normal_N"] / table["area_mm2"]
+    traction = np.hypot(table["friction_y_N"], table["friction_z_N"]) / table["area_mm2"]
+    size = _cell(stops[0])
+    for k, own in enumerate(stops):
+        block, column = divmod(k, COLUMNS)
+        above, below = (panels[(2 * block + row) * COLUMNS + column] for row in (0, 1))
+        painted = _pressures(above, own, size, float(pressure.max()))
+        _tractions(above, own, float(traction.max()))
+        _states(below, own, size)
+        above.set_title(_title(k, stops))
+        for axes in (above, below):
+            _bounds(axes, table)
+        if column == 0:
+            for axes in (above, below):
+                axes.set_ylabel("z [mm]")
+        below.set_xlabel("y [mm]")
+    for k in range(len(stops), rows * COLUMNS):
+        block, column = divmod(k, COLUMNS)
+        for row in (0, 1):
+            panels[(2 * block + row) * COLUMNS + column].set_visible(False)
+    figure.colorbar(painted, ax=panels, label="pressure [MPa]", location="right", shrink=0.5, aspect=40)
+    marks: list[Artist] = [Patch(color=colour, label=name) for name, colour in STATES.values()]
+    arrow = f"traction of the plane on the tyre; the longest arrow is {float(traction.max()):.3f} MPa"
+    marks.append(Line2D([], [], color=BLACK, marker=">", label=arrow))
+    figure.legend(handles=marks, loc="outside upper center", ncols=3)
+    return figure
+
+
+def _title(k: int, stops: list[pd.DataFrame]) -> str:
+    drags = [float(own["drag_mm"].iloc[0]) for own in stops]
+    if k == 0:
+        return "pressed"
+    return f"plane {'back ' if drags[k] < drags[k - 1] else ''}at {drags[k]:g} mm"
+
+
+def _cell(own: pd.DataFrame) -> tuple[float, float]:
+    """Width and height [mm] of a rectangle of the mean area, its sides as neighbours are apart."""
+    place = own[["y_mm", "z_mm"]].to_numpy(float)
+    apart = np.linalg.norm(place[:, None] - place[None], axis=2)
+    np.fill_diagonal(apart, np.inf)
+    nearest = place[np.argmin(apart, axis=1)] - place
+    short, area = float(np.median(np.min(apart, axis=1))), float(own["area_mm2"].mean())
+    long = area / short
+    across = np.median(np.abs(nearest[:, 1])) >= np.median(np.abs(nearest[:, 0]))
+    return (long, short) if across else (short, long)
+
+
+def _rectangles(own: pd.DataFrame, size: tuple[float, float]) -> np.ndarray:
+    """Corners (n, 4, 2)."""
+    corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size
+    return own[["y_mm", "z_mm"]].to_numpy(float)[:, None, :] + corners[None]
+
+
+def _pressures(axes: Axes, own: pd.DataFrame, size: tuple[float, float], most: float) -> PolyCollection:
+    painted = PolyCollection(list(_rectangles(own, size)), cmap="viridis", linewidths=0.0)
+    painted.set_array((own["normal_N"] / own["area_mm2"]).to_numpy(float))
+    painted.set_clim(0.0, most)
+    axes.add_collection(painted)
+    return painted
+
+
+def _tractions(axes: Axes, own: pd.DataFrame, most: float) -> None:
+    pull = own[["friction_y_N", "friction_z_N"]].to_numpy(float) / own[["area_mm2"]].to_numpy(float)
+    how: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "pivot": "mid", "width": 0.006}
+    axes.quiver(own["y_mm"], own["z_mm"], pull[:, 0], pull[:, 1], color=BLACK, scale=(most or 1.0) / ARROW_MM, **how)
+
+
+def _states(axes: Axes, own: pd.DataFrame, size: tuple[float, float]) -> None:
+    for state, (_, colour) in STATES.items():
+        some = own[own["sticks"] == state]
+        axes.add_collection(PolyCollection(list(_rectangles(some, size)), facecolors=colour, edgecolors="white"))
+    axes.plot(0.0, 0.0, "+", color=BLACK, markersize=5)
+
+
+def _bounds(axes: Axes, table: pd.DataFrame) -> None:
+    """The same for all pictures, true to scale."""
+    for name, limit in (("y_mm", axes.set_xlim), ("z_mm", axes.set_ylim)):
+        limit(float(table[name].min()) - 2 * ROOM, float(table[name].max()) + 2 * ROOM)
+    axes.set_aspect("equal")
+    axes.grid(visible=False)

@@ -1,0 +1,188 @@
+"""What the tables of friction come to: the ends of a drag and of a turn, orders of errors, a sum by algorithm.
+
+They are those of :mod:`studies.experiments.friction`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from studies.experiments.friction.rates import order
+from studies.experiments.friction.rubbed_scenes import DELTA, MESH
+from studies.result import SOLVED, UNSUPPORTED
+
+FULL = 0.01  # a force or a torque is full once it is so near to its bound, and stays so
+FLOOR = 1e-8  # an error below this has nothing left that could fall: rounding, or what decides between states
+LAST = 4  # an order is fitted to so many of the finest
+FIRST = "semismooth"  # which all other algorithms are compared with
+COST_BARS = {"friction_cost": 2.5, "friction_factorisations": 1.2}  # over a step without friction; an iteration
+GRECO = 5e-4  # of a slip of that plate
+MOVES = {"friction_drag_ends": ("friction_dragged", "drag_mm"), "friction_turn_ends": ("friction_turned", "turn_deg")}
+
+
+@dataclass(frozen=True)
+class Family:
+    """A table of errors: what tells its cases apart, the column of numbers, and the order that theory has of each."""
+
+    table: str
+    cases: tuple[str, ...]
+    number: str
+    theory: Mapping[str, int]
+
+
+FAMILIES = {
+    "strip": Family(
+        "friction_strip",
+        ("steps",),
+        "elements",
+        {"end_error": 2, "back_error": 2, "loop_error": 2, "front_error": 2, "counted_error": 1},
+    ),
+    "drum": Family("friction_drum", ("side",), "elements", {"end_error": 2, "slip_error": 2}),
+    "capstan": Family("friction_capstan", ("side", "mu", "theta_rad"), "elements", {"error": 2}),
+    "parking": Family(
+        "friction_parking", ("pressure", "core"), "rings", {"core_error": 2, "moment_error": 2, "loop_error": 2}
+    ),
+    "path": Family("friction_path", ("case",), "steps", {"end_error": 1, "work_error": 1}),
+}
+
+
+def friction_tables(tables: Path) -> dict[str, pd.DataFrame]:
+    """Tables by name: of :data:`MOVES`, ``friction_orders``, ``friction_step_orders``, ``friction_algorithms``.
+
+    Each where the tables that it is made of are there.
+    """
+
+    def read(name: str) -> pd.DataFrame | None:
+        path = tables / f"{name}.csv"
+        return pd.read_csv(path) if path.exists() else None
+
+    made = {}
+    for name, (source, key) in MOVES.items():
+        if (table := read(source)) is not None:
+            made[name] = ends(table, key)
+    found = {name: read(family.table) for name, family in FAMILIES.items()}
+    fitted = [orders(name, table) for name, table in found.items() if table is not None]
+    if fitted:
+        made["friction_orders"] = pd.concat(fitted, ignore_index=True)
+    if (steps := read("friction_steps")) is not None:
+        made["friction_step_orders"] = step_orders(steps)
+    if (agreement := read("friction_agreement")) is not None:
+        made["friction_algorithms"] = by_algorithm(agreement)
+    return made
+
+
+def ends(table: pd.DataFrame, key: str) -> pd.DataFrame:
+    """A row a coefficient of a drag (``key`` drag_mm) or a turn (turn_deg): how full its force or torque becomes.
+
+    pressed_N, force_N: normal, before and at the last stop.  value, bound: at the last stop, force [N] or torque
+    [N mm]; chord: cos(step/2) of the last step of a turn, for its slip is the chord of an arc, else 1.  off: value over
+    bound and chord, less 1.  largest, at: of the value, and the stop.  full: first stop from which it is within FULL of
+    that bound.  loose: first stop from which none sticks but the centre of a turn; NaN where there is none.
+    """
+    names = ("friction_N", "bound_N") if key == "drag_mm" else ("moment_N_mm", "moment_bound_N_mm")
+    rows = []
+    for mu, own in table.groupby("mu", sort=False):
+        moved = own[own[key].notna()]
+        at, value, bound = (moved[name].to_numpy(float) for name in (key, *names))
+        chord = np.ones(len(at)) if key == "drag_mm" else np.cos(np.deg2rad(np.diff(at, prepend=0.0)) / 2)
+        off = value / (bound * chord) - 1
+        kept = 0 if key == "drag_mm" else 1
+        peak = int(np.argmax(value))
+        rows.append(
+            {"mu": mu, "loads": len(own), "certified": int(own["failures"].isna().sum())}
+            | {"converged": int(own["outcome"].isin(SOLVED).all())}
+            | {"pressed_N": own["force_N"].iloc[0], "force_N": moved["force_N"].iloc[-1], "last": at[-1]}
+            | {"value": value[-1], "bound": bound[-1], "chord": chord[-1], "off": off[-1]}
+            | {"largest": value[peak], "at": at[peak], "full": _from(at, np.abs(off) <= FULL)}
+            | {"loose": _from(at, moved["sticking"].to_numpy(float) <= kept)}
+            | {"mesh": MESH, "command": _command(float(str(mu)), key, at)}
+        )
+    return pd.DataFrame(rows)
+
+
+def _command(mu: float, key: str, stops: np.ndarray) -> str:
+    """What solves the path of a coefficient."""
+    way = ["drag_deg=90"] if key == "drag_mm" else []
+    settings = [f"delta_mm={DELTA:g}", f"mu={mu:g}", f"{key}={','.join(f'{at:g}' for at in stops)}", *way]
+    told = " ".join(f"--set {each}" for each in settings)
+    return f"footprint solve tyre --model full --mesh {MESH} {told} --out DIR"
+
+
+def _from(at: np.ndarray, holds: np.ndarray) -> float:
+    """The first stop from which something holds to the end; NaN where it does not hold at the end."""
+    broken = np.flatnonzero(~holds)
+    first = int(broken[-1]) + 1 if len(broken) else 0
+    return float(at[first]) if first < len(at) else np.nan
+
+
+def orders(name: str, table: pd.DataFrame) -> pd.DataFrame:
+    """A row a case and error of a family: the finest number, the error there, its order and that of theory.
+
+    The order is fitted to the LAST finest; NaN where an error is below FLOOR on one of them.
+    """
+    family = FAMILIES[name]
+    rows = []
+    for case, own in table.groupby(list(family.cases), sort=False):
+        finest = own.sort_values(family.number).iloc[-LAST:]
+        assert isinstance(case, tuple)
+        told = ", ".join(_told(key, value) for key, value in zip(family.cases, case, strict=True))
+        for error, theory in family.theory.items():
+            n, errors = finest[family.number].to_numpy(float), finest[error].to_numpy(float)
+            fitted = order(n, errors) if np.min(np.abs(errors)) > FLOOR else np.nan
+            row = {"family": name, "case": told, "quantity": error.removesuffix("_error"), "of": family.number}
+            rows.append(row | {"finest": n[-1], "error": errors[-1], "order": fitted, "theory": theory})
+    return pd.DataFrame(rows)
+
+
+def _told(key: str, value: object) -> str:
+    """What a case is, in words."""
+    name = {"side": "", "case": "", "theta_rad": "theta "}.get(key, f"{key} ")
+    return f"{name}{value:.3g}" if isinstance(value, float) else f"{name}{value}"
+
+
+def step_orders(steps: pd.DataFrame) -> pd.DataFrame:
+    """Orders of the force and the dissipation in the size of load steps, from three numbers of steps, each twice the
+    one before: log2 of the ratio of their differences, for which no limit has to be guessed.
+
+    first_error, error: with the fewest and the most steps, off the limit that the two finest give at first order.
+    """
+    own = steps.sort_values("steps")
+    rows = []
+    for name in ("friction_N", "dissipation_N_mm"):
+        change = np.diff(own[name].to_numpy(float))
+        observed = np.log2(np.abs(change[:-1] / change[1:]))
+        errors = own[f"{name}_error"]
+        row = {"quantity": name, "fewest": own["steps"].iloc[0], "most": own["steps"].iloc[-1]}
+        rows.append(row | {"first_error": errors.iloc[0], "error": errors.iloc[-1], "order": observed[-1]})
+    return pd.DataFrame(rows)
+
+
+def by_algorithm(agreement: pd.DataFrame) -> pd.DataFrame:
+    """A row an algorithm: cases that it ends on (solved), and agrees on; what it is off by, and costs.
+
+    exact: asked for no regularisation.  refused: cases that it says it does not apply to.  other_steps: solved cases on
+    which it has cut load steps otherwise than FIRST, which is another path.  off: the largest difference of a force,
+    on solved cases with the same steps.  iterations, factorisations, operations, seconds: over those of FIRST, the
+    median of cases that both solve in the same steps.
+    """
+    first = agreement[agreement["algorithm"] == FIRST].set_index("case")
+    rows = []
+    for name, own in agreement.groupby("algorithm", sort=False):
+        solved = own[own["outcome"].isin(SOLVED)]
+        beside = first.loc[solved["case"]].reset_index()
+        same = solved["substeps"].to_numpy() == beside["substeps"].to_numpy()
+        both = solved.loc[same & beside["outcome"].isin(SOLVED).to_numpy()]
+        over = both.set_index("case")[["iterations", "factorisations", "operations", "cpu_s"]]
+        ratios = (over / first.loc[over.index, over.columns]).median()
+        refused = int((own["outcome"] == UNSUPPORTED).sum())
+        row = {"algorithm": name, "cases": len(own), "exact": int(np.isinf(own["epsilon"]).all())}
+        row |= {"solved": len(solved), "refused": refused, "failed": len(own) - len(solved) - refused}
+        row |= {"agrees": int(own["agrees"].sum()), "other_steps": int(np.sum(~same)), "off": both["force_error"].max()}
+        names = ("iterations_ratio", "factorisations_ratio", "operations_ratio", "seconds_ratio")
+        rows.append(row | {"both": len(both)} | dict(zip(names, ratios, strict=True)))
+    return pd.DataFrame(rows)
