@@ -39,6 +39,7 @@ from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
 from support.stores.answers import write_answers
 from support.stores.arena import made_up_arena
+from support.stores.friction import made_up_friction
 from support.stores.made_up import analysed_again, linked, said_again
 from support.stores.manufactured import made_up_manufactured, made_up_statements, made_up_touching
 from support.stores.programs import made_up_programs
@@ -363,6 +364,7 @@ def write_tables(directory: Path) -> None:
         "fuzz": random_cases(),
         "fuzz_faults": pd.DataFrame({"fault": ["wrong area", "unseen"], "cases": [12, 0], "law": ["certified", ""]}),
         **made_up_arena(),
+        **made_up_friction(),
         "symmetry": symmetry_table(),
         "mirror": mirror_table(),
         "extremes": extremes.extremes_table(EXTREMES, made_up_outcome),

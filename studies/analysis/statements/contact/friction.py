@@ -86,8 +86,8 @@ def steps(friction_step_orders: pd.DataFrame, friction_steps: pd.DataFrame) -> I
     values |= {"times": float(own["operations"].iloc[-1] / own["operations"].iloc[0])}
     text = (
         "With friction load steps are part of the answer: pressed and dragged by 1 mm in {fewest:.0f} {word} each the "
-        "tyre is pulled {force_first_error:+.1%} off the limit of fine steps and dissipates {work_first_error:+.0%} off "
-        "it; in {most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
+        "tyre is pulled {force_first_error:+.1%} off the limit of fine steps and dissipates {work_first_error:+.0%} "
+        "off it; in {most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
         "Observed orders in the size of a step are {force_order:.2f} and {work_order:.2f}; theory says 1."
     )
     mesh = default(steps_table, "mesh")
