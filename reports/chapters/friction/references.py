@@ -75,7 +75,7 @@ have a node that slips; only there is anything dissipated.""")
     heads += " | radius [mm] | off that of the bars"
     line = "{mu:g} | {step_mm:g} | {hub_error_mm:.0e} | {middle_error_mm:.0e} | {slips} | {dissipated_N_mm:.1e}"
     line += " | {radius_mm:.4f} | {radius_error:.0e}"
-    return joined(text, machine(listing("The wheel", data, heads, line, words=0)))
+    return joined(text, machine(listing("The wheel", data, heads, line)))
 
 
 def _tied(store: Store) -> Part:
