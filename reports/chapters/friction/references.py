@@ -109,7 +109,8 @@ to the force, beside what Code_Aster finds, which has another law of the materia
 forces.""")
     shown = data.assign(refused=data["failures"].astype(object).where(data["failures"].notna(), ""))
     heads = "scene | approach [mm] | force without [N] | with friction [N] | change | of Code_Aster | refused for"
-    line = "{scene:code} | {delta_mm:g} | {smooth_N:.3f} | {force_N:.3f} | {change:+.2%} | {aster_change:+.2%} | {refused:said}"
+    line = "{scene:code} | {delta_mm:g} | {smooth_N:.3f} | {force_N:.3f} | {change:+.2%} | {aster_change:+.2%}"
+    line += " | {refused:said}"
     return joined(text, listing(f"What μ = {data['mu'].iloc[0]:g} adds", shown, heads, line))
 
 

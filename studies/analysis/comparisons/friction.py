@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from studies.experiments.friction.rates import order
-from studies.experiments.friction.rubbed_scenes import DELTA, MESH
+from studies.experiments.friction.closed_forms.rates import order
+from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
 from studies.result import SOLVED, UNSUPPORTED
 
 FULL = 0.01  # a force or a torque is full once it is so near to its bound, and stays so

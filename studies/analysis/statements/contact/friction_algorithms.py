@@ -10,7 +10,7 @@ import pandas as pd
 from studies.analysis.comparisons.friction import FIRST, FLOOR
 from studies.analysis.statements.contact.friction import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.agreement import AGREED
+from studies.experiments.friction.scenes.agreement import AGREED
 from studies.result import SOLVED
 
 PAGE = "friction-algorithms"
@@ -166,8 +166,8 @@ def crushed(friction_crushed_ring: pd.DataFrame) -> Iterator[Statement]:
     for n, (scene, own) in enumerate(table.groupby("scene", sort=False)):
         values |= {f"name{n}": f"`{scene}`", f"low{n}": own["change"].min(), f"high{n}": own["change"].max()}
         told.append(f"{{low{n}:+.2%}} to {{high{n}:+.2%}} on {{name{n}}}")
-    text = f"Friction with μ = {{mu:g}} adds {listed(told)}, over {{states:.0f}} states of the crushed ring; Code_Aster finds "
-    text += "{aster_min:+.2%} to {aster_max:+.2%} by another law of the material."
+    text = f"Friction with μ = {{mu:g}} adds {listed(told)}, over {{states:.0f}} states of the crushed ring; "
+    text += "Code_Aster finds {aster_min:+.2%} to {aster_max:+.2%} by another law of the material."
     failed = table["failures"].notna().sum()
     values |= {"failed": float(failed)}
     text += " The judge refuses {failed:.0f} of these states." if failed else ""
