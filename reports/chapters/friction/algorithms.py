@@ -176,7 +176,8 @@ def _public(store: Store) -> Part:
     """Public problems of another program; nothing where they were not run."""
     if not store.has_table("friction_public"):
         return Part("")
-    data = store.table("friction_public")
+    files = store.table("friction_public")
+    data = files.dropna(subset=["algorithm"])
     taken = data["certified"].map({True: 1.0, False: 0.0}).astype(float)
     claimed = data["outcome"].isin(SOLVED)
     kinds = data.assign(taken=claimed & (taken == 1), refused=claimed & (taken == 0), claimed=claimed)
@@ -193,7 +194,7 @@ def _public(store: Store) -> Part:
 {data["problem"].nunique()} problems with friction of Siconos, rigid bodies with {data["contacts"].min():g} to
 {data["contacts"].max():g} contacts, before our algorithms and the oracle, a few seconds of the processor each. *Taken*:
 called solved and certified by the judge; *refused*: called solved and not. What is regularised is judged by its own law
-and left out of both.""")
+and left out of both. {files["problem"].nunique() - data["problem"].nunique()} more files are no such problems.""")
     heads = "algorithm | problems | called solved | taken | refused | others end by"
     line = "{algorithm:code} | {problems} | {claimed} | {taken} | {refused} | {other:said}"
     return joined(text, machine(listing("Public problems", named, heads, line)))

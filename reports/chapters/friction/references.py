@@ -25,7 +25,12 @@ def references_part(store: Store) -> Part:
 
 All are solved by `semismooth`, on reference problems that an answer is written down for; the other algorithms are held
 against it on the same problems by the tests.""")
-    parts = {"friction_joint_motion": _together, "friction_rolling": _rolling, "friction_tied": _tied}
+    parts = {
+        "friction_joint_motion": _together,
+        "friction_rolling": _rolling,
+        "friction_tied": _tied,
+        "friction_crushed_ring": _crushed,
+    }
     return joined(heading, _orders(store), *(part(store) for name, part in parts.items() if store.has_table(name)))
 
 
@@ -75,7 +80,7 @@ have a node that slips; only there is anything dissipated.""")
     heads += " | radius [mm] | off that of the bars"
     line = "{mu:g} | {step_mm:g} | {hub_error_mm:.0e} | {middle_error_mm:.0e} | {slips} | {dissipated_N_mm:.1e}"
     line += " | {radius_mm:.4f} | {radius_error:.0e}"
-    return joined(text, machine(listing("The wheel", data, heads, line, words=0)))
+    return joined(text, machine(listing("The wheel", data, heads, line)))
 
 
 def _tied(store: Store) -> Part:
@@ -92,6 +97,21 @@ none the right end is not to converge.""")
     heads = "element | elements | load | nodes | answers | outcome | tied | otherwise | displacements off"
     line = "{element} | {elements} | {load} | {nodes} | {answers} | {outcome} | {ties} | {unlike} | {off:.0e}"
     return joined(text, machine(listing("μ = ∞, beside all answers", named, heads, line, words=3)))
+
+
+def _crushed(store: Store) -> Part:
+    """Friction on the crushed ring, beside another program's."""
+    data = store.table("friction_crushed_ring")
+    text = prose("""### The crushed ring
+
+A ring of rubber between two plates (SSNP501 and SSNP502 of Code_Aster), with friction and without: what friction adds
+to the force, beside what Code_Aster finds, which has another law of the material; so changes are compared, not
+forces.""")
+    shown = data.assign(refused=data["failures"].astype(object).where(data["failures"].notna(), ""))
+    heads = "scene | approach [mm] | force without [N] | with friction [N] | change | of Code_Aster | refused for"
+    line = "{scene:code} | {delta_mm:g} | {smooth_N:.3f} | {force_N:.3f} | {change:+.2%} | {aster_change:+.2%}"
+    line += " | {refused:said}"
+    return joined(text, listing(f"What μ = {data['mu'].iloc[0]:g} adds", shown, heads, line))
 
 
 def _or_dash(values: pd.Series) -> list[str]:

@@ -61,7 +61,7 @@ which F_t is within {full} of μ F_n; *all slip from*: the first one from which 
     heads += " | end [mm] | F_t there [N] | F_t/(μ F_n) - 1"
     line = "{mu:g} | {pressed_N:.1f} | {force_N:.1f} | {largest:.2f} | {at:g} | {full:g} | {loose:g} | {last:g}"
     line += " | {value:.2f} | {off:small}"
-    made = listing("The drag", ends, heads, line, words=0, small=_small)
+    made = listing("The drag", ends, heads, line, small=_small)
     words = "Friction over the way of the plane in N and over the normal force, for several coefficients"
     return joined(
         text,
@@ -85,7 +85,7 @@ def _stops(table: pd.DataFrame, key: str, head: str) -> str:
     line = "{mu:g} | {at:g} | {force_N:.2f} | {friction_N:.2f} | {torque:.3f} | {sticking:.0f} | {slipping:.0f}"
     line += " | {work:.3f} | {newton_iterations:.0f} | {factorisations:.0f} | {off}"
     named = named.assign(torque=named["moment_N_mm"] / 1e3, work=named["dissipation_N_mm"] / 1e3)
-    return listing("Stop by stop", named, heads, line, words=0)
+    return listing("Stop by stop", named, heads, line)
 
 
 def _turned(store: Store) -> Part:
@@ -109,7 +109,7 @@ the candidate in the centre, which has nowhere to slip to.""")
     return joined(
         text,
         picture("friction-turned.svg", words, turned(table)),
-        listing("The turn", named, heads, line, words=0, small=_small),
+        listing("The turn", named, heads, line, small=_small),
         fold("All angles", _stops(table, "turn_deg", "turn [deg]")),
         commands(ends["command"]),
     )
@@ -146,7 +146,7 @@ the stop before, and finer steps have others ([load steps](#load-steps)).""")
     return joined(
         text,
         picture("friction-patch.svg", words, filmstrip(table)),
-        listing("The stops of the pictures", rows, heads, line, words=0),
+        listing("The stops of the pictures", rows, heads, line),
     )
 
 
@@ -170,12 +170,12 @@ paths of the sections above have one step from stop to stop.""")
         "quantity | order, of the last three | theory",
         "{named} | {order:.2f} | 1",
     )
-    seconds = listing("Processor time", table, "steps each | seconds", "{steps} | {cpu_s:.2f}", words=0)
+    seconds = listing("Processor time", table, "steps each | seconds", "{steps} | {cpu_s:.2f}")
     words = "Errors of force and dissipation over the number of load steps, and over operations"
     return joined(
         text,
         picture("friction-steps.svg", words, path_errors(table)),
-        listing("Press and drag in steps", named, heads, line, words=0),
+        listing("Press and drag in steps", named, heads, line),
         fitted,
         machine(seconds),
     )

@@ -41,6 +41,7 @@ def made_up_friction() -> dict[str, pd.DataFrame]:
         "friction_rolling": rolling(),
         "friction_joint_motion": joint_motion(),
         "friction_tied": tied(),
+        "friction_crushed_ring": crushed(),
         "friction_public": public(),
     }
 
@@ -181,6 +182,13 @@ def tied() -> pd.DataFrame:
     return table.assign(difference=[1e-15, np.nan], iterations=1)
 
 
+def crushed() -> pd.DataFrame:
+    """Friction adds 1 and 2 %, as elsewhere twice of it; of the last state nothing else is known."""
+    table = pd.DataFrame({"delta_mm": [10.0, 20.0, 30.0], "change": [0.01, 0.02, 0.05], "smooth_N": [8.0, 16.0, 24.0]})
+    table = table.assign(scene="crushed-ring", mu=0.4, force_N=table["smooth_N"] * (1 + table["change"]))
+    return table.assign(aster_change=[0.02, 0.04, np.nan], failures=None)
+
+
 def public() -> pd.DataFrame:
     """Two problems: one has an answer by both, one by nobody, and qp claims it."""
     rows = [
@@ -188,6 +196,7 @@ def public() -> pd.DataFrame:
         ("a", "qp", "converged", True),
         ("b", "semismooth", "cycling", None),
         ("b", "qp", "converged", False),
+        ("no problem", None, None, None),
     ]
     table = pd.DataFrame(rows, columns=["problem", "algorithm", "outcome", "certified"])
-    return table.assign(contacts=[1, 1, 40, 40], seconds=0.1)
+    return table.assign(contacts=[1, 1, 40, 40, np.nan], seconds=0.1)

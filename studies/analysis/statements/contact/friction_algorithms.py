@@ -155,6 +155,27 @@ def ends_of_the_law(friction_tied: pd.DataFrame) -> Iterator[Statement]:
     yield Statement("friction-tied", PAGE, text, values, len(own), "coarse meshes, few candidates", machine=True)
 
 
+def crushed(friction_crushed_ring: pd.DataFrame) -> Iterator[Statement]:
+    """What friction adds to the force on a ring, here and by another program."""
+    table = friction_crushed_ring.dropna(subset=["aster_change"])
+    if table.empty:
+        return
+    values: dict[str, float | str] = {"mu": float(table["mu"].iloc[0]), "states": float(table["delta_mm"].nunique())}
+    values |= {f"aster_{end}": getattr(table["aster_change"], end)() for end in ("min", "max")}
+    told = []
+    for n, (scene, own) in enumerate(table.groupby("scene", sort=False)):
+        values |= {f"name{n}": f"`{scene}`", f"low{n}": own["change"].min(), f"high{n}": own["change"].max()}
+        told.append(f"{{low{n}:+.2%}} to {{high{n}:+.2%}} on {{name{n}}}")
+    text = f"Friction with μ = {{mu:g}} adds {listed(told)}, over {{states:.0f}} states of the crushed ring; "
+    text += "Code_Aster finds {aster_min:+.2%} to {aster_max:+.2%} by another law of the material."
+    failed = table["failures"].notna().sum()
+    values |= {"failed": float(failed)}
+    text += " The judge refuses {failed:.0f} of these states." if failed else ""
+    yield Statement(
+        "friction-crushed-ring", PAGE, text, values, len(table), "the meshes that the scenes have by default"
+    )
+
+
 def rigid_motions(friction_joint_motion: pd.DataFrame, friction_rolling: pd.DataFrame) -> Iterator[Statement]:
     """Body and foundation moved together, and a wheel that rolls."""
     together = friction_joint_motion[friction_joint_motion["step"] == "together"]
@@ -176,7 +197,8 @@ def rigid_motions(friction_joint_motion: pd.DataFrame, friction_rolling: pd.Data
 
 def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
     """Public problems: who has an answer that the judge takes."""
-    table = friction_public.assign(certified=friction_public["certified"].map({True: 1.0, False: 0.0}).astype(float))
+    table = friction_public.dropna(subset=["algorithm"])  # the other files are no problems
+    table = table.assign(certified=table["certified"].map({True: 1.0, False: 0.0}).astype(float))
     claimed = table[table["outcome"].isin(SOLVED)]
     taken = claimed[claimed["certified"] == 1]
     counts = taken.groupby("algorithm")["problem"].nunique().sort_values(ascending=False, kind="stable")
@@ -193,5 +215,5 @@ def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
 
 MAKERS = (
     *(agreement, failures, regularisation, greco, klarbring),
-    *(closed_forms, ends_of_the_law, rigid_motions, public),
+    *(closed_forms, ends_of_the_law, rigid_motions, crushed, public),
 )

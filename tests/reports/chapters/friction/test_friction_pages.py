@@ -88,6 +88,9 @@ def test_closed_forms_and_public_problems(algorithms: Part) -> None:
     assert "| 0.1 | 1 | 1e-14 | 2e-14 | 4 | 1.0e-01 | 49.8000 | 1e-06 |" in algorithms.text
     assert "| Q1 | 4 | lifting | 4 | 0 | cycling | – | – | – |" in algorithms.text
     assert "| `qp` | 2 | 2 | 1 | 1 | – |" in algorithms.text
+    assert "2 problems with friction of Siconos, rigid bodies with 1 to 40 contacts" in algorithms.text
+    assert "1 more files are no such problems." in algorithms.text
+    assert "| `crushed-ring` | 30 | 24.000 | 25.200 | +5.00 % | – | – |" in algorithms.text
     assert "| `semismooth` | 2 | 1 | 1 | 0 | cycling 1 |" in algorithms.text
 
 

@@ -20,6 +20,7 @@ from support.stores.friction import (
     TURNS,
     agreement,
     cost,
+    crushed,
     greco,
     joint_motion,
     klarbring,
@@ -176,6 +177,16 @@ def test_tied_nodes_and_motions() -> None:
     (text,) = texts(algorithms.rigid_motions(joint_motion(), rolling()))
     assert "up to 500 mm and 3 rad keeps its friction, 13.5 N, to 1e-11 N and dissipates 1e-13" in text
     assert "hub in the middle to 1e-14 mm, and rolls on the radius of its bars to 1.0e-06" in text
+
+
+def test_what_friction_adds_to_the_ring() -> None:
+    """The state that nobody else has is not in it."""
+    (text,) = texts(algorithms.crushed(crushed()))
+    assert "μ = 0.4 adds +1.00 % to +2.00 % on `crushed-ring`, over 2 states" in text
+    assert "Code_Aster finds +2.00 % to +4.00 %" in text
+    assert "refuses" not in text
+    (text,) = texts(algorithms.crushed(crushed().assign(failures=["", "cone", ""]).replace("", None)))
+    assert text.endswith("The judge refuses 1 of these states.")
 
 
 @pytest.mark.parametrize(("certified", "refused"), [(False, 1), (True, 0)])
