@@ -123,8 +123,8 @@ def _patch(store: Store) -> Part:
 
 The candidates that touch with μ = {mu:g}, each a rectangle of its area where it lies then; the plane is dragged
 downwards and back. Above: pressure, and the traction of the plane on the tyre as arrows. Below: who sticks and who
-slips within the step to that stop. The cross is where the patch first touched. The zones are those of one step from
-the stop before, and finer steps have others ([load steps](#load-steps)).""")
+slips within the last of {table["steps"].iloc[0]} load steps to that stop. The cross is where the patch first touched.
+Other steps have other zones ([load steps](#load-steps)).""")
     rows = []
     for _, own in table.groupby("stop"):
         pull = own[["friction_y_N", "friction_z_N"]].sum()
@@ -158,7 +158,7 @@ def _path(store: Store) -> Part:
 With friction the answer depends on the way to it, and load steps are part of the answer: slip is counted from the
 beginning of a step. Press and drag are cut into so many steps each; errors are relative to the limit that the two
 finest give by Richardson's rule, orders are log2 of the ratio of successive changes, which needs no limit. The
-paths of the sections above have one step from stop to stop.""")
+drag and the turn above have one step from stop to stop.""")
     heads = "steps each | F_t [N] | error | dissipated [N m] | error | sticking | operations [10⁹] | outcome"
     line = "{steps} | {friction_N:.3f} | {friction_N_error:+.2%} | {work:.4f} | {dissipation_N_mm_error:+.1%}"
     line += " | {sticking:.0f} of {touching:.0f} | {billions:.2f} | {outcome}"

@@ -72,7 +72,7 @@ def patch() -> pd.DataFrame:
             rows.append(
                 {"candidate": len(rows), "normal_N": 10.0, "x_mm": 0.0, "y_mm": y, "z_mm": z - drag}
                 | {"friction_x_N": 0.0, "friction_y_N": 0.0, "friction_z_N": pull, "slip_mm": 0.1, "area_mm2": 50.0}
-                | {"sticks": int(z == 0.0), "stop": stop, "drag_mm": drag, "mu": 0.5}
+                | {"sticks": int(z == 0.0), "stop": stop, "drag_mm": drag, "mu": 0.5, "steps": 8}
             )
     return pd.DataFrame(rows)
 

@@ -12,11 +12,12 @@ import pandas as pd
 from studies.analysis.comparisons.friction import COST_BARS, FULL
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.scenes.cost import cost_table
-from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH, steps_table
+from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH, patch_table, steps_table
 
 PAGE = "friction"
 KEPT = 1e-9  # of the largest force: a difference of images below this is rounding
-SCOPE = f"the paper's whole tyre on {MESH} elements, pressed by {DELTA:g} mm, one load step from stop to stop"
+TYRE = f"the paper's whole tyre on {MESH} elements, pressed by {DELTA:g} mm"
+SCOPE = f"{TYRE}, one load step from stop to stop"
 
 
 def limits(friction_drag_ends: pd.DataFrame, friction_turn_ends: pd.DataFrame) -> Iterator[Statement]:
@@ -70,7 +71,8 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Statement]:
         pull = last[["friction_x_N", "friction_y_N", "friction_z_N"]].sum().to_numpy(float)
         values |= {"left": float(np.linalg.norm(pull)), "bound": float(values["mu"]) * float(last["normal_N"].sum())}
         text += "; where it began, the plane pulls with {left:.0f} N, of {bound:.0f} N that it could: the path matters"
-    yield Statement("friction-patch", PAGE, f"{text}.", values, len(stops), SCOPE)
+    scope = f"{TYRE}, {default(patch_table, 'steps')} load steps from stop to stop"
+    yield Statement("friction-patch", PAGE, f"{text}.", values, len(stops), scope)
 
 
 def steps(friction_step_orders: pd.DataFrame, friction_steps: pd.DataFrame) -> Iterator[Statement]:

@@ -67,7 +67,7 @@ def patch_table(mu: float = 0.5, mesh: str = MESH, steps: int = 8) -> pd.DataFra
     settings = {"delta_mm": DELTA, "mu": mu, "drag_mm": PATCH_STOPS, "drag_deg": 90.0}
     tables = solved("tyre", settings, mesh, model="full", steps=steps).tables[FRICTION]
     stops = (0.0, *PATCH_STOPS)
-    frames = [table.frame().assign(stop=k, drag_mm=stops[k], mu=mu) for k, table in enumerate(tables)]
+    frames = [table.frame().assign(stop=k, drag_mm=stops[k], mu=mu, steps=steps) for k, table in enumerate(tables)]
     return pd.concat(frames, ignore_index=True).drop(columns="delta_mm")
 
 
