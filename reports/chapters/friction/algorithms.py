@@ -195,7 +195,7 @@ def _public(store: Store) -> Part:
 {data["contacts"].max():g} contacts, before our algorithms and the oracle, a few seconds of the processor each. *Taken*:
 called solved and certified by the judge; *refused*: called solved and not. What is regularised is judged by its own law
 and left out of both. {files["problem"].nunique() - data["problem"].nunique()} more files are no such problems.""")
-    heads = "algorithm | problems | called solved | taken | refused | others end by"
+    heads = "algorithm | problems | called solved | taken | refused by the judge | others end by"
     line = "{algorithm:code} | {problems} | {claimed} | {taken} | {refused} | {other:said}"
     return joined(text, machine(listing("Public problems", named, heads, line)))
 
