@@ -15,7 +15,7 @@ from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_
 from formulations.strains.quantities import QUANTITIES, STRAINS
 from studies.cli import main
 from studies.door.descriptions import describe, meaning_of
-from studies.scene import Setting, UsageError
+from studies.scene import Setting, UsageError, has_contact
 from studies.scenes import SCENES
 
 NAMES = (*SCENES, *MEASURES, *ALGORITHMS)
@@ -35,7 +35,9 @@ def test_nothing_is_without_a_meaning(name: str, capsys: pytest.CaptureFixture[s
     assert main(["show", name]) == 0
     assert capsys.readouterr().out == found.text + "\n"
     if name in SCENES:
-        assert set(found.settings["name"]) == {*(s.key for s in SCENES[name].settings), "tolerance"}
+        rubs = {"mu"} if has_contact(SCENES[name]) else set()
+        slides = {"drag_mm", "drag_deg", "turn_deg"} if name in ("tyre", "panel") else set()
+        assert set(found.settings["name"]) == {*(s.key for s in SCENES[name].settings), "tolerance"} | rubs | slides
         assert all(reference.source in found.text for reference in SCENES[name].references)
     else:
         assert "source" in found.text.lower()
