@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 from collections.abc import Callable
 from pathlib import Path
 
@@ -100,7 +102,14 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
 
 
 def make_table(name: str, directory: Path) -> bool:
-    """Make a table unless the one there was made by the same sources; returns whether it was made now."""
+    """Make a table unless the one there was made by the same sources and data; returns whether it was made now."""
     make = TABLES[name]
-    identity = f"{SCHEMA} {sources_hash([make.__module__, *modules()])}"
+    identity = f"{SCHEMA} {sources_hash([make.__module__, *modules()])}{_data_of(make)}"
     return write_table_once(directory / f"{name}.csv", identity, make)
+
+
+def _data_of(make: Callable[[], pd.DataFrame]) -> str:
+    """Hash of the tables and lists that lie beside the module of a maker; nothing without any."""
+    folder = Path(inspect.getfile(make)).parent
+    files = sorted(path for path in folder.iterdir() if path.suffix in (".csv", ".json"))
+    return " " + hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest() if files else ""

@@ -15,6 +15,7 @@ from contact.friction.verify import judge
 from studies.experiments.friction.public.random_steps import random_step
 
 FEW, MANY = 20, 300
+TOLERANCE = 1e-12  # of the residual: what it leaves of forces is below the agreement with the oracle
 EXACT = [name for name, kind in FRICTIONAL.items() if np.isinf(kind().epsilon)]
 QUICK = ["semismooth", "trial-and-error"]
 
@@ -28,7 +29,7 @@ def counted(seeds: Iterable[int], names: Iterable[str] = QUICK) -> Counter[str]:
         own = minimise(step)
         counts["false"] += bool(judge(problem, own.du, own.normal, own.friction).failures())
         counts["every state"] += len(set(own.state.tolist())) == len(State)
-        for algorithm in [FRICTIONAL[name]() for name in names]:
+        for algorithm in [FRICTIONAL[name](tolerance=TOLERANCE) for name in names]:
             found = algorithm.solve(problem, FrictionalSolution.at_rest(len(step.step.r), len(step.mu)))
             if not found.outcome.converged:
                 counts[f"{algorithm.name} {found.outcome.word}"] += 1

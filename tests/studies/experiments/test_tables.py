@@ -93,3 +93,18 @@ def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
     instead = {f"convergence {ladder.name} {mesh} paper" for ladder in LADDERS for mesh in ladder.coarser}
     assert {cell.label for cell in made} - fewer == left_out
     assert fewer - {cell.label for cell in made} == instead
+
+
+def test_data_beside_a_maker_decide_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table that is read from a file of ours is another one where that file is."""
+
+    def shipped() -> pd.DataFrame:
+        return pd.read_csv(tmp_path / "shipped.csv")
+
+    (tmp_path / "shipped.csv").write_text("x\n1\n")
+    monkeypatch.setitem(TABLES, "shipped", shipped)
+    monkeypatch.setattr("studies.experiments.tables.inspect.getfile", lambda make: str(tmp_path / "maker.py"))
+    assert make_table("shipped", tmp_path / "store")
+    assert not make_table("shipped", tmp_path / "store")
+    (tmp_path / "shipped.csv").write_text("x\n2\n")
+    assert make_table("shipped", tmp_path / "store")
