@@ -95,8 +95,9 @@ class Margins:
 def expected(local: Local, laws: Laws, mu: np.ndarray, margins: Margins, held: np.ndarray) -> Laws:
     """The laws that Alart and Curnier's function is on at ``local``, found under ``laws``.
 
-    Who sticks slips once |t| > mu f, who slips sticks once its slip opposes d, who is open closes where it penetrates,
-    and sticks there if |s| <= mu |g|.  held (m,) bool: candidates which cannot stick, as nothing of theirs can follow.
+    Who sticks slips once |t| > mu f, who slips sticks once its slip opposes d, or where there is no d yet |y| < mu f;
+    who is open closes where it penetrates, and sticks there if |s| <= mu |g|.  held (m,) bool: candidates which cannot
+    stick, as nothing of theirs can follow.
     """
     was, sprung = laws.state, np.maximum(-local.gap, 0.0) * local.c
     closing = (was == State.OPEN) & (local.gap < -margins.gap)
@@ -105,7 +106,9 @@ def expected(local: Local, laws: Laws, mu: np.ndarray, margins: Margins, held: n
     bound = _bound(mu, normal)
     y, along = local.trial, np.einsum("mk,mk->m", local.slip, laws.direction)
     size = np.linalg.norm(y, axis=1)
-    slips = np.where(was == State.SLIP, along >= -margins.slip, size > bound + margins.force)
+    begins = ~laws.direction.any(axis=1)  # a slip of an earlier step: on the disc it may go on, inside it has turned
+    on = np.where(begins, size >= bound - margins.force, along >= -margins.slip)
+    slips = np.where(was == State.SLIP, on, size > bound + margins.force)
     slips = np.where(closing, size > bound, slips)
     slips = (slips | (mu == 0) | held) & ~np.isinf(mu)
     state = np.where((laws.closed & ~leaving) | closing, np.where(slips, State.SLIP, State.STICK), State.OPEN)
@@ -124,12 +127,17 @@ def directed(local: Local, state: np.ndarray, bound: np.ndarray) -> Laws:
 
 
 def friction_of(local: Local, laws: Laws, mu: np.ndarray, rounding: float) -> np.ndarray:
-    """t (m, 2) of the law itself: -mu f s/|s| where a candidate slips, along y where s is rounding alone."""
+    """t (m, 2) of the law itself: -mu f s/|s| where a candidate slips.
+
+    Along y where s is rounding alone, or differs from its direction by rounding; never where s goes the other way:
+    friction of an earlier step, balanced before the slip turned, must not pass for that of this one.
+    """
     y, s = local.trial, local.slip
     slips = laws.state == State.SLIP  # the others have no bound that is needed, and an infinite one perhaps
     bound = _bound(np.where(slips, mu, 0.0), np.maximum(local.normal, 0.0))[:, None]
     unit = -_unit(y)
-    off = np.linalg.norm(s - np.einsum("mk,mk->m", s, unit)[:, None] * unit, axis=1) > rounding
+    ahead = np.maximum(np.einsum("mk,mk->m", s, unit), 0.0)
+    off = np.linalg.norm(s - ahead[:, None] * unit, axis=1) > rounding
     slipped = -bound * np.where(off[:, None], _unit(s), unit)
     chosen = laws.state[:, None]
     return np.where(chosen == State.SLIP, slipped, np.where(chosen == State.STICK, local.friction, 0.0))
