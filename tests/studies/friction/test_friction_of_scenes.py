@@ -71,6 +71,21 @@ def test_what_cannot_be_asked_for_is_named(scene: str, settings: dict[str, objec
         complete(scene, settings, MESH)
 
 
+@pytest.mark.parametrize(
+    ("contact", "key", "value"),
+    [("lcp", "method", "nnls"), ("lcp", "system", "full"), ("semismooth", "c", 7.0), ("qp", "system", "full")],
+)
+def test_a_setting_of_an_algorithm_that_has_none_of_it_with_friction_is_refused(
+    contact: str, key: str, value: object
+) -> None:
+    with pytest.raises(UsageError, match=f"{key} = {value}: with friction {contact} has epsilon, tolerance, solver"):
+        complete("panel", {"mu": 0.3, key: value}, contact=contact)
+    _, plain = complete("panel", {key: value, "mu": 0}, contact=contact)
+    assert plain.settings[key] == value
+    _, rubbed = complete("panel", {"mu": 0.3}, contact=contact)
+    assert key not in rubbed.settings
+
+
 def test_a_part_of_a_tyre_is_not_dragged() -> None:
     with pytest.raises(UsageError, match="full"):
         complete("tyre", {"mu": 0.5, "drag_mm": 1.0}, MESH, model="half")
