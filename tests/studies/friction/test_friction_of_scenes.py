@@ -93,6 +93,29 @@ def test_a_part_of_a_tyre_is_not_dragged() -> None:
     assert request.model == "full"
 
 
+@pytest.mark.parametrize(("length", "stress"), [(1e-3, 1.0), (1e3, 7.0), (0.03, 1e6)])
+@pytest.mark.parametrize("foundation", ["plane", "ball"])
+def test_a_panel_with_friction_is_the_same_in_other_units(foundation: str, length: float, stress: float) -> None:
+    """Settings and results are in mm, N and MPa, whatever the units of the problem; so is the drag."""
+    way = (
+        {"drag_mm": (0.2, 0.5)}
+        if foundation == "plane"
+        else {"ball_mm": 400.0, "delta_mm": 2.0, "turn_deg": (0.5, 5.0)}
+    )
+    asked = {"shape": "plate", "mu": 0.2, "delta_mm": 0.5, "foundation": foundation, "tolerance": 1e-11, **way}
+    one = solve(*complete("panel", asked, "6x6"))
+    other = solve(*complete("panel", {**asked, "length_unit": length, "stress_unit": stress}, "6x6"))
+    assert one.verdict == other.verdict == "converged"
+    assert max(step["slipping"] for step in one.steps) > 0
+    for mine, theirs in zip(one.loads, other.loads, strict=True):
+        assert mine.load == theirs.load
+        for name, value in mine.quantities.items():
+            size = 1e-7 * mine.quantities["moment_bound_N_mm" if name.endswith("N_mm") else "bound_N"]
+            assert theirs.quantities[name] == pytest.approx(value, rel=1e-7, abs=size), name
+    tables = [result.table(FRICTION).frame() for result in (one, other)]
+    np.testing.assert_allclose(tables[1], tables[0], rtol=1e-6, atol=1e-8)
+
+
 def test_a_foundation_that_does_not_slide_along_itself_is_refused() -> None:
     ball = {"mu": 0.5, "foundation": "ball", "shape": "plate"}
     with pytest.raises(UsageError, match="does not slide along itself"):
