@@ -34,6 +34,13 @@ def settings_of(contact: str) -> tuple[Setting, ...]:
     return tuple(setting for setting in own if setting.key not in shared)
 
 
+def without_friction(contact: str) -> tuple[str, ...]:
+    """Those that no scene has and that the algorithm has without friction alone."""
+    from contact.friction.algorithms.catalogue import left_out  # nothing of friction is imported without it
+
+    return left_out(ALGORITHMS[contact]) if contact in ALGORITHMS else ()
+
+
 def own_keys() -> tuple[str, ...]:
     """Of the settings that some algorithm of the catalogue has for itself."""
     return tuple(dict.fromkeys(setting.key for contact in ALGORITHMS for setting in settings_of(contact)))

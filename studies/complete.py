@@ -10,8 +10,8 @@ from typing import Any
 from contact.catalogue import ALGORITHMS
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
-from studies.algorithm_settings import settings_beside, settings_of
-from studies.friction.settings import completed
+from studies.algorithm_settings import parameters_of, settings_beside, settings_of, without_friction
+from studies.friction.settings import completed, rubbing
 from studies.request import Request, Settings, Value
 from studies.scene import EPSILON, CompletingScene, Scene, Setting, SettlingScene, UsageError, has_contact
 from studies.scenes import SCENES
@@ -36,7 +36,10 @@ def complete(
     for key in given:
         if key not in known:
             raise UsageError(f"{scene_name} has no setting {key!r}; it has {', '.join(known)}")
-    settings = _with_defaults(known, completed({key: known[key].parse(value) for key, value in given.items()}))
+    chosen = completed({key: known[key].parse(value) for key, value in given.items()})
+    if rubbing(chosen):
+        known = _with_friction(known, given, options.get("contact", Request.contact))
+    settings = _with_defaults(known, chosen)
     if isinstance(scene, CompletingScene):
         settings = scene.complete(settings)
     request = Request(scene_name, mesh=_mesh(mesh, scene), **options)
@@ -56,6 +59,16 @@ def complete(
         settings[EPSILON.key] = ALGORITHMS[request.contact]().epsilon
     request = replace(request, settings=Settings(settings))
     return scene, scene.settle(request) if isinstance(scene, SettlingScene) else replace(request, model="full")
+
+
+def _with_friction(known: Mapping[str, Setting], given: Mapping[str, object], contact: str) -> dict[str, Setting]:
+    """Those that the algorithm has with friction, too; raises UsageError where another one is given."""
+    lost = without_friction(contact)
+    for key in lost:
+        if key in given:
+            has = ", ".join(each.key for each in parameters_of(contact) if each.key not in lost)
+            raise UsageError(f"{key} = {given[key]}: with friction {contact} has {has} only")
+    return {key: setting for key, setting in known.items() if key not in lost}
 
 
 def _with_defaults(known: Mapping[str, Setting], given: Mapping[str, Value]) -> dict[str, Value]:

@@ -47,6 +47,8 @@ class Result:
     the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
     is not stable, but for the points of a traced curve, which is followed through such states on purpose.
     work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
+    ways: stage and accepted parameters on the way to each requested load, that included.  remarks: further notes.
+    errors: {quantity: {low, high}} of those whose error is estimated.
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
 
@@ -60,7 +62,10 @@ class Result:
     branches: list[dict[str, Any]] = field(default_factory=list)
     beside: list[Branch] = field(default_factory=list)
     quantities: dict[str, float] = field(default_factory=dict)
+    errors: dict[str, dict[str, float]] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
     loads: list[Step] = field(default_factory=list)
+    ways: list[tuple[str, tuple[float, ...]]] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
     work: dict[str, int] = field(default_factory=dict)
     timing: dict[str, float] = field(default_factory=dict)
@@ -84,6 +89,7 @@ class Result:
             "reason": self.unsupported or self.reason or "; ".join(self.unstable[:1]) or self.outcome.value,
             "notes": self.notes,
             "quantities": self.quantities,
+            **({"errors": self.errors} if self.errors else {}),
             "steps": self.steps,
             **({"branches": self.branches} if self.branches else {}),
             "cuts": [str(event) for event in events(self.history, EventKind.STEP_CUT)],
@@ -95,12 +101,12 @@ class Result:
 
     @property
     def notes(self) -> list[str]:
-        """What an answer does not show by itself: that the foundation is finer than the elements on it."""
+        """What an answer does not show by itself: remarks, and that the foundation is finer than the elements on it."""
         if self.end is None:
-            return []
+            return self.remarks
         problem, state = self.end.problem, self.end.point.solution
         told = between_nodes(problem.standing, problem.weights, state.active)
-        return [told] if told else []
+        return [*([told] if told else []), *self.remarks]
 
     @property
     def steps(self) -> list[dict[str, Any]]:

@@ -169,6 +169,19 @@ class Observation:
 Begun = tuple[Callable[[float], ContactProblem], ContactSolution]  # problem_at(t), and the solution to start from
 
 
+@dataclass(frozen=True)
+class Units:
+    """Those of a problem: how many of its lengths are a mm, and of its stresses a MPa."""
+
+    length: float = 1.0
+    stress: float = 1.0
+
+    @property
+    def force(self) -> float:
+        """How many of its forces are a N."""
+        return self.stress * self.length**2
+
+
 @dataclass(frozen=True, eq=False)
 class Stage:
     """One path of problems.
@@ -176,6 +189,7 @@ class Stage:
     begin(previous) -> (problem_at(t), starting solution); targets: the values of t to report, the path starts at 0;
     observe(problem, state, t) -> Observation.  whole(u): the unknowns of the model from those of the stage, when it
     solves a smaller problem on the way.  see_mode(state, mode): what is seen of a mode (n,) at the end of the path.
+    units: of the problem; what is observed is in mm, MPa and N.
     """
 
     name: str
@@ -184,6 +198,7 @@ class Stage:
     observe: Callable[[ContactProblem, ContactSolution, float], Observation]
     whole: Callable[[np.ndarray], np.ndarray] | None = field(default=None, kw_only=True)
     see_mode: Callable[[ContactSolution, np.ndarray], Observation] | None = field(default=None, kw_only=True)
+    units: Units = field(default=Units(), kw_only=True)
 
     def lifted(self, solution: ContactSolution) -> ContactSolution:
         """The solution in the unknowns of the model."""

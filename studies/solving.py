@@ -62,6 +62,7 @@ def _run_stages(
     ):
         point, stage = visited.point, visited.stage
         result.end = visited
+        result.ways.append((stage.name, tuple(t for t, _ in point.way[1:])))
         _account(result, stage.name, point.solution.counters, point.solution.history)
         if visited.trace is not None:
             _record_curve(visited, visited.trace, result, algorithm.epsilon)

@@ -13,6 +13,7 @@ from studies.commands import NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.door.columns import columns
+from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
 from studies.result import UNSTABLE, Result
 from studies.scene import Scene
@@ -40,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
     parser.add_argument("--branch", action="store_true", help="from an unstable state to the stable branches beside it")
+    parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
 
 
@@ -52,6 +54,7 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError(f"--out {options.out} is a file, not a directory")
     with _progress() as tell:
         result, enough = _solved(scene, request, wanted, options.of, tell)
+        step_lines = _step_error(result, tell) if not options.no_step_error else []
     if result.unsupported:
         raise UsageError(result.unsupported)
     asked = options.branch and result.outcome.converged
@@ -64,6 +67,8 @@ def run(options: argparse.Namespace) -> int:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
     _print_table(result)
+    for line in step_lines:
+        print(line)
     if asked:
         print("\n".join(branching.lines(result)))
     if options.plot:
@@ -107,6 +112,16 @@ def _solved(
     from studies.refinement.error_control import solve_to_error
 
     return solve_to_error(scene, request, wanted, quantity, tell)
+
+
+def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
+    """The error of load steps with friction, into the result; what there is to print of it."""
+    if not rubbing(result.request.settings):
+        return []
+    from studies.friction import load_steps  # nothing of friction is imported without it
+
+    load_steps.estimate(result, tell)
+    return load_steps.lines(result)
 
 
 @contextmanager

@@ -18,6 +18,7 @@ from studies.complete import complete
 from studies.door import descriptions
 from studies.door.descriptions import Description
 from studies.door.plugins import load_entry_points
+from studies.friction.settings import rubbing
 from studies.result import Result
 from studies.scene import UsageError
 
@@ -67,6 +68,11 @@ class Run:
         return dict(self.result.quantities)
 
     @property
+    def errors(self) -> dict[str, dict[str, float]]:
+        """Intervals {quantity: {low, high}} where the error of load steps is estimated: with friction."""
+        return dict(self.result.errors)
+
+    @property
     def cost(self) -> dict[str, float]:
         """Counters and, ending in _s, seconds."""
         return {**self.result.counters, **{f"{name}_s": time for name, time in self.result.timing.items()}}
@@ -93,9 +99,12 @@ def solve(
     mesh: str | Sequence[int] | None = None,
     model: str = "auto",
     steps: int = 1,
+    step_error: bool = True,
     **settings: Any,
 ) -> Run:
     """Solve a scene; settings are its keys, as values or as text.
+
+    step_error: with friction, solve the path again with half the load steps for the error that they leave.
 
     Raises UsageError with one line for a wrong name, key or value, and where the algorithm does not apply.
     """
@@ -106,6 +115,10 @@ def solve(
     result = solving.solve(built, request)
     if result.unsupported:
         raise UsageError(result.unsupported)
+    if step_error and rubbing(request.settings):
+        from studies.friction import load_steps  # nothing of friction is imported without it
+
+        load_steps.estimate(result)
     return Run(result)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from contact.friction.posed import slip_of
 from contact.friction.problem import State
 from contact.problem import ContactProblem, ContactSolution
+from studies.scene import Units
 from studies.store.tables import Table
 
 FRICTION = "friction"  # the table
@@ -23,12 +24,12 @@ FORCES = (
 )
 
 
-def forces(problem: ContactProblem, state: ContactSolution) -> dict[str, float]:
+def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dict[str, float]:
     """Resultants over the part that is solved, in the order of :data:`FORCES`.
 
     friction_N: length of the resultant.  bound_N: sum of mu f.  moment_N_mm: of friction about the normal through the
     origin of the surface, where the foundation is turned; moment_bound_N_mm: its value if all slip around there, the
-    sum of mu f r.  sticking, slipping: candidates.  dissipation_N_mm: of the path so far.
+    sum of mu f r.  sticking, slipping: candidates.  dissipation_N_mm: of the path so far.  units: of the problem.
     """
     assert problem.surface is not None
     assert problem.coulomb is not None
@@ -40,14 +41,15 @@ def forces(problem: ContactProblem, state: ContactSolution) -> dict[str, float]:
     axis = normal / (float(np.linalg.norm(normal)) or 1.0)
     arm = y - np.outer(y @ axis, axis)
     bound = np.where(pressed, problem.coulomb.mu, 0.0) * np.where(pressed, f, 0.0)
+    work = units.force * units.length
     values = (
-        np.linalg.norm(pull.sum(axis=0)),
-        bound.sum(),
-        np.cross(arm, pull).sum(axis=0) @ axis,
-        bound @ np.linalg.norm(arm, axis=1),
+        np.linalg.norm(pull.sum(axis=0)) / units.force,
+        bound.sum() / units.force,
+        np.cross(arm, pull).sum(axis=0) @ axis / work,
+        bound @ np.linalg.norm(arm, axis=1) / work,
         np.sum(state.friction.state == State.STICK),
         np.sum(state.friction.state == State.SLIP),
-        state.friction.dissipation,
+        state.friction.dissipation / work,
     )
     return dict(zip(FORCES, map(float, values), strict=True))
 
@@ -60,15 +62,16 @@ def in_space(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
     return np.asarray(np.einsum("mk,mki->mi", state.friction.force, along))
 
 
-def nodal(problem: ContactProblem, state: ContactSolution) -> Table:
+def nodal(problem: ContactProblem, state: ContactSolution, units: Units) -> Table:
     """The candidates that touch: place, normal force, friction, slip of the last step, area, and whether they stick."""
     assert problem.surface is not None
     assert state.friction is not None
     touch = np.flatnonzero(state.friction.state != State.OPEN)
     slip = slip_of(problem, state.friction.since)
-    y, pull, way = problem.surface.positions(state.u)[touch], in_space(problem, state)[touch], slip(state.u)[touch]
-    columns: dict[str, Any] = {"candidate": touch, "normal_N": problem.nodal_forces(state.pressure)[touch]}
+    y, way = (each[touch] / units.length for each in (problem.surface.positions(state.u), slip(state.u)))
+    normal, pull = problem.nodal_forces(state.pressure)[touch], in_space(problem, state)[touch] / units.force
+    columns: dict[str, Any] = {"candidate": touch, "normal_N": normal / units.force}
     columns |= {f"{axis}_mm": y[:, i] for i, axis in enumerate("xyz")}
     columns |= {f"friction_{axis}_N": pull[:, i] for i, axis in enumerate("xyz")}
-    columns |= {"slip_mm": np.linalg.norm(way, axis=1), "area_mm2": problem.weights[touch]}
+    columns |= {"slip_mm": np.linalg.norm(way, axis=1), "area_mm2": problem.weights[touch] / units.length**2}
     return Table.of({**columns, "sticks": (state.friction.state[touch] == State.STICK).astype(int)})

@@ -62,7 +62,7 @@ class Slide:
         return cls(normal, math.cos(angle) * along + math.sin(angle) * across)
 
     def motion(self, drag: float, turn: float) -> Motion:
-        """By ``drag`` [mm], then by ``turn`` [deg] about the origin, where the body is pressed: x = R (X + d)."""
+        """By ``drag`` [length], then by ``turn`` [deg] about the origin, where the body is pressed: x = R (X + d)."""
         turned = Motion(np.zeros(3), math.radians(turn) * self.normal, np.zeros(3))
         return replace(turned, translation=turned.rotation @ (drag * self.way))
 
@@ -118,13 +118,18 @@ class Stages:
         if not stops:
             return
         slide = Slide.under(pressed, self._settings.number(WAY.key) if WAY.key in self._settings else 0.0)
+
+        def motion(t: float) -> Motion:
+            drag, turn = way(t)
+            return slide.motion(drag * pressed.stage.units.length, turn)
+
         for t in stops:
-            if not slide.stays(pressed, slide.motion(*way(t))):
+            if not slide.stays(pressed, motion(t)):
                 raise UsageError(f"{setting.key} = {t:g}: the foundation does not slide along itself")
 
         def begin(previous: ContactSolution | None) -> Begun:
             assert previous is not None
-            return lambda t: with_friction(pressed.problem, self._mu, slide.motion(*way(t))), previous
+            return lambda t: with_friction(pressed.problem, self._mu, motion(t)), previous
 
         def observe(problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
             seen = _observe(pressed.stage, problem, state, pressed.stage.targets[-1])
@@ -144,10 +149,10 @@ def _observe(stage: Stage, problem: ContactProblem, state: ContactSolution, t: f
     seen = stage.observe(problem, state, t)
     if problem.coulomb is None or state.friction is None or seen.step is None:
         return seen
-    found = forces(problem, state)
+    found = forces(problem, state, stage.units)
     load = next(iter(seen.step))
 
     def tables() -> dict[str, Table]:
-        return {**seen.tables(), FRICTION: nodal(problem, state).with_column(load, t)}
+        return {**seen.tables(), FRICTION: nodal(problem, state, stage.units).with_column(load, t)}
 
     return replace(seen, step={**seen.step, **found}, quantities={**seen.quantities, **found}, tables=tables)

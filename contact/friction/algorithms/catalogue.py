@@ -16,14 +16,28 @@ FRICTIONAL: dict[str, type[FrictionalAlgorithm]] = {
 }
 
 
-def twin(algorithm: ContactAlgorithm) -> FrictionalAlgorithm:
-    """The algorithm of the same name with friction, from the fields that both have; raises ValueError where none is.
+def left_out(algorithm: ContactAlgorithm | type[ContactAlgorithm]) -> tuple[str, ...]:
+    """Parameters of an algorithm that the one of the same name with friction does not have; none where there is none.
 
-    What only the frictionless one has is left out: semismooth's c, the condensed or full system of qp and lcp, the
-    method of lcp, which is Lemke's here.
+    They are semismooth's c, the condensed or full system of qp and lcp, and the method of lcp: with friction Lemke's.
+    """
+    kind = FRICTIONAL.get(algorithm.name)
+    fields = {} if kind is None else vars(kind())
+    return tuple(parameter.key for parameter in algorithm.parameters if kind and parameter.key not in fields)
+
+
+def twin(algorithm: ContactAlgorithm) -> FrictionalAlgorithm:
+    """The algorithm of the same name with friction, from the fields that both have.
+
+    Raises ValueError where there is none, and for a value of a parameter that it does not have, unless the default.
     """
     if algorithm.name not in FRICTIONAL:
         raise ValueError(f"{algorithm.name!r} has no twin with friction; there are {', '.join(FRICTIONAL)}")
+    usual, lost = type(algorithm)(), left_out(algorithm)
+    for key in lost:
+        if getattr(algorithm, key) != getattr(usual, key):
+            allowed = ", ".join(each.key for each in algorithm.parameters if each.key not in lost)
+            raise ValueError(f"{key} = {getattr(algorithm, key)}: with friction {algorithm.name} has {allowed} only")
     kind = FRICTIONAL[algorithm.name]
     fields = vars(kind())
     return kind(**{name: value for name, value in vars(algorithm).items() if name in fields})

@@ -15,7 +15,7 @@ from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.shell import ShellModel
-from studies.scene import Begun, Observation, ShellSceneModel, Stage, candidates_at
+from studies.scene import Begun, Observation, ShellSceneModel, Stage, Units, candidates_at
 
 OUTER = 1  # the face that touches
 
@@ -51,7 +51,8 @@ class ContactModel(ShellSceneModel):
     """One path of the parameter ``key``, from rest; every node that is neither ``held`` nor hangs may touch.
 
     plane_at(t): the foundation.  measure_at(t, touch): what is read, {name_unit: value}.  body_at(t): the shell under
-    its loads, t times those it has unless given.  lying: everything touches without pressure at rest.
+    its loads, t times those it has unless given.  lying: everything touches without pressure at rest.  units: of the
+    problem.
     """
 
     shell: ShellModel
@@ -62,6 +63,7 @@ class ContactModel(ShellSceneModel):
     key: str = "load_fraction"
     body_at: Callable[[float], ShellModel] | None = None
     lying: bool = False
+    units: Units = Units()  # noqa: RUF009  frozen
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -75,7 +77,7 @@ class ContactModel(ShellSceneModel):
 
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
-        yield Stage("load", self._begin, tuple(self.targets), self._observe)
+        yield Stage("load", self._begin, tuple(self.targets), self._observe, units=self.units)
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
         m = len(self.nodes)

@@ -18,7 +18,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, UsageError
+from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell
@@ -72,6 +72,7 @@ class Panel:
         if min(n1, n2) < 2:
             raise UsageError(f"mesh {n1}x{n2} must have at least 2 elements along each side: its edges are clamped")
         unit, stress = request.number("length_unit"), request.number("stress_unit")
+        units = Units(unit, stress)
         surface, halves = _shape(request, unit)
         across = lines(n2, halves[1], request.number("irregular"))
         grid = Grid.tensor(lines(n1, halves[0], request.number("irregular")), across)
@@ -92,9 +93,9 @@ class Panel:
 
         def measured(t: float, touch: Touch) -> dict[str, float]:
             force, peak = float(touch.force.sum()), float(np.max(touch.pressure))
-            return {"force_N": force / (stress * unit**2), "peak_MPa": peak / stress}
+            return {"force_N": force / units.force, "peak_MPa": peak / stress}
 
-        return ContactModel(shell, edge, (1.0,), foundation, measured)
+        return ContactModel(shell, edge, (1.0,), foundation, measured, units=units)
 
 
 def _shape(request: Request, unit: float) -> tuple[Surface, tuple[float, float]]:

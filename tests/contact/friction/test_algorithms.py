@@ -145,7 +145,15 @@ def test_a_twin_has_the_fields_of_the_frictionless_one(name: str) -> None:
 
 def test_a_twin_keeps_what_is_its_own() -> None:
     assert twin(ALGORITHMS["qp"](backend="clarabel", eps=1e-6)) == Qp(backend="clarabel", eps=1e-6)
-    assert twin(ALGORITHMS["semismooth"](settle=0.5, c=7.0)) == Semismooth(settle=0.5)
+    assert twin(ALGORITHMS["semismooth"](settle=0.5)) == Semismooth(settle=0.5)
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value"), [("lcp", "method", "nnls"), ("semismooth", "c", 7.0), ("qp", "system", "full")]
+)
+def test_a_parameter_that_friction_does_not_have_is_refused(name: str, key: str, value: object) -> None:
+    with pytest.raises(ValueError, match=rf"{key} = {value}: with friction {name} has epsilon, tolerance, solver"):
+        twin(ALGORITHMS[name](**{key: value}))
 
 
 def test_who_has_no_twin_is_refused() -> None:

@@ -71,11 +71,49 @@ def test_what_cannot_be_asked_for_is_named(scene: str, settings: dict[str, objec
         complete(scene, settings, MESH)
 
 
+@pytest.mark.parametrize(
+    ("contact", "key", "value"),
+    [("lcp", "method", "nnls"), ("lcp", "system", "full"), ("semismooth", "c", 7.0), ("qp", "system", "full")],
+)
+def test_a_setting_of_an_algorithm_that_has_none_of_it_with_friction_is_refused(
+    contact: str, key: str, value: object
+) -> None:
+    with pytest.raises(UsageError, match=f"{key} = {value}: with friction {contact} has epsilon, tolerance, solver"):
+        complete("panel", {"mu": 0.3, key: value}, contact=contact)
+    _, plain = complete("panel", {key: value, "mu": 0}, contact=contact)
+    assert plain.settings[key] == value
+    _, rubbed = complete("panel", {"mu": 0.3}, contact=contact)
+    assert key not in rubbed.settings
+
+
 def test_a_part_of_a_tyre_is_not_dragged() -> None:
     with pytest.raises(UsageError, match="full"):
         complete("tyre", {"mu": 0.5, "drag_mm": 1.0}, MESH, model="half")
     _, request = complete("tyre", {"mu": 0.5, "drag_mm": 1.0}, MESH)
     assert request.model == "full"
+
+
+@pytest.mark.parametrize(("length", "stress"), [(1e-3, 1.0), (1e3, 7.0), (0.03, 1e6)])
+@pytest.mark.parametrize("foundation", ["plane", "ball"])
+def test_a_panel_with_friction_is_the_same_in_other_units(foundation: str, length: float, stress: float) -> None:
+    """Settings and results are in mm, N and MPa, whatever the units of the problem; so is the drag."""
+    way = (
+        {"drag_mm": (0.2, 0.5)}
+        if foundation == "plane"
+        else {"ball_mm": 400.0, "delta_mm": 2.0, "turn_deg": (0.5, 5.0)}
+    )
+    asked = {"shape": "plate", "mu": 0.2, "delta_mm": 0.5, "foundation": foundation, "tolerance": 1e-11, **way}
+    one = solve(*complete("panel", asked, "6x6"))
+    other = solve(*complete("panel", {**asked, "length_unit": length, "stress_unit": stress}, "6x6"))
+    assert one.verdict == other.verdict == "converged"
+    assert max(step["slipping"] for step in one.steps) > 0
+    for mine, theirs in zip(one.loads, other.loads, strict=True):
+        assert mine.load == theirs.load
+        for name, value in mine.quantities.items():
+            size = 1e-7 * mine.quantities["moment_bound_N_mm" if name.endswith("N_mm") else "bound_N"]
+            assert theirs.quantities[name] == pytest.approx(value, rel=1e-7, abs=size), name
+    tables = [result.table(FRICTION).frame() for result in (one, other)]
+    np.testing.assert_allclose(tables[1], tables[0], rtol=1e-6, atol=1e-8)
 
 
 def test_a_foundation_that_does_not_slide_along_itself_is_refused() -> None:
