@@ -159,7 +159,9 @@ def plan_fault(data: Mapping[str, Any]) -> str:
     found = fault(data, PLAN)
     for i, row in enumerate(() if found else data["cells"]):
         lacks = [key for key in ROW_KEYS if key not in row]
-        lacks += [f"request.{key}" for key in REQUEST_KEYS if row.get("request") is not None and key not in row["request"]]
+        lacks += [
+            f"request.{key}" for key in REQUEST_KEYS if row.get("request") is not None and key not in row["request"]
+        ]
         if lacks:
             return f"cells[{i}] lacks {', '.join(lacks)}"
     return found

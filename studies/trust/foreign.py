@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from contact.interchange.untrusted import parsed_json
+from contact.interchange.untrusted import MOST, parsed_json
 from studies.campaigns.cell import Cell
 from studies.request import UsageError
 from studies.result import CLASSES
@@ -26,7 +26,8 @@ from studies.store.layout import KEYS, Archive
 from studies.store.schema import RECORD, fault, shortened, word
 
 MB = 2**20
-LARGEST_RECORD, LARGEST_TABLE = 32 * MB, 256 * MB
+LARGEST_RECORD, LARGEST_TABLE = 32 * MB, 32 * MB
+MOST_CELLS = 50_000  # of a plan
 FIELDS = "fields.vtu"
 ID, NAME, TABLE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
 ORIGIN = ("version", "commit", "date", "packages", "blas", "machine")
@@ -63,6 +64,8 @@ class Foreign:
         data = _json(self.read(f"campaigns/{campaign}.json", LARGEST_RECORD))
         if data.get("schema") != SCHEMA or not isinstance(data.get("cells"), list):
             raise ClaimError("plan", f"campaign {campaign} is none of schema {SCHEMA}")
+        if len(data["cells"]) > MOST_CELLS:
+            raise ClaimError("plan", f"campaign {campaign} has {len(data['cells'])} cells, more than {MOST_CELLS}")
         return [_cell(row) for row in data["cells"]]
 
     def record(self, cell_id: str) -> dict[str, Any] | None:
@@ -80,6 +83,8 @@ class Foreign:
         if not TABLE.fullmatch(name):
             raise ClaimError("files", f"{name[:60]!r} is neither a table nor {FIELDS}")
         text = _text(self._beside(cell_id, name, LARGEST_TABLE), name)
+        if text.count(",") + text.count("\n") > MOST:
+            raise ClaimError(name, f"has more than {MOST} values")
         try:
             rows = list(csv.reader(io.StringIO(text), strict=True))
         except csv.Error as error:
@@ -105,7 +110,12 @@ class Foreign:
             path /= part
             if path.is_symlink():
                 raise ClaimError("files", f"{place} leads through a link, which is not followed")
-        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe must not hold us up
+        try:
+            descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe must not hold us up
+        except FileNotFoundError:
+            raise
+        except OSError as error:
+            raise ClaimError("files", f"{place}: {error.strerror}") from None
         with os.fdopen(descriptor, "rb") as file:
             told = os.fstat(file.fileno())
             if not stat.S_ISREG(told.st_mode):
