@@ -16,8 +16,6 @@ The file is one .npz (a zip of .npy arrays, no pickles) with the arrays
 from __future__ import annotations
 
 import json
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -26,10 +24,14 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from contact.interchange.untrusted import parsed_object, read_arrays, text_of
 from contact.problem import ContactProblem, linear_mechanics
 from contact.solvers.sparse import symmetric
 
 FORMAT, VERSION = "footprint contact step", 1
+PARTS = ("data", "indices", "indptr")  # of a sparse matrix
+ARRAYS = ("meta", "r", "gap", "weights", "scale", *(f"{name}_{part}" for name in "KG" for part in PARTS))
+COUPLED = tuple(f"W_{part}" for part in PARTS)
 
 
 class FrozenStepError(ValueError):
@@ -78,28 +80,24 @@ class FrozenStep:
     def read(cls, path: Path) -> FrozenStep:
         """The step in a file; raises FrozenStepError for whatever else is in it, OSError when it cannot be opened."""
         try:
-            if not zipfile.is_zipfile(path):
-                path.open("rb").close()  # says so when it cannot even be opened
-                raise ValueError("it is no .npz file, or its end is missing")
-            with path.open("rb") as file, np.load(file, allow_pickle=False) as arrays:
-                return cls._checked({name: arrays[name] for name in arrays.files})
-        except (ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
-            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+            return cls._checked(read_arrays(path, ARRAYS, COUPLED))
+        except (ValueError, KeyError, TypeError) as error:
+            reason = (
+                f"{error} is missing" if isinstance(error, KeyError) else (str(error).splitlines() or ["damaged"])[0]
+            )
             raise FrozenStepError(f"{path} is no frozen contact step: {reason}") from None
 
     @classmethod
     def _checked(cls, arrays: dict[str, np.ndarray]) -> FrozenStep:
         """Raises ValueError or KeyError naming the array."""
-        meta = json.loads(str(arrays.pop("meta")))
-        if not isinstance(meta, dict):
-            raise ValueError("meta must be a JSON object")
-        if meta.pop("format") != FORMAT or meta.pop("format_version") != VERSION:
+        meta = dict(parsed_object(text_of(arrays["meta"], "meta"), "meta"))
+        if (meta.pop("format", None), meta.pop("format_version", None)) != (FORMAT, VERSION):
             raise ValueError(f"it is not of the format {FORMAT!r}, version {VERSION}")
         n, m = len(_numbers(arrays, "r")), len(_numbers(arrays, "gap"))
         weights, scale = _numbers(arrays, "weights"), np.atleast_1d(arrays["scale"])
         if weights.shape != (m,) or np.any(weights < 0):
             raise ValueError(f"weights must be {m} areas")
-        if scale.shape != (1,) or not 0 <= float(scale[0]) < np.inf:
+        if scale.shape != (1,) or scale.dtype.kind == "U" or not 0 <= float(scale[0]) < np.inf:
             raise ValueError("scale must be one force")
         coupling = sparse.csr_matrix(_matrix(arrays, "W", sparse.csr_matrix, (m, m))) if "W_data" in arrays else None
         return cls(

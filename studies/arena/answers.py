@@ -5,8 +5,6 @@ No algorithm is run and no answer of ours is looked at here.
 
 from __future__ import annotations
 
-import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -15,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.untrusted import parsed_object, read_arrays, read_json, text_of
 from studies.arena.accuracy import Accuracy, Scales, accuracy
 from studies.request import UsageError
 
@@ -79,7 +78,7 @@ def read_answer(path: Path) -> Given:
     """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
     try:
         found = _from_json(path) if path.suffix == ".json" else _from_npz(path)
-    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+    except (ValueError, KeyError, TypeError) as error:
         why = f"{error} is missing" if isinstance(error, KeyError) else str(error).splitlines()[0]
         raise UsageError(f"{path} is no answer: {why}") from None
     unknown = [name for name in found.claims if name not in CLAIMS]
@@ -89,18 +88,16 @@ def read_answer(path: Path) -> Given:
 
 
 def _from_json(path: Path) -> Given:
-    told = json.loads(path.read_text(encoding="utf-8"))
+    told = read_json(path)
     if not isinstance(told, dict):
         raise ValueError("it must be a JSON object")
     return _given(told["du"], told["pressure"], told.get("claims", {}))
 
 
 def _from_npz(path: Path) -> Given:
-    if not zipfile.is_zipfile(path):
-        path.open("rb").close()  # says so when there is none
-        raise ValueError("it is neither .json nor .npz")
-    with np.load(path, allow_pickle=False) as arrays:
-        return _given(arrays["du"], arrays["pressure"], json.loads(str(arrays["claims"])) if "claims" in arrays else {})
+    arrays = read_arrays(path, ("du", "pressure"), ("claims",))
+    claims = parsed_object(text_of(arrays["claims"], "claims"), "claims") if "claims" in arrays else {}
+    return _given(arrays["du"], arrays["pressure"], claims)
 
 
 def _given(du: Any, pressure: Any, claims: Any) -> Given:

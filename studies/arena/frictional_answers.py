@@ -6,8 +6,6 @@ claims are made. The residuals and their bounds are those of :mod:`contact.frict
 
 from __future__ import annotations
 
-import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +15,7 @@ import numpy as np
 
 from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.verify import FrictionVerdict, judge
+from contact.interchange.untrusted import read_arrays, read_json
 from studies.request import UsageError
 
 PARTS = ("du", "normal", "friction")
@@ -54,14 +53,8 @@ class FrictionJudgement:
 def read_friction_answer(path: Path) -> FrictionAnswer:
     """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
     try:
-        if path.suffix == ".json":
-            return _given(json.loads(path.read_text(encoding="utf-8")))
-        if not zipfile.is_zipfile(path):
-            path.open("rb").close()  # says so when there is none
-            raise ValueError("it is neither .json nor .npz")
-        with np.load(path, allow_pickle=False) as arrays:
-            return _given({name: arrays[name] for name in PARTS if name in arrays})
-    except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile) as error:
+        return _given(read_json(path) if path.suffix == ".json" else read_arrays(path, (), PARTS))
+    except (ValueError, KeyError, TypeError) as error:
         why = f"{error} is missing" if isinstance(error, KeyError) else str(error).splitlines()[0]
         raise UsageError(f"{path} is no answer to a problem with friction: {why}") from None
 

@@ -5,7 +5,7 @@
     title = "..."
     lists = ["benchmarks"]        # of studies/campaigns/report_cells.py, with the tables that belong to them
     pages = "all"                 # the pages of the report; without it, the short ones of any campaign
-    modules = ["my_scenes"]       # of your own beside the file: they put scenes and algorithms into the catalogues
+    modules = ["my_scenes"]       # beside the file, run with --trust: they put scenes and algorithms into catalogues
 
     [[cross]]
     name = "sweep"                # how its labels begin
@@ -24,13 +24,14 @@ tolerances`` settings, and ``vary = { KEY = [...] }`` makes an axis of any other
 from __future__ import annotations
 
 import itertools
-import tomllib
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
+from contact.interchange.untrusted import read_toml
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
@@ -39,6 +40,7 @@ from studies.door.plugins import load_file
 from studies.request import Request, text_of
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
+from studies.store.schema import Each, Kind, Named, fault, scalar, setting, whole, word
 
 SHIPPED = Path(__file__).parent
 OPTIONS = {"measures": "measure", "contacts": "contact", "newtons": "newton", "models": "model", "meshes": "mesh"}
@@ -54,6 +56,22 @@ CATALOGUES: dict[str, Mapping[str, Any]] = {
 }
 KEYS = ("title", "lists", "pages", "modules", "cross")
 CROSS_KEYS = (*OPTIONS, *SETTINGS, "vary", "set", "steps")
+MOST_CELLS, MOST_KEYS, LONGEST_LABEL = 100_000, 100, 1000
+
+
+def axis(value: Any) -> bool:
+    """A list of numbers or words, or "all"."""
+    return value == "all" or (isinstance(value, list) and all(map(scalar, value)))
+
+
+OF_A_CROSS: Mapping[str, Kind] = {
+    **dict.fromkeys((*OPTIONS, *SETTINGS), axis),
+    **{"name": word, "vary": Named(axis), "set": Named(setting), "steps": whole},
+}
+TYPES: Mapping[str, Kind] = {
+    **dict.fromkeys(("title", "pages"), word),
+    **{"lists": axis, "modules": Each(word), "cross": Each({**OF_A_CROSS, "scenes": Named(OF_A_CROSS)})},
+}
 
 
 @dataclass(frozen=True)
@@ -68,15 +86,18 @@ class Campaign:
     use: tuple[str, ...] = ()
 
 
-def find(name: str) -> Campaign:
-    """A shipped campaign, a list of cells, or a TOML file by its path; raises UsageError."""
+def find(name: str, *, trust: bool = False) -> Campaign:
+    """A shipped campaign, a list of cells, or a TOML file by its path; raises UsageError.
+
+    trust: modules that the file names are imported; without it such a file is refused.
+    """
     path = SHIPPED / f"{name}.toml"
     if path.exists():
         return read(path)
     if name in LISTS:
         return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
     if name.endswith(".toml"):
-        return read(Path(name))
+        return read(Path(name), trust=trust)
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")
 
 
@@ -85,34 +106,46 @@ def names() -> list[str]:
     return [*(path.stem for path in sorted(SHIPPED.glob("*.toml"))), *LISTS]
 
 
-def read(path: Path) -> Campaign:
-    """The campaign of a TOML file, named like the file; raises UsageError."""
+def read(path: Path, *, trust: bool = False) -> Campaign:
+    """The campaign of a TOML file, named like the file; trust: its modules are imported. Raises UsageError."""
     try:
-        data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+        data = read_toml(path)
+    except OSError as error:
+        raise UsageError(f"campaign {path}: {error.strerror}") from None
+    except ValueError as error:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
     _known(path, data, KEYS)
-    use = _modules(path, data.get("modules", []))
+    if wrong := fault(data, TYPES):
+        raise UsageError(f"campaign {path}: {wrong}")
+    use = _modules(path, data.get("modules", []), trust=trust)
     cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]()]
     for cross in data.get("cross", []):
-        cells += _crossed(path, cross)
+        cells += _crossed(path, cross, MOST_CELLS - len(cells))
     unique = _without_repeats(path, cells)
     tables = tuple(dict.fromkeys(table for name in data.get("lists", ()) for table in TABLES_OF.get(name, ())))
     return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), use)
 
 
-def _modules(path: Path, names: Sequence[str]) -> tuple[str, ...]:
-    """The files of a user's own modules, which lie beside the campaign, imported; raises UsageError."""
-    files = []
+def _modules(path: Path, names: Sequence[str], *, trust: bool) -> tuple[str, ...]:
+    """The files of a user's own modules, in the folder of the campaign, imported; raises UsageError."""
+    folder, files = path.parent.resolve(), []
     for name in names:
-        place = path.parent.resolve() / name
+        if not name.isidentifier():
+            raise UsageError(f"campaign {path}: modules has {name!r}, which must be the name of a module beside it")
+        place = folder / name
         files.append(next((file for file in (place / "__init__.py",) if file.exists()), place.with_suffix(".py")))
-        load_file(files[-1])
+        if not files[-1].resolve().is_relative_to(folder):
+            raise UsageError(f"campaign {path}: {files[-1]} leads out of the folder of the campaign")
+    if files and not trust:
+        ran = ", ".join(file.name for file in files)
+        raise UsageError(f"campaign {path} runs {ran} beside it: allow it by footprint run --trust")
+    for file in files:
+        load_file(file)
     return tuple(map(str, files))
 
 
-def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
-    """The cells of one cross, scene by scene; the last axis varies fastest.
+def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
+    """The cells of one cross, at most so many, scene by scene; the last axis varies fastest.
 
     Of a scene without contact the contact algorithms are no axis.
     """
@@ -127,6 +160,11 @@ def _crossed(path: Path, cross: Mapping[str, Any]) -> Iterator[Cell]:
         axes = _axes(path, asked)
         if "contact" in axes and not has_contact(SCENES[scene]):
             axes["contact"] = [Request.contact]  # one stands for all: the others would solve the same
+        most -= math.prod(map(len, axes.values()))
+        label = len(scene) + sum(max(map(len, values), default=0) + len(key) for key, values in axes.items())
+        if most < 0 or len(axes) + len(constant) > MOST_KEYS or label > LONGEST_LABEL:
+            bounds = f"{MOST_CELLS} cells, {MOST_KEYS} settings of a cell, {LONGEST_LABEL} letters of a label"
+            raise UsageError(f"campaign {path} is beyond a bound: {bounds}")
         steps = {"steps": asked["steps"]} if "steps" in asked else {}
         for values in itertools.product(*axes.values()):
             chosen = dict(zip(axes, values, strict=True))

@@ -17,6 +17,11 @@ def add_store(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--store", type=Path, default=STORE, metavar="DIR", help=f"default {STORE}")
 
 
+def add_trust(parser: argparse.ArgumentParser) -> None:
+    """``--trust``."""
+    parser.add_argument("--trust", action="store_true", help="import the modules beside a campaign file that it names")
+
+
 def add_settings(parser: argparse.ArgumentParser) -> None:
     """``--set KEY=VALUE``, as often as wanted."""
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")

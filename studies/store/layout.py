@@ -12,15 +12,16 @@ A record comes last and by a rename, so it is there whole or not at all.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from contact.interchange.untrusted import read_json
 from studies.scene import UsageError
 from studies.store.atomic import PART, SCHEMA, write_json, write_text
+from studies.store.schema import FAILURE, RECORD, fault, plan_fault, shortened
 
 KEYS = ("schema", "id", "scene", "settings", "class", "reason", "quantities", "steps", "counters", "timing_s", "files")
 FAILURE_KEYS = ("schema", "id", "class", "reason")
@@ -59,12 +60,12 @@ class Archive:
 
     def record(self, cell_id: str) -> dict[str, Any] | None:
         """The record of a cell, or None; raises DamagedError when it is not one."""
-        return _read(self.record_path(cell_id), KEYS, cell_id)
+        return _read(self.record_path(cell_id), KEYS, lambda data: fault(data, RECORD), cell_id)
 
     def failure(self, cell_id: str) -> dict[str, Any] | None:
         """What happened to a cell without a record, or None; what cannot be read says nothing."""
         try:
-            return _read(self.failure_path(cell_id), FAILURE_KEYS, cell_id)
+            return _read(self.failure_path(cell_id), FAILURE_KEYS, lambda data: fault(data, FAILURE), cell_id)
         except DamagedError:
             return None
 
@@ -72,7 +73,7 @@ class Archive:
         """The plan of a campaign; raises UsageError when it has none, or another schema's."""
         path = self.index_path(campaign)
         try:
-            found = _read(path, ("schema", "campaign", "cells"))
+            found = _read(path, ("schema", "campaign", "cells"), plan_fault)
         except DamagedError as error:
             raise UsageError(str(error)) from None
         if found is None:
@@ -142,20 +143,22 @@ class Archive:
         schemas = {1} if (self.root / "campaign.json").exists() else set()
         for name in self.campaigns():
             try:
-                schemas.add(json.loads(self.index_path(name).read_text(encoding="utf-8")).get("schema"))
-            except (OSError, ValueError, AttributeError):
+                schemas.add(int(read_json(self.index_path(name))["schema"]))
+            except (OSError, ValueError, KeyError, TypeError):
                 continue  # it will be written anew
         for schema in schemas - {SCHEMA}:
             raise UsageError(f"{self.root} has schema {schema}, this program writes {SCHEMA}: choose another --store")
 
 
-def _read(path: Path, keys: tuple[str, ...], cell_id: str | None = None) -> dict[str, Any] | None:
-    """A JSON file with these keys, this schema and this id; None when it is not there. Raises DamagedError.
+def _read(
+    path: Path, keys: tuple[str, ...], fault_of: Callable[[Mapping[str, Any]], str], cell_id: str | None = None
+) -> dict[str, Any] | None:
+    """A JSON file with these keys, this schema and this id, its values of their types; None when it is not there.
 
-    What may not be read is not damaged: PermissionError.
+    Raises DamagedError; what may not be read is not damaged: PermissionError.
     """
     try:
-        data = json.loads(path.read_bytes())
+        data = read_json(path)
     except FileNotFoundError:
         return None
     except PermissionError:
@@ -166,9 +169,11 @@ def _read(path: Path, keys: tuple[str, ...], cell_id: str | None = None) -> dict
         raise DamagedError(f"{path} is not a record")
     missing = [key for key in keys if key not in data]
     if data.get("schema") != SCHEMA:
-        raise DamagedError(f"{path} has schema {data.get('schema')!r}, this program reads {SCHEMA}")
+        raise DamagedError(f"{path} has schema {shortened(data.get('schema'))}, this program reads {SCHEMA}")
     if missing:
         raise DamagedError(f"{path} lacks {', '.join(missing)}")
+    if wrong := fault_of(data):
+        raise DamagedError(f"{path}: {wrong}")
     if cell_id is not None and data["id"] != cell_id:
         raise DamagedError(f"{path} is of {data['id']!r}")
     return data

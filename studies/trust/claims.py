@@ -90,7 +90,10 @@ def _load(steps: Sequence[Mapping[str, Any]], stage: Stage) -> float:
         raise ClaimError("outcome", "claimed converged, without a single load")
     if not isinstance(stage, CurveStage):
         return float(stage.targets[-1])
-    return _number(next(iter(steps[-1].values()), None), "load")
+    load = _number(next(iter(steps[-1].values()), None), "load")
+    if not math.isfinite(load):
+        raise ClaimError("load", f"claimed {load}")
+    return load
 
 
 def _steps(steps: Sequence[Mapping[str, Any]], load: float, found: Recomputed, stage: Stage) -> None:

@@ -23,7 +23,9 @@ from formulations.solid.body import SolidDiscretisation
 from studies.scene import SceneModel, ShellSceneModel, candidates_at
 from studies.trust.foreign import ClaimError
 
-ARRAY = re.compile(rb'<DataArray type="(Float64|Int64)" Name="([^"]+)"[^>]*>\n([A-Za-z0-9+/=]*)\n</DataArray>')
+ARRAY = re.compile(
+    rb'<DataArray type="(Float64|Int64)" Name="([^"\n]{1,60})"[^>\n]{0,200}>\n([A-Za-z0-9+/=]*)\n</DataArray>'
+)
 RESULTANT = "H_"  # how the names of resultants begin
 HEAD = 44  # characters: four whole numbers of 8 bytes in base 64
 SAME = 1e-12  # of the largest value of an array: writing a field and reading it back

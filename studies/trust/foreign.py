@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import math
 import os
 import re
 import stat
@@ -18,18 +17,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from contact.interchange.untrusted import MOST, parsed_json
 from studies.campaigns.cell import Cell
 from studies.request import UsageError
 from studies.result import CLASSES
 from studies.store.atomic import SCHEMA
 from studies.store.layout import KEYS, Archive
+from studies.store.schema import RECORD, fault, shortened, word
 
 MB = 2**20
-LARGEST_RECORD, LARGEST_TABLE = 32 * MB, 256 * MB
-LONGEST = 4000  # characters of a text
+LARGEST_RECORD, LARGEST_TABLE = 32 * MB, 32 * MB
+MOST_CELLS = 50_000  # of a plan
 FIELDS = "fields.vtu"
 ID, NAME, TABLE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
-MARKUP = "|<>`["  # what a table of a page could take for its own
+ORIGIN = ("version", "commit", "date", "packages", "blas", "machine")
 OPTIONS = ("measure", "contact", "newton", "model", "mesh", "steps")
 KEPT = (  # of a record; whatever else stands there is left
     *("schema", "id", "scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings"),
@@ -63,6 +64,8 @@ class Foreign:
         data = _json(self.read(f"campaigns/{campaign}.json", LARGEST_RECORD))
         if data.get("schema") != SCHEMA or not isinstance(data.get("cells"), list):
             raise ClaimError("plan", f"campaign {campaign} is none of schema {SCHEMA}")
+        if len(data["cells"]) > MOST_CELLS:
+            raise ClaimError("plan", f"campaign {campaign} has {len(data['cells'])} cells, more than {MOST_CELLS}")
         return [_cell(row) for row in data["cells"]]
 
     def record(self, cell_id: str) -> dict[str, Any] | None:
@@ -80,6 +83,8 @@ class Foreign:
         if not TABLE.fullmatch(name):
             raise ClaimError("files", f"{name[:60]!r} is neither a table nor {FIELDS}")
         text = _text(self._beside(cell_id, name, LARGEST_TABLE), name)
+        if text.count(",") + text.count("\n") > MOST:
+            raise ClaimError(name, f"has more than {MOST} values")
         try:
             rows = list(csv.reader(io.StringIO(text), strict=True))
         except csv.Error as error:
@@ -105,7 +110,12 @@ class Foreign:
             path /= part
             if path.is_symlink():
                 raise ClaimError("files", f"{place} leads through a link, which is not followed")
-        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe must not hold us up
+        try:
+            descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)  # a pipe must not hold us up
+        except FileNotFoundError:
+            raise
+        except OSError as error:
+            raise ClaimError("files", f"{place}: {error.strerror}") from None
         with os.fdopen(descriptor, "rb") as file:
             told = os.fstat(file.fileno())
             if not stat.S_ISREG(told.st_mode):
@@ -124,23 +134,15 @@ def _text(data: bytes, name: str) -> str:
 
 
 def _json(data: bytes) -> dict[str, Any]:
+    text = _text(data, "record")
     try:
-        found = json.loads(_text(data, "record"), parse_float=_finite, parse_constant=_finite)
-    except ClaimError:
-        raise
-    except (ValueError, RecursionError):
-        raise ClaimError("record", "cannot be read as JSON") from None
+        found = parsed_json(text)
+    except ValueError as error:
+        said = "cannot be read as JSON" if isinstance(error, json.JSONDecodeError) else str(error)
+        raise ClaimError("record", said) from None
     if not isinstance(found, dict):
         raise ClaimError("record", "is none")
     return found
-
-
-def _finite(word: str) -> float:
-    """A number of JSON, which has neither NaN nor infinities, nor one by so many digits."""
-    value = float(word)
-    if not math.isfinite(value):
-        raise ClaimError("record", f"{word[:40]} is no finite number")
-    return value
 
 
 def _cell(row: Any) -> tuple[Cell, str | None]:
@@ -149,12 +151,12 @@ def _cell(row: Any) -> tuple[Cell, str | None]:
         raise ClaimError("plan", "a row of it is none")
     options, settings, cell_id = row.get("options"), row.get("settings"), row.get("id")
     told = [row.get("label"), row.get("scene"), row.get("expected", ""), row.get("group", "")]
-    if not all(isinstance(each, str) and len(each) <= LONGEST and each.isprintable() for each in told):
+    if not all(map(word, told)):
         raise ClaimError("plan", "a row of it has no label, or no scene")
     if not isinstance(options, dict) or not isinstance(settings, dict):
         raise ClaimError("plan", f"{told[0]!r} has no options, or no settings")
     known = all(key in OPTIONS and isinstance(value, _kind(key)) for key, value in options.items())
-    words = all(isinstance(value, str) for value in settings.values())
+    words = all(map(word, settings.values()))
     if not words or not known or not isinstance(cell_id, str | None):
         raise ClaimError("plan", f"{told[0]!r} asks for what no cell can ask for")
     label, scene, expected, group = told
@@ -173,49 +175,20 @@ def _checked(data: Mapping[str, Any], cell_id: str) -> dict[str, Any]:
     if missing:
         raise ClaimError("record", f"lacks {', '.join(missing)}")
     if data["schema"] != SCHEMA or data["id"] != cell_id:
-        raise ClaimError("record", f"is of {data['id']!r}, schema {data['schema']!r}, not of {cell_id}, {SCHEMA}")
+        told = f"{shortened(data['id'])}, schema {shortened(data['schema'])}"
+        raise ClaimError("record", f"is of {told}, not of {cell_id}, schema {SCHEMA}")
     mark = data.get("merged")
     if isinstance(mark, dict) and not data["timing_s"]:  # it was merged there, too, and its seconds are kept apart
         data = {**data, "timing_s": mark.get("timing_s")}
     record = {"measure": "", "work": {}, "cuts": [], "notes": [], **{key: data[key] for key in KEPT if key in data}}
-    for key in ("settings", "quantities", "counters", "work", "timing_s", "provenance"):
-        if not isinstance(record[key], dict):
-            raise ClaimError(key, "is no set of values by name")
-    for key in ("counters", "work", "timing_s"):
-        for name, value in record[key].items():
-            if isinstance(value, bool) or not isinstance(value, int | float) or value < 0:
-                raise ClaimError(key, f"{name} = {value!r} must be a number of at least 0")
-    if not isinstance(record["steps"], list) or not all(isinstance(each, dict) for each in record["steps"]):
-        raise ClaimError("steps", "are no list of loads")
-    files = record["files"]
-    if not isinstance(files, list) or not all(name == FIELDS or TABLE.fullmatch(str(name)) for name in files):
+    if wrong := fault(record, RECORD):
+        claim, _, said = wrong.partition(" = ")
+        raise ClaimError(claim, said or "cannot be printed on a line")
+    if not all(name == FIELDS or TABLE.fullmatch(name) for name in record["files"]):
         raise ClaimError("files", f"must be {FIELDS} and tables NAME.csv")
-    _check_origin(record["provenance"])
     if record["class"] not in CLASSES:
         raise ClaimError("class", f"{record['class']!r} must be one of {', '.join(CLASSES)}")
-    for told in _texts(record):
-        if len(told) > LONGEST or not told.isprintable():
-            raise ClaimError("record", f"has a text of {len(told)} characters that cannot be printed on a line")
+    lacks = [key for key in ORIGIN if record["provenance"].get(key) is None]
+    if lacks or "threads" not in record["provenance"]["blas"]:
+        raise ClaimError("provenance", f"lacks {', '.join(lacks) or 'the threads of BLAS'}")
     return record
-
-
-def _check_origin(told: Mapping[str, Any]) -> None:
-    """Raise ClaimError unless it has the form that :func:`studies.store.provenance.provenance` gives it."""
-    words = all(isinstance(told.get(key), str) for key in ("version", "commit", "date"))
-    named = all(
-        isinstance(told.get(key), dict) and not any(isinstance(each, dict | list) for each in told[key].values())
-        for key in ("packages", "blas", "machine")
-    )
-    if not words or not named or "threads" not in told["blas"]:
-        raise ClaimError("provenance", "does not say version, commit, date, packages, BLAS and machine")
-    if any(each in text for text in _texts(told) for each in MARKUP):
-        raise ClaimError("provenance", f"has one of {MARKUP} in it")
-
-
-def _texts(data: Any) -> list[str]:
-    """Every text in it, names included."""
-    if isinstance(data, dict):
-        return [text for key, value in data.items() for text in (key, *_texts(value))]
-    if isinstance(data, list):
-        return [text for value in data for text in _texts(value)]
-    return [data] if isinstance(data, str) else []

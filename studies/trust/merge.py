@@ -19,6 +19,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan
@@ -29,12 +31,14 @@ from studies.store.atomic import as_text, write_by, write_text
 from studies.store.layout import Archive, DamagedError
 from studies.store.provenance import provenance
 from studies.trust.again import Again, drawn, solving
-from studies.trust.claims import check_request, claims_success, verify
+from studies.trust.claims import Verified, check_request, claims_success, verify
 from studies.trust.foreign import FIELDS, ClaimError, Foreign
 
+SOLIDS = ("crushed-ring-solid", "tyre-solid")
 VERIFIED, SOLVED_AGAIN, UNVERIFIED = "verified", "solved again", "unverified failure"
 STATUSES = (VERIFIED, SOLVED_AGAIN, UNVERIFIED)
 NOT_SOLVED, ALREADY = "not solved there", "here already"
+LARGEST, LARGEST_SOLID = 20_000, 4_096  # elements that are built to recompute a claim: about a GiB
 SAME = 1e-6  # relative: quantities of two machines that say the same
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out
 
@@ -143,9 +147,10 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, check
     record = foreign.record(cell_id)
     if record is None:
         return NOT_SOLVED
+    assert asked.row.request is not None
+    _check_size(asked.cell.scene, asked.row.request)
     if _is_here(archive, cell_id, record):
         return ALREADY
-    assert asked.row.request is not None
     request = Request.of(asked.row.request)
     check_request(record, request)
     success = claims_success(record)
@@ -153,7 +158,7 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, check
     if again:
         checks.check(cell_id, asked.cell, record)
     if success and FIELDS in record["files"]:
-        found = verify(record, request, foreign)
+        found = _verified(record, request, foreign)
         if record["class"] != WRONG or found.failures:
             tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
             _keep_files(archive.files(cell_id), found.fields, tables)
@@ -166,6 +171,25 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, check
         raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them, or --again all")
     empty: dict[str, Any] = {key: {} for key in OF_A_FAILURE}
     return _keep(archive, foreign, {**record, **empty, "steps": [], "files": []}, UNVERIFIED, ["outcome", "reason"])
+
+
+def _verified(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Verified:
+    """What a record claims, recomputed; numbers beyond all measure are a claim like any other. Raises ClaimError."""
+    try:
+        with np.errstate(all="ignore"):
+            return verify(record, request, foreign)
+    except ClaimError:
+        raise
+    except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
+        raise ClaimError("field", f"cannot be judged: {' '.join(str(error).split())[:200]}") from None
+
+
+def _check_size(scene: str, request: Mapping[str, Any]) -> None:
+    """Raises ClaimError for what a stranger's plan would have us build beyond any use; nothing is built for that."""
+    n1, n2 = request["mesh"]
+    most = LARGEST_SOLID if scene in SOLIDS else LARGEST
+    if n1 * n2 > most:
+        raise ClaimError("mesh", f"{n1}x{n2} has {n1 * n2} elements, more than the {most} that are built for a claim")
 
 
 def _is_here(archive: Archive, cell_id: str, record: Mapping[str, Any]) -> bool:

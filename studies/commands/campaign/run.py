@@ -8,7 +8,7 @@ import sys
 from studies.campaigns.file import find
 from studies.campaigns.run import run as run_campaign
 from studies.commands import FAILED, OK
-from studies.commands.options import add_store, positive, progress_bar
+from studies.commands.options import add_store, add_trust, positive, progress_bar
 from studies.fuzz import campaign as fuzz
 from studies.fuzz.examine import BROKEN
 from studies.pool.task import Limits
@@ -19,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The campaign, its store, the engine and the limits of a cell."""
     parser.add_argument("campaign", help=f"a name of its own, or a .toml file; {fuzz.NAME}: random cases")
     add_store(parser)
+    add_trust(parser)
     parser.add_argument("--engine", default="serial", help="serial, local:N or dask:ADDRESS; default serial")
     parser.add_argument("--resume", action="store_true", help="only go on with a campaign that the store knows")
     parser.add_argument("--fields", action="store_true", help="keep the fields of every cell, for footprint merge")
@@ -37,7 +38,7 @@ def run(options: argparse.Namespace) -> int:
     if options.cases is not None:
         raise UsageError(f"--cases is of {fuzz.NAME}, not of {options.campaign}")
     limits = _limits(options, Limits())
-    campaign = find(options.campaign)
+    campaign = find(options.campaign, trust=options.trust)
     with progress_bar(campaign.name) as advance:
         summary = run_campaign(
             campaign,

@@ -13,7 +13,7 @@ import pandas as pd
 from studies.bench.timing_lane import time_campaign
 from studies.campaigns.file import find
 from studies.commands import FAILED, OK
-from studies.commands.options import add_store, count, progress_bar
+from studies.commands.options import add_store, add_trust, count, progress_bar
 from studies.scene import UsageError
 
 
@@ -21,6 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The campaign, which cells and how often."""
     parser.add_argument("campaign")
     add_store(parser)
+    add_trust(parser)
     parser.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
     parser.add_argument("--front", action="store_true", help="only cells on the fronts of seconds, which analyse found")
     parser.add_argument("--longest", type=float, default=math.inf, metavar="S", help="only solves within S seconds")
@@ -45,7 +46,7 @@ def run(options: argparse.Namespace) -> int:
         only = re.compile(options.only)
     except re.error as error:
         raise UsageError(f"--only {options.only!r} must be a regular expression: {error}") from None
-    campaign = find(options.campaign)
+    campaign = find(options.campaign, trust=options.trust)
     front = _front(options.store, campaign.name) if options.front else None
 
     def wanted(label: str) -> bool:

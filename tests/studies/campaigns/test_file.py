@@ -14,7 +14,7 @@ from studies.campaigns.file import SHIPPED, find, names
 from studies.campaigns.plan import plan
 from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.campaigns.run import run
-from studies.scene import has_contact
+from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 
 
@@ -114,3 +114,28 @@ def test_the_table_has_a_row_for_everything_that_was_planned(tmp_path: Path) -> 
     assert tyre["t.total"] > 0
     assert tyre["k.equilibrium"] <= 1e-3
     assert not [name for name in table.columns[len(COLUMNS) :] if name[:2] not in ("q.", "c.", "w.", "t.", "k.")]
+
+
+# --- modules ------------------------------------------------------------------------------------------------------
+
+
+def test_modules_are_imported_when_they_are_trusted_and_not_otherwise(tmp_path: Path) -> None:
+    (tmp_path / "beside_it.py").write_text(f"import pathlib\npathlib.Path({str(tmp_path / 'ran')!r}).touch()\n")
+    path = tmp_path / "c.toml"
+    path.write_text('modules = ["beside_it"]\n[[cross]]\n[cross.scenes.cantilever]\n')
+    with pytest.raises(UsageError, match=r"runs beside_it\.py beside it: allow it by footprint run --trust"):
+        find(str(path))
+    assert not (tmp_path / "ran").exists()
+    assert find(str(path), trust=True).use == (str(tmp_path / "beside_it.py"),)
+    assert (tmp_path / "ran").exists()
+
+
+@pytest.mark.parametrize("name", ["../beside", "/tmp/beside", "a.b", "a/b", "..", "", "linked"])
+def test_modules_out_of_the_folder_are_refused_trusted_or_not(name: str, tmp_path: Path) -> None:
+    (tmp_path / "own").mkdir()
+    (tmp_path / "beside.py").write_text(f"import pathlib\npathlib.Path({str(tmp_path / 'ran')!r}).touch()\n")
+    (tmp_path / "own" / "linked.py").symlink_to(tmp_path / "beside.py")
+    (tmp_path / "own" / "c.toml").write_text(f'modules = ["{name}"]\n')
+    with pytest.raises(UsageError, match=r"must be the name of a module beside it|leads out of the folder"):
+        find(str(tmp_path / "own" / "c.toml"), trust=True)
+    assert not (tmp_path / "ran").exists()

@@ -242,7 +242,7 @@ def test_nothing_outlives_a_scheduler_that_is_killed(tmp_path: Path) -> None:
     (tmp_path / "planted_cells.py").write_text(HELD)
     campaign = tmp_path / "held.toml"
     campaign.write_text('modules = ["planted_cells"]\n[[cross]]\n[cross.scenes.held]\nmeshes = ["2x1", "4x1"]\n')
-    words = command(campaign, tmp_path / "store", "--engine", "local:2")
+    words = command(campaign, tmp_path / "store", "--trust", "--engine", "local:2")
     process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     until, family = time.monotonic() + 60, {}
     while len(family) < 4 and time.monotonic() < until:
@@ -368,7 +368,7 @@ def test_a_clock_that_jumps_changes_nothing(solved: Path, tmp_path: Path) -> Non
     (tmp_path / "planted_cells.py").write_text(SLEEPING)
     campaign = tmp_path / "asleep.toml"
     campaign.write_text('modules = ["planted_cells"]\n[[cross]]\n[cross.scenes.sleeping]\nmeshes = ["2x1"]\n')
-    words = command(campaign, store, "--time-limit", "4")
+    words = command(campaign, store, "--trust", "--time-limit", "4")
     began = time.monotonic()
     subprocess.run(words, check=True, env=jumping, capture_output=True)
     assert 4 < time.monotonic() - began < 60
@@ -447,7 +447,7 @@ def test_memory_that_ends_in_the_middle_of_a_factorisation_is_an_outcome(way: st
     text = f'modules = ["planted_cells"]\n[[cross]]\n[cross.scenes.hungry]\nmeshes = ["2x1"]\nset.way = "{way}"\n'
     campaign, store = tmp_path / "hungry.toml", tmp_path / "store"
     campaign.write_text(text + f"vary.left_MB = {list(LEFT_MB[way])}\n")
-    summary = run(find(str(campaign)), store, limits=Limits(60.0, 400.0))
+    summary = run(find(str(campaign), trust=True), store, limits=Limits(60.0, 400.0))
     assert summary.classes == {"memory": len(LEFT_MB[way]) - 1, "converged": 1}
     table = collect(store, "hungry")
     lost = table[table["outcome"] == "memory"]

@@ -70,7 +70,7 @@ def test_cells_that_do_not_come_back_are_classified_and_the_campaign_goes_on(tmp
     (tmp_path / "odd.toml").write_text(text + '[cross.scenes.cantilever]\nmeshes = ["2x1"]\n')
     store, limits = tmp_path / "store", Limits(8.0, 400.0)
     began = time.monotonic()
-    summary = run(find(str(tmp_path / "odd.toml")), store, "local:2", limits)
+    summary = run(find(str(tmp_path / "odd.toml"), trust=True), store, "local:2", limits)
     assert time.monotonic() - began < 90
     table = collect(store, "odd").set_index("label")
     ended = {way: table.loc[f"cross planted 2x1 way={way}"] for way in ways}
@@ -87,7 +87,7 @@ def test_cells_that_do_not_come_back_are_classified_and_the_campaign_goes_on(tmp
     # no failure is taken for a result: all are tried again, and only they
     assert len(list((store / "cells").glob("*.json"))) == 2
     soon = Limits(0.5, 400.0)  # however they end
-    assert run(find(str(tmp_path / "odd.toml")), store, "local:2", soon).solved == 5
+    assert run(find(str(tmp_path / "odd.toml"), trust=True), store, "local:2", soon).solved == 5
 
 
 def test_a_failure_that_is_none_any_more_is_forgotten(own: Path, tmp_path: Path) -> None:
@@ -226,6 +226,7 @@ def test_an_engine_that_is_none_is_one_line(name: str, tmp_path: Path) -> None:
     assert not (tmp_path / "store").exists()
 
 
+MANY = f"[[cross]]\nvary = {{ {', '.join(f'k{i} = [1, 2, 3, 4]' for i in range(9))} }}\n[cross.scenes.tyre]"
 TWICE = "".join(f"[[cross]]\nsteps = {n}\nmeshes = ['4x1']\n[cross.scenes.cantilever]\n" for n in (1, 2))
 
 
@@ -239,7 +240,15 @@ TWICE = "".join(f"[[cross]]\nsteps = {n}\nmeshes = ['4x1']\n[cross.scenes.cantil
         ("[[cross]]\nmeasures = ['exat']\n[cross.scenes.tyre]", "'exat' in measures must be one of"),
         ("lists = ['all']", "'all' in lists must be one of"),
         (TWICE, "two cells have the label"),
-        ("modules = ['nowhere_to_be_found']", "nowhere_to_be_found.py: no such file"),
+        ("modules = ['own']", "runs own.py beside it: allow it by footprint run --trust"),
+        ("modules = ['../own']", "'../own', which must be the name of a module beside it"),
+        ("modules = [1]", "modules[0] = 1 must be a text"),
+        ("cross = 1", "cross = 1 must be a list"),
+        ("cross = [1]", "cross[0] = 1 must be a set of values by name"),
+        ("cross = [{scenes = {panel = 1}}]", "scenes.panel = 1 must be a set"),
+        ("lists = [[]]", "lists = [1 values] must be a list of numbers or words"),
+        (f"title = '{chr(0x202E)}'", "title = '\\u202e' must be a text that is printed on one line"),
+        (MANY, "is beyond a bound: 100000 cells"),
         ("title = ", "campaign"),
     ],
 )
