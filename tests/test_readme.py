@@ -7,6 +7,7 @@ import re
 import shlex
 import sys
 import types
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -76,7 +77,7 @@ def test_every_file_that_a_printed_command_reads_is_made_above_it(page: Path) ->
     """By a command, by the shell, or by CalculiX from a deck; NAME stands for any."""
     text, reads = page.read_text(encoding="utf-8"), 0
     for words in commands(page):
-        for before, word in zip(words, words[1:], strict=False):
+        for before, word in pairwise(words):
             if re.fullmatch(r"[a-z]\w*\.(npz|dat)", word) and before not in ("--out", "--freeze"):
                 above, stem = text[: text.index(" ".join((before, word)))], word.partition(".")[0]
                 made = (f"--out {word}", f"--freeze {word}", f"> {word}", f"--out {stem}.inp")

@@ -62,7 +62,8 @@ def in_rounds(
     """One row a number: group, line, what it is, median, low and high over the rounds, its bar, and whether it holds.
 
     The unit of a round is the median of those beside its lines. A bar holds where the median does; it is broken where
-    every round is beyond it, and where rounds lie on both sides a busy machine has not decided. Groups are asked for one after another, so that what they need is made, and freed, in time.
+    every round is beyond it, and where rounds lie on both sides a busy machine has not decided. Groups are asked for
+    one after another, so that what they need is made, and freed, in time.
     """
     rows = [row for group in groups for row in _readings(group, unit, rounds, progress, clock)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
