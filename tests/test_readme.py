@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 import re
+import shlex
 import sys
 import types
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,8 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 from reports.chapter import listed
 from reports.contents import CHAPTERS
+from studies.campaigns.file import names as campaigns
+from studies.cli import _parser
 from studies.experiments.conformance import conformance
 from studies.scenes import SCENES
 from studies.solving import resolve, solve
@@ -46,6 +50,40 @@ def test_the_notebook_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
     assert run.certificate["equilibrium"].max() < 1e-8
     kept = solve(*resolve("tyre", {"delta_mm": "5,10"}, "14x12"))
     assert list(run.steps["force_N"]) == [step["force_N"] for step in kept.steps]
+
+
+def shell_lines(page: Path) -> list[list[str]]:
+    """The words of each line for a shell, in their order; one that goes on below is one line."""
+    text = "".join(re.findall(r"```sh\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)).replace("\\\n", " ")
+    return [shlex.split(line.partition("  #")[0], comments=True) for line in text.splitlines() if "footprint" in line]
+
+
+def commands(page: Path) -> list[list[str]]:
+    return [words[1:] for words in shell_lines(page) if words[0] == ".venv/bin/footprint"]
+
+
+@pytest.mark.parametrize("page", [README, MANUAL], ids=lambda page: page.stem)
+def test_every_printed_command_is_one(page: Path) -> None:
+    """Its options are known, and the campaign of who reads its cells is one of ours or a file."""
+    assert len(commands(page)) > 20
+    for words in commands(page):
+        options = _parser(words).parse_args(words)  # exits where a word is not known
+        if words[0] in ("run", "time"):
+            assert options.campaign in ("fuzz", *campaigns()) or options.campaign.endswith(".toml"), words
+
+
+@pytest.mark.parametrize("page", [README, MANUAL], ids=lambda page: page.stem)
+def test_every_file_that_a_printed_command_reads_is_made_above_it(page: Path) -> None:
+    """By a command, by the shell, or by CalculiX from a deck; NAME stands for any."""
+    text, reads = page.read_text(encoding="utf-8"), 0
+    for words in commands(page):
+        for before, word in pairwise(words):
+            if re.fullmatch(r"[a-z]\w*\.(npz|dat)", word) and before not in ("--out", "--freeze"):
+                above, stem = text[: text.index(" ".join((before, word)))], word.partition(".")[0]
+                made = (f"--out {word}", f"--freeze {word}", f"> {word}", f"--out {stem}.inp")
+                assert any(each in above for each in made), words
+                reads += 1
+    assert reads
 
 
 @pytest.fixture

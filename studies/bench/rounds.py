@@ -17,7 +17,7 @@ from studies.door.columns import columns
 
 COLUMNS = ("group", "line", "what", "median", "low", "high", "at_most", "holds")
 NO_BAR = float("nan")
-HOLDS, BROKEN = "holds", "BROKEN"
+HOLDS, VARIES, BROKEN = "holds", "varies", "BROKEN"
 PART = "part "  # of the time of a line, by its name
 
 
@@ -61,8 +61,9 @@ def in_rounds(
 ) -> pd.DataFrame:
     """One row a number: group, line, what it is, median, low and high over the rounds, its bar, and whether it holds.
 
-    The unit of a round is the median of those beside its lines. A bar is held by the median: the quiet half of a busy
-    machine decides. Groups are asked for one after another, so that what they need is made, and freed, in time.
+    The unit of a round is the median of those beside its lines. A bar holds where the median does; it is broken where
+    every round is beyond it, and where rounds lie on both sides a busy machine has not decided. Groups are asked for
+    one after another, so that what they need is made, and freed, in time.
     """
     rows = [row for group in groups for row in _readings(group, unit, rounds, progress, clock)]
     return pd.DataFrame(rows, columns=list(COLUMNS))
@@ -100,8 +101,13 @@ def _readings(
         bars = {**{f"x {other}": bar for other, bar in line.over.items()}, **line.most}
         for what, values in found.items():
             median, bar = statistics.median(values), bars.get(what, NO_BAR)
-            holds = "" if bar != bar else HOLDS if median <= bar else BROKEN
-            yield group.name, line.name, what, median, min(values), max(values), bar, holds
+            yield group.name, line.name, what, median, min(values), max(values), bar, _verdict(values, median, bar)
+
+
+def _verdict(values: Sequence[float], median: float, bar: float) -> str:
+    if bar != bar:
+        return ""
+    return HOLDS if median <= bar else VARIES if any(value <= bar for value in values) else BROKEN
 
 
 def _seen(line: Line, clock: Callable[[], float]) -> tuple[float, Mapping[str, float]]:

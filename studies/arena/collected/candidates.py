@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from importlib.resources import files
 from typing import Any
@@ -18,7 +18,7 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.sparse import checked_solve, factorise, symmetric
-from studies.arena.collected.certified import Certified
+from studies.arena.collected.certified import Certified, exact_on
 from studies.arena.collected.newton_path import Met, newton_path
 from studies.arena.collected.paths import Path
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
@@ -26,19 +26,24 @@ from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, 
 LICENCE = "MIT"
 PUBLIC = "public_lcps.json"
 TOUCHING, CONDENSED = "touching", "condensed"
+PRESSED, RAISED = 1, 2  # candidates of a step by the answer that its touching form is made from
 LARGE = 120_000  # entries of K beyond which a step has no derived forms: they would fill the collection
 DENSE = 300  # candidates whose compliance is written as a full matrix
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """A step that may be taken: its family, its name in the collection, where it is from, and its licence."""
+    """A step that may be taken: its family, its name in the collection, where it is from, and its licence.
+
+    states: of a touching form the candidates (m,) that are PRESSED and RAISED, else None.
+    """
 
     family: str
     name: str
     origin: dict[str, Any]
     step: FrozenStep
     licence: str = LICENCE
+    states: np.ndarray | None = None
 
 
 def on_path(path: Path) -> Iterator[Candidate]:
@@ -119,34 +124,47 @@ def derived(of: Candidate, answer: Certified) -> Iterator[Candidate]:
     """Forms of a step whose answer is known, where it has them and is not large."""
     if of.step.K.nnz > LARGE:
         return
-    for form, step in ((TOUCHING, touching(of.step, answer)), (CONDENSED, condensed(of.step))):
-        if step is not None:
-            yield Candidate(form, f"{of.name}-{form}", of.origin | {"form": form}, step, of.licence)
+    states = raised(answer)
+    if states is not None:
+        yield replace(form_of(of, TOUCHING, touching(of.step, states)), states=states)
+    if has_dual(of.step):
+        yield form_of(of, CONDENSED, condensed(of.step))
 
 
-def touching(step: FrozenStep, answer: Certified) -> FrozenStep | None:
-    """The foundation raised to every second candidate that the answer leaves open: it touches and carries nothing.
+def form_of(of: Candidate, form: str, step: FrozenStep) -> Candidate:
+    """A form of a step."""
+    return Candidate(form, f"{of.name}-{form}", of.origin | {"form": form}, step, of.licence)
 
-    The answer stays one. None where nothing is open.
-    """
-    gap = step.gap + step.G @ answer.du
+
+def raised(answer: Certified) -> np.ndarray | None:
+    """(m,): the candidates that are PRESSED, and RAISED every second that is left open; None where nothing is open."""
     chosen = np.flatnonzero(~answer.pressed & ~answer.touching)[::2]
     if not len(chosen):
         return None
-    raised = step.gap.copy()
-    raised[chosen] -= gap[chosen]
-    return FrozenStep(**{**vars(step), "gap": raised})
+    states = np.where(answer.pressure > 0, PRESSED, 0).astype(np.int8)
+    states[chosen] = RAISED
+    return states
 
 
-def condensed(step: FrozenStep) -> FrozenStep | None:
+def touching(step: FrozenStep, states: np.ndarray) -> FrozenStep:
+    """The foundation raised to some candidates that an answer leaves open: they touch and carry nothing.
+
+    That answer, the one on the set PRESSED, stays one. Raises NotCertifiedError where the set has none.
+    """
+    gap = step.gap + step.G @ exact_on(step, states == PRESSED)[0]
+    return FrozenStep(**{**vars(step), "gap": np.where(states == RAISED, step.gap - gap, step.gap)})
+
+
+def has_dual(step: FrozenStep) -> bool:
+    """Not with consistent coupling, beyond DENSE candidates, or where a candidate has no area."""
+    return step.coupling is None and 1 < len(step.gap) <= DENSE and bool(np.all(step.weights > 0))
+
+
+def condensed(step: FrozenStep) -> FrozenStep:
     """The step in its nodal forces f [N] alone, the dual: f >= 0, s = H f + q >= 0, f.s = 0.
 
-    H = G K^-1 G^T [mm/N], q = g - G K^-1 r [mm]. Units change places: unknowns are forces, pressures are gaps. None
-    with consistent coupling, beyond DENSE candidates, or where a candidate has no area.
+    H = G K^-1 G^T [mm/N], q = g - G K^-1 r [mm]. Units change places: unknowns are forces, pressures are gaps.
     """
-    m = len(step.gap)
-    if step.coupling is not None or not 1 < m <= DENSE or not np.all(step.weights > 0):
-        return None
     solve = partial(checked_solve, factorise(step.K), step.K)
     columns = np.column_stack([solve(row) for row in step.G.toarray()])
     H = np.asarray(step.G @ columns)

@@ -2,8 +2,8 @@
 
 The first is an algorithm of ours before the judge. The second solves the equations on the set that was found, by
 SciPy alone with residuals in extended precision, and asks every sign; where the step is a convex programme, an
-interior-point solver has to press the same candidates, from no set at all. Elsewhere the answer need not be the only
-one.
+interior-point solver has to come to a set with the same displacements and forces, from no set at all. Elsewhere the
+answer need not be the only one.
 No collection and no file format may enter here.
 """
 
@@ -79,32 +79,48 @@ def confirm(step: FrozenStep, answer: Certified, condition: float = 1.0) -> Cert
 
     condition: of K, where it is known; what rounding makes of it in double precision is no contradiction.
     """
-    same = max(SAME, ROUNDED * float(np.finfo(float).eps) * condition) if np.isfinite(condition) else SAME
+    same = rounding(condition)
     du, forces = exact_on(step, answer.pressure > 0)
-    for what, one, other in (
-        ("displacements", answer.du, du),
-        ("forces", _nodal(step, answer.pressure), forces),
-    ):
-        apart, size = float(np.max(np.abs(one - other), initial=0.0)), float(np.max(np.abs(other), initial=0.0))
-        if not apart <= same * size:
-            raise NotCertifiedError(f"{what} of {answer.found_by} are {apart:.1e} off the equations, of {size:.1e}")
+    _compare(step, answer, du, forces, same, "the equations")
     gap = step.gap + step.G @ du
-    if np.any(forces < -SIGN * np.max(forces, initial=0.0)) or np.any(gap < -SIGN * _large(step, gap)):
+    if np.any(forces < -same * np.max(forces, initial=0.0)) or np.any(gap < -same * _large(step, gap)):
         raise NotCertifiedError(f"a force or a gap on the set of {answer.found_by} has the wrong sign")
     told = ["equations on the set in extended precision"]
     if refusal(step) is None:
-        told += _by_interior_point(step, answer, gap)
+        told += _by_interior_point(step, answer, same)
     return replace(answer, confirmed_by=tuple(told))
 
 
-def _by_interior_point(step: FrozenStep, answer: Certified, gap: np.ndarray) -> list[str]:
-    """Raises NotCertifiedError where it presses other candidates; nothing where it finds no end."""
+def rounding(condition: float) -> float:
+    """Relative difference of two answers that are one, where K has this condition."""
+    return max(SAME, ROUNDED * float(np.finfo(float).eps) * condition) if np.isfinite(condition) else SAME
+
+
+def _compare(step: FrozenStep, answer: Certified, du: np.ndarray, forces: np.ndarray, same: float, whose: str) -> None:
+    """Raises NotCertifiedError where displacements (n,) or nodal forces (m,) differ by more than rounding, ``same``.
+
+    A displacement is known to no more digits than the gap that it closes.
+    """
+    digit = ROUNDED * float(np.finfo(float).eps * np.max(np.abs(step.gap), initial=0.0))
+    for what, one, other, least in (
+        ("displacements", answer.du, du, digit),
+        ("forces", _nodal(step, answer.pressure), forces, 0.0),
+    ):
+        apart, size = float(np.max(np.abs(one - other), initial=0.0)), float(np.max(np.abs(other), initial=0.0))
+        if not apart <= max(same * size, least):
+            raise NotCertifiedError(f"{what} of {answer.found_by} are {apart:.1e} off {whose}, of {size:.1e}")
+
+
+def _by_interior_point(step: FrozenStep, answer: Certified, same: float) -> list[str]:
+    """Raises NotCertifiedError where the answer on its set is another one; nothing where it finds no end.
+
+    Sets are not compared: rounding decides who of those that touch without force is in one. Nor are its forces.
+    """
     try:
         pressure = minimise(step)[1]
     except OracleError:
         return []  # it knows the forces of thin shells to 1e-6 only, which may leave a set without an answer
-    if not np.array_equal(_states(step, _nodal(step, pressure), gap)[0], answer.pressed):
-        raise NotCertifiedError(f"the interior point presses other candidates than {answer.found_by}")
+    _compare(step, answer, *exact_on(step, pressure > 0), same, "the interior point")
     return ["convex programme by an interior point"]
 
 

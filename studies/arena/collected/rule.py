@@ -12,7 +12,8 @@ named with its reason beside the manifest.
 
 Then the files are made once more with other kernels of BLAS and other instructions, and only what agrees stays: a path
 of an indefinite tangent may be turned elsewhere by the last digit. The manifest is kept with the suite; the files are
-made from it by one command. What they hold is compared by sums that rounding moves little. No solver is judged here.
+made from it by one command. What they hold is compared by sums that rounding moves little.
+What another machine would not make again is kept as arrays (:mod:`.kept`). No solver is judged here.
 """
 
 from __future__ import annotations
@@ -29,9 +30,20 @@ import pandas as pd
 
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from studies.arena.collected import paths as listed
-from studies.arena.collected.candidates import CONDENSED, TOUCHING, Candidate, derived, on_path, published
+from studies.arena.collected.candidates import (
+    CONDENSED,
+    TOUCHING,
+    Candidate,
+    condensed,
+    derived,
+    form_of,
+    on_path,
+    published,
+    touching,
+)
 from studies.arena.collected.candidates import candidates as all_candidates
 from studies.arena.collected.certified import Certified, NotCertifiedError, confirm, find
+from studies.arena.collected.kept import copy_kept, kept_names, raised_states, write_states
 from studies.arena.collected.traits import Traits, traits
 from studies.store.atomic import write_by, write_table, write_text
 
@@ -125,8 +137,13 @@ def choose(directory: Path, tell: Callable[[str], None] = _silent, only: str = "
     """Apply the rule: write all files, the manifest and what was left out; only: the scene of paths, default all."""
     wanted = [path for path in listed.paths() if only in ("", path.scene)]
     rule = Rule()
-    rows = [_written(directory, taken) for taken in chosen(all_candidates(wanted), rule, tell)]
+    rows, states = [], {}
+    for taken in chosen(all_candidates(wanted), rule, tell):
+        rows.append(_written(directory, taken))
+        if taken.candidate.states is not None:
+            states[taken.candidate.name] = taken.candidate.states
     table = pd.DataFrame(rows)
+    write_states(directory, states)
     write_table(directory / LEFT_OUT, pd.DataFrame(rule.left_out, columns=["name", "family", "why"]))
     _finish(directory, table)
     return table
@@ -154,23 +171,28 @@ def _finish(directory: Path, table: pd.DataFrame) -> None:
 def make(directory: Path, kept: pd.DataFrame, tell: Callable[[str], None] = _silent) -> None:
     """Write the files of the kept manifest and the manifest; those that are there and as it says are left alone."""
     missing = {line.partition(":")[0] for line in unlike(directory, kept)}
+    for name in sorted(missing & kept_names()):
+        copy_kept(name, directory)
+        missing.remove(name)
+    states = raised_states()
     for candidate in _wanted(missing):
         tell(candidate.name)
         if candidate.name in missing:
             write(directory, candidate)
-        forms = {f"{candidate.name}-{form}" for form in (TOUCHING, CONDENSED)}
-        if forms & missing:
-            for form in _forms(candidate):
-                if form.name in missing:
-                    tell(form.name)
-                    write(directory, form)
+        for form in _forms(candidate, missing, states):
+            tell(form.name)
+            write(directory, form)
     _finish(directory, kept)
 
 
-def _forms(candidate: Candidate) -> Iterator[Candidate]:
-    """Derived forms of a step, none where its answer is not found: what is missing then is told by ``unlike``."""
-    with suppress(NotCertifiedError):
-        yield from derived(candidate, find(candidate.step))
+def _forms(candidate: Candidate, missing: set[str], states: Mapping[str, np.ndarray]) -> Iterator[Candidate]:
+    """Its missing forms; none where nothing is known of who touches or it is not met, which ``unlike`` says then."""
+    name = f"{candidate.name}-{TOUCHING}"
+    if name in missing and name in states:
+        with suppress(NotCertifiedError):
+            yield form_of(candidate, TOUCHING, touching(candidate.step, states[name]))
+    if f"{candidate.name}-{CONDENSED}" in missing:
+        yield form_of(candidate, CONDENSED, condensed(candidate.step))
 
 
 def _wanted(names: set[str]) -> Iterator[Candidate]:

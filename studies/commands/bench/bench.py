@@ -60,7 +60,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _costs(options: argparse.Namespace) -> int:
     from studies.bench.costs import costs
-    from studies.bench.rounds import BROKEN, shown
+    from studies.bench.rounds import BROKEN, VARIES, shown
     from studies.bench.tangents import with_pardiso
     from studies.store.atomic import write_table
 
@@ -73,6 +73,9 @@ def _costs(options: argparse.Namespace) -> int:
     if not with_pardiso():
         print("PARDISO: skipped, needs the extra mkl")
     print("\n".join(shown(table)))
+    undecided = int((table["holds"] == VARIES).sum())
+    if undecided:
+        print(f"{undecided} bars undecided, rounds lie on both sides: a quiet machine, or more --rounds")
     return FAILED if (table["holds"] == BROKEN).any() else OK
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from contact.verify import judge
 from studies.arena.accuracy import accuracy
-from studies.arena.collected.candidates import condensed, of_complementarity, on_path, published, touching
+from studies.arena.collected.candidates import condensed, of_complementarity, on_path, published, raised, touching
 from studies.arena.collected.certified import Certified, find
 from studies.arena.collected.paths import Path, paths
 from studies.arena.collected.siconos import read_lcp
@@ -27,14 +27,12 @@ def test_the_dual_is_solved_by_the_forces() -> None:
     """Its pressures are the gaps of the step."""
     for step in (known_step()[0], lopsided(known_step()[0])):
         dual = condensed(step)
-        assert dual is not None
         inverse = np.linalg.inv(step.K.toarray())
         G = step.G.toarray()
         assert np.allclose(dual.K.toarray(), G @ inverse @ G.T, rtol=1e-10)
         assert np.allclose(dual.r, step.gap - G @ inverse @ step.r, rtol=1e-10)
     step, du, pressure = known_step()
     dual = condensed(step)
-    assert dual is not None
     gap = np.maximum(step.gap + step.G @ du, 0)
     assert accuracy(dual, step.weights * pressure, gap).worst <= 1e-12
 
@@ -42,16 +40,17 @@ def test_the_dual_is_solved_by_the_forces() -> None:
 def test_raised_foundations_touch_and_carry_nothing() -> None:
     """The answer stays one, and more candidates than before are closed without pressure."""
     step, du, pressure = known_step()
-    raised = touching(step, answer_of(du, pressure))
-    assert raised is not None
-    assert not judge(raised.problem(), du, pressure).failures()
-    closed = [np.sum((np.abs(s.gap + s.G @ du) <= OBSTACLE) & (pressure == 0)) for s in (step, raised)]
+    states = raised(answer_of(du, pressure))
+    assert states is not None
+    lifted = touching(step, states)
+    assert not judge(lifted.problem(), du, pressure).failures()
+    closed = [np.sum((np.abs(s.gap + s.G @ du) <= OBSTACLE) & (pressure == 0)) for s in (step, lifted)]
     assert closed[1] > closed[0]
 
 
 def test_nothing_is_raised_where_nothing_is_open() -> None:
-    step, du, pressure = known_step(states=np.array([1, 1, 1, 1, 1, 1]))
-    assert touching(step, answer_of(du, pressure)) is None
+    _, du, pressure = known_step(states=np.array([1, 1, 1, 1, 1, 1]))
+    assert raised(answer_of(du, pressure)) is None
 
 
 def test_published_problems_of_siconos_are_those_of_its_files(tmp_path: File) -> None:

@@ -11,9 +11,10 @@ import pytest
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
-from studies.arena.collected import rule
-from studies.arena.collected.candidates import Candidate, on_path
-from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find
+from studies.arena.collected import certified, rule
+from studies.arena.collected.candidates import RAISED, Candidate, on_path
+from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find, rounding
+from studies.arena.collected.kept import FOLDER, kept_names, raised_states
 from studies.arena.collected.paths import Path
 from studies.arena.collected.rule import LARGEST, MOST, Rule, chosen, keep_agreeing, make, manifest, sums, unlike, write
 from studies.arena.collected.traits import condition, kind, traits
@@ -59,6 +60,21 @@ def test_what_is_slightly_off_is_not_confirmed() -> None:
         confirm(step, replace(right, du=right.du * (1 + 1e-6)))
 
 
+@pytest.mark.parametrize(("which", "agree"), [("touching", True), ("open", False)])
+def test_who_touches_without_force_is_in_any_set(which: str, agree: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rounding presses it in one of two answers that are one; who presses what is open has another answer."""
+    step, du, pressure = known_step()
+    right = find(step)
+    more = right.touching if which == "touching" else ~right.touching & ~right.pressed
+    assert more.any()
+    monkeypatch.setattr(certified, "minimise", lambda step: (du, np.where(more, 1e-6, pressure)))
+    if agree:
+        assert len(confirm(step, right).confirmed_by) == 2
+    else:
+        with pytest.raises(NotCertifiedError, match="off the interior point"):
+            confirm(step, right)
+
+
 def test_kinds() -> None:
     step, _, _ = known_step()
     assert [kind(s) for s in (step, indefinite(step), lopsided(step))] == ["definite", "indefinite", "not symmetric"]
@@ -100,6 +116,8 @@ def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(rule.listed, "paths", lambda: iter([STRIP]))
     monkeypatch.setattr(rule, "published", lambda: iter(()))
     taken = list(chosen(on_path(STRIP), Rule()))
+    states = {t.candidate.name: t.candidate.states for t in taken if t.candidate.states is not None}
+    monkeypatch.setattr(rule, "raised_states", lambda: states)
     rows = [t.row | {"bytes": write(tmp_path, t.candidate).stat().st_size} for t in taken]
     kept = pd.DataFrame(rows)
     assert not unlike(tmp_path, kept)
@@ -114,6 +132,33 @@ def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -
     make(tmp_path, kept, made.append)
     assert not unlike(tmp_path, kept)
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")} == before
+
+
+def test_what_is_kept_is_as_the_manifest_says_and_small() -> None:
+    """Files that another machine would not make again, and who is raised in every touching form."""
+    kept = manifest().set_index("name", drop=False)
+    names = sorted(kept_names())
+    assert names
+    folder = File(rule.__file__).parent / FOLDER
+    assert not unlike(folder, kept.loc[names])
+    assert sum(path.stat().st_size for path in folder.iterdir()) < 2e6
+    touching = kept[kept["form"] == "touching"]
+    states = raised_states()
+    assert {name: len(own) for name, own in states.items()} == dict(touching["candidates"].items())
+    assert all((own == RAISED).any() for own in states.values())
+
+
+def test_no_answer_is_looked_for_where_files_are_made(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is kept is copied; a form of a step with several answers touches where it was chosen to."""
+    names = ["panel-6x6-E_ratio=1000-s1i2-touching", "ring-1x16-h_mm=0.1-delta_mm=1_35_50-s3i1"]
+    kept = manifest().set_index("name", drop=False).loc[names]
+    assert kept["kind"].iloc[0] == "indefinite"
+    monkeypatch.setattr(rule, "find", lambda step: pytest.fail("an answer is looked for"))
+    walked: list[str] = []
+    monkeypatch.setattr(rule, "on_path", lambda path: (walked.append(path.scene), on_path(path))[1])
+    make(tmp_path, kept)
+    assert not unlike(tmp_path, kept)
+    assert set(walked) == {"panel"}
 
 
 def kept_of(directory: File, kept: pd.DataFrame) -> pd.DataFrame:
@@ -170,7 +215,11 @@ def test_the_kept_manifest_keeps_the_rule() -> None:
 
 @pytest.mark.slow
 def test_a_sample_of_the_kept_manifest_is_made_and_certified_again(tmp_path: File) -> None:
-    """Every tenth problem of under 3,000 unknowns, from its path; its answer by two ways, with the traits it has."""
+    """Every tenth problem of under 3,000 unknowns, from its path; its answer by two ways.
+
+    A convex one has one answer, the one of the manifest, up to who touches within rounding. Another has several: which
+    of them is found is a matter of the last digit, and each that both ways take is one.
+    """
     kept = manifest()
     sample = kept[(kept["unknowns"] < 3000)].iloc[::10]
     make(tmp_path, sample)
@@ -180,6 +229,12 @@ def test_a_sample_of_the_kept_manifest_is_made_and_certified_again(tmp_path: Fil
         first = find(step)
         own = traits(step, first)
         found = confirm(step, first, own.condition)
-        assert (own.kind, own.pressed, own.touching) == (row["kind"], row["pressed"], row["touching"]), row["name"]
-        forces = float(step.problem().nodal_forces(found.pressure).sum())
-        assert forces == pytest.approx(row["force_N"], rel=1e-5), row["name"]
+        assert own.kind == row["kind"], row["name"]
+        if own.kind == "definite":
+            forces = step.problem().nodal_forces(found.pressure)
+            least = rounding(own.condition)
+            gap = step.gap + step.G @ found.du
+            sure = int(np.sum(forces > least * forces.max()))
+            closed = int(np.sum(gap <= least * max(np.abs(step.gap).max(), np.abs(gap).max())))
+            assert sure <= row["pressed"] <= closed, row["name"]
+            assert float(forces.sum()) == pytest.approx(row["force_N"], rel=max(1e-5, least)), row["name"]
