@@ -44,8 +44,9 @@ class Result:
     """What a solve has found; ``last`` is the last converged state, from which the fields are written.
 
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
-    the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
-    is not stable, but for the points of a traced curve, which is followed through such states on purpose.
+    the scene cannot be; nothing was solved beyond that.  outcome: WRONG where the judge refuses a load; the path ends there,
+    and ``last`` is that state.  unstable: a sentence on each requested load whose equilibrium is not stable, but for
+    the points of a traced curve, which is followed through such states on purpose.
     work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
@@ -112,9 +113,9 @@ class Result:
         """The class of the outcome: what a solve may end in of :data:`CLASSES`."""
         if self.unsupported:
             return UNSUPPORTED
+        if self.outcome is Outcome.WRONG:
+            return WRONG
         if self.outcome.converged:
-            if any(step.certificate["failures"] for step in self.loads):
-                return WRONG
             return UNSTABLE if self.unstable else CONVERGED
         capped = Outcome.ITERATION_LIMIT in (self.outcome, self.cause)
         return CAP_HIT if capped and not self.path_end else NOT_CONVERGED

@@ -8,13 +8,15 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
 from studies import branching
-from studies.commands import NOT_CONVERGED, OK
+from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.door.columns import columns
 from studies.request import Request, UsageError
-from studies.result import UNSTABLE, Result
+from studies.result import UNSTABLE, WRONG, Result
 from studies.scene import Scene
 from studies.solving import solve
 from studies.step import Step
@@ -44,7 +46,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Solve, write and print a short table."""
+    """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _run(options)
+
+
+def _run(options: argparse.Namespace) -> int:
     given = pairs(options.settings)
     named = {name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")}
     scene, request, wanted = _asked(options, given, **named)
@@ -69,11 +76,18 @@ def run(options: argparse.Namespace) -> int:
     if options.plot:
         _draw(options.out)
     if not result.outcome.converged:
-        print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
-        return NOT_CONVERGED
+        return _say_why(result)
     if wanted is not None:
         _print_rounds(result)
     return OK if enough else NOT_CONVERGED
+
+
+def _say_why(result: Result) -> int:
+    """The last line: which condition the judge finds failed, or why the path ends; its exit code."""
+    wrong = result.verdict == WRONG
+    sys.stdout.flush()  # whoever reads both streams as one reads this last
+    print(f"footprint: {'judged wrong' if wrong else 'did not converge'}: {result.reason}", file=sys.stderr)
+    return FAILED if wrong else NOT_CONVERGED
 
 
 def _draw(out: Path) -> None:
@@ -124,7 +138,10 @@ def _progress() -> Iterator[Callable[[str], None]]:
 def _print_table(result: Result) -> None:
     """The loads that were reached, one line each, what fits a terminal."""
     if result.loads:
-        _print_columns(Table.of_rows([_row(step) for step in result.loads]))
+        rows = [_row(step) for step in result.loads]
+        if result.verdict == WRONG:  # the last load, at which the path ends
+            rows = [row | {"judge": ""} for row in rows[:-1]] + [rows[-1] | {"judge": WRONG}]
+        _print_columns(Table.of_rows(rows))
     if result.request.model_reason:
         print(f"model {result.request.model}: {result.request.model_reason}")
     counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
@@ -158,5 +175,9 @@ def _print_rounds(result: Result) -> None:
 def _print_columns(table: Table) -> None:
     """Numbers to six digits, flush right."""
     names = list(table.columns)
-    shown = ([f"{each:.6g}" if isinstance(each, float) else str(each) for each in row.values()] for row in table.rows())
-    print("\n".join(columns([names, *shown], right=range(len(names)))))
+    shown = (map(_shown, row.values()) for row in table.rows())
+    print("\n".join(columns([names, *map(list, shown)], right=range(len(names)))))
+
+
+def _shown(value: object) -> str:
+    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)
