@@ -13,7 +13,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
+from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE
 from studies.request import PartError, UsageError
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
@@ -92,7 +92,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return FAILED
     except KeyboardInterrupt:
         print("footprint: interrupted; what was finished is kept", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     finally:
         if arguments is None:  # the process ends here: without this it takes a tenth of a small solve to tidy up first
             gc.freeze()

@@ -33,8 +33,19 @@ from studies.walk import Visited, walk
 resolve = complete
 
 
+class Interrupted(KeyboardInterrupt):
+    """An interruption of a solve; result: what was finished before it."""
+
+    def __init__(self, result: Result) -> None:
+        super().__init__(result.reason)
+        self.result = result
+
+
 def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
-    """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised."""
+    """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised.
+
+    Raises Interrupted, and PartError where a part from outside breaks.
+    """
     start, spent = time.perf_counter(), time.process_time()
     with counted() as work, blamed(request.contact, request.measure, scene):
         model = scene.build(request)
@@ -46,12 +57,18 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
         except ValueError as error:  # a parameter that it cannot have
             result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
         else:
-            _run_stages(model, algorithm, request.steps, result, progress)
+            try:
+                _run_stages(model, algorithm, request.steps, result, progress)
+            except KeyboardInterrupt:
+                result.outcome = result.cause = Outcome.INTERRUPTED
+                result.reason = f"interrupted with {len(result.loads)} loads finished"
     result.counters["operations"] = sum(work.values())
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
     result.timing = {**clocks, "build": built - start, **times}
     result.counters = {key: int(value) for key, value in result.counters.items()}
+    if result.outcome is Outcome.INTERRUPTED:
+        raise Interrupted(result)
     return result
 
 

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -20,6 +20,7 @@ from studies.cli import main
 from studies.refinement.error_control import coarsest, solve_to_error
 from studies.result import Result
 from studies.solving import resolve, solve
+from studies.store.atomic import as_text
 
 LOADS = {"delta_mm": "5,10,20"}
 
@@ -114,3 +115,33 @@ def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(monkeypatch: py
     assert found.outcome is Outcome.WRONG
     assert found.reason.startswith("equilibrium 0.5 above 1e-08 at load_fraction ")
     assert not [name for name in found.quantities if "limit" in name]  # what only the whole curve has
+
+
+@dataclass(frozen=True)
+class Stopped(Semismooth):
+    """The user stops it at the second load."""
+
+    name: ClassVar[str] = "stopped"
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        if start.active.any():
+            raise KeyboardInterrupt
+        return super().solve(problem, start)
+
+
+def test_an_interrupted_solve_writes_the_loads_that_were_finished(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(ALGORITHMS, "stopped", Stopped)
+    words = ["ring", "--mesh", "1x16", "--contact", "stopped", "--set", "delta_mm=5,10,20", "--out", str(tmp_path)]
+    assert main(["solve", *words]) == 130
+    assert capsys.readouterr().err == "footprint: interrupted with 1 loads finished; they are written\n"
+    told = json.loads((tmp_path / "result.json").read_text())
+    assert (told["outcome"], told["class"], len(told["steps"])) == ("interrupted", "not-converged", 1)
+    assert told["steps"][0] == _whole()["steps"][0]
+    with pytest.raises(KeyboardInterrupt):  # a loop in a notebook ends, too
+        studies.solve("ring", mesh="1x16", contact="stopped", **LOADS)
+
+
+def _whole() -> dict[str, Any]:
+    return dict(json.loads(as_text(solve(*resolve("ring", {"delta_mm": "5"}, "1x16")).as_json())))
