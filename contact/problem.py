@@ -172,6 +172,8 @@ class Outcome(enum.Enum):
     LIMIT_POINT = "the path turns back before it gets there"
     STEP_LIMIT = "the load step was cut to its smallest size and still failed"
     GIVEN_UP = "as much was spent in vain as on twenty good steps"
+    INTERRUPTED = "interrupted by the user"
+    WRONG = "the judge refuses a state that was claimed to be converged"
 
     @property
     def converged(self) -> bool:

@@ -74,7 +74,7 @@ class Verdict:
         told = {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
         return told | {"scales": {"length_mm": self.length, "pressure_MPa": self.pressure}}
 
-    def failures(
+    def exceeded(
         self,
         *,
         equilibrium: float = EQUILIBRIUM,
@@ -82,8 +82,8 @@ class Verdict:
         tension: float = 0.0,
         complementarity: float = GAP,
         balance: float = BALANCE,
-    ) -> list[str]:
-        """The names of the residuals above their bounds (NaN counts as above).
+    ) -> dict[str, tuple[float, float]]:
+        """Size and bound of the residuals that are above theirs, by name (NaN counts as above).
 
         penetration, tension and complementarity are relative to the length, the pressure and their product. The
         defaults are those of an exact multiplier; a finite epsilon needs wider bounds for penetration, p/epsilon, and
@@ -98,7 +98,12 @@ class Verdict:
             "energy": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
             "force": max(balance, min(self.force_rounding, ROUNDING_ALONE)),
         }
-        return [name for name, value in {**self.kkt, **self.balances}.items() if not value <= bounds[name]]
+        sizes = {**self.kkt, **self.balances}
+        return {name: (size, bounds[name]) for name, size in sizes.items() if not size <= bounds[name]}
+
+    def failures(self, **bounds: float) -> list[str]:
+        """The names of the residuals above their bounds, as :meth:`exceeded` takes them."""
+        return list(self.exceeded(**bounds))
 
     def gap_bound(self, share: float = GAP) -> float:
         """Size [mm] of a gap that is none: a share of a large one, and the rounding of the foundation's position."""
@@ -106,7 +111,7 @@ class Verdict:
 
 
 def claim(tolerance: float, n: int) -> dict[str, float]:
-    """Bounds for :meth:`Verdict.failures` of an answer in n unknowns that claims equilibrium to ``tolerance``.
+    """Bounds for :meth:`Verdict.exceeded` of an answer in n unknowns that claims equilibrium to ``tolerance``.
 
     The judge's own unless the tolerance is wider. A sum of n nodal imbalances is at most sqrt(n) times their norm.
     """
@@ -130,6 +135,8 @@ def judge(
     """
     if pressure.shape != problem.weights.shape:
         raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
+    if not np.all(np.isfinite(u)):
+        return Verdict(np.nan, np.nan, np.nan, np.nan, rounding=0.0)  # no mechanics has an answer to it
     lin = problem.linearise(u, None)
     contact = problem.contact_force(u, pressure)
     forces = max(lin.scale, float(np.linalg.norm(contact)))

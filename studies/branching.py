@@ -70,15 +70,16 @@ def _row(result: Result, branch: Branch) -> dict[str, Any]:
     return row
 
 
-def write(result: Result, directory: Path) -> None:
-    """branch_1.vtu and branch_2.vtu: the fields of the stable branches that were found."""
+def write(result: Result, directory: Path) -> list[str]:
+    """branch_1.vtu and branch_2.vtu: the fields of the stable branches that were found; returns their names."""
     visited, model = result.end, result.model
     if visited is None or model is None:
-        return
-    for number, branch in enumerate(result.beside, 1):
-        if branch.found:
-            state = visited.stage.lifted(branch.solution)
-            write_by(directory / f"branch_{number}.vtu", partial(model.write_fields, state=state))
+        return []
+    found = {f"branch_{number}.vtu": branch for number, branch in enumerate(result.beside, 1) if branch.found}
+    for name, branch in found.items():
+        state = visited.stage.lifted(branch.solution)
+        write_by(directory / name, partial(model.write_fields, state=state))
+    return list(found)
 
 
 def lines(result: Result) -> list[str]:

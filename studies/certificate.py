@@ -6,16 +6,18 @@ Nothing here knows a scene, and nothing solves.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-from contact.continuation.stability import stability
+from contact.continuation.stability import Stability, stability
 from contact.diagnosis import diagnose
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution
 from contact.swept import Crossing
 from contact.verify import claim, gap_residuals, judge
 
+UNITS = {"penetration": "mm", "tension": "MPa", "complementarity": "MPa mm"}  # of the residuals that have one
+NO_STATE = "what the judge refuses is no equilibrium"
 SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
 
 
@@ -30,6 +32,7 @@ def certificate(
     """What the judge says of a state, by the law of its epsilon: failures by name, their diagnosis, kkt, balances,
     scales.
 
+    exceeded: size and bound of the residuals that are above theirs, by name; only where some are.
     stability: word, sentence and counts of :class:`contact.continuation.stability.Stability`; it is no failure.
     kkt has the true gaps, whatever epsilon.  tolerance: the equilibrium that was asked for. It is the claim that is
     judged: where it is wider than the judge's own bound, it is the bound, of equilibrium and of what follows from it.
@@ -45,16 +48,31 @@ def certificate(
         found["failures"].append(SWEPT)
         shares = f"{passed[0].enters:.3g} to {passed[0].leaves:.3g}"
         found["diagnosis"].append(f"{SWEPT}: {passed[0]}, from {shares} of its way")
+    if not found["exceeded"]:
+        del found["exceeded"]
     return found
+
+
+def refusal(certificate: Mapping[str, Any]) -> str:
+    """Why the judge refuses a state: each failed condition with its size and its bound; empty where it does not."""
+    told = {line.partition(":")[0]: line for line in certificate["diagnosis"]}
+    for name, (size, bound) in certificate.get("exceeded", {}).items():
+        unit = f" {UNITS[name]}" if name in UNITS else ""
+        above = f"{name} {size:.3g}{unit} above {bound:.3g}{unit}"
+        told[name] = f"{name} is not a number" if math.isnan(size) else above
+    return ", ".join(told.get(name, name) for name in certificate["failures"])
 
 
 def _judged(problem: ContactProblem, state: ContactSolution, epsilon: float, tolerance: float) -> dict[str, Any]:
     verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
     found = verdict.certificate
     found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
-    found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
+    found["exceeded"] = verdict.exceeded(**claim(tolerance, len(state.u)))
+    found["failures"] = list(found["exceeded"])
     found["diagnosis"] = diagnose(problem, state.u, state.pressure, epsilon=epsilon) if found["failures"] else []
-    found["stability"] = stability(problem, state, epsilon).record
+    found["stability"] = (
+        Stability(None, why=NO_STATE) if found["failures"] else stability(problem, state, epsilon)
+    ).record
     return found
 
 

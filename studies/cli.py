@@ -13,8 +13,8 @@ import sys
 from collections.abc import Sequence
 from typing import Any, NoReturn
 
-from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.request import UsageError
+from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE
+from studies.request import PartError, UsageError
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 
@@ -84,9 +84,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (UsageError, OSError) as error:
         print(f"footprint: {_line(error)}", file=sys.stderr)
         return WRONG_USE
+    except PartError as error:
+        print(f"footprint: {error}", file=sys.stderr)
+        return FAILED
+    except MemoryError as error:
+        print(f"footprint: {_of_memory(error)}", file=sys.stderr)
+        return FAILED
     except KeyboardInterrupt:
         print("footprint: interrupted; what was finished is kept", file=sys.stderr)
-        return 130
+        return INTERRUPTED
     finally:
         if arguments is None:  # the process ends here: without this it takes a tenth of a small solve to tidy up first
             gc.freeze()
@@ -97,6 +103,11 @@ def _line(error: Exception) -> str:
     if isinstance(error, OSError) and error.filename is not None and error.strerror:
         return f"{error.filename}: {error.strerror}"
     return str(error)
+
+
+def _of_memory(error: MemoryError) -> str:
+    """What there was no room for."""
+    return " ".join(f"not enough memory; a coarser mesh needs less: {error}".removesuffix(": ").split())
 
 
 def _load_plugins(words: Sequence[str]) -> None:

@@ -19,6 +19,10 @@ class UsageError(ValueError):
     """A wrong request; its message is the one line the user reads."""
 
 
+class PartError(Exception):
+    """A part from outside that breaks while it is used; its message is the one line the user reads."""
+
+
 class Settings(Mapping[str, Value]):
     """Values by key: frozen, hashable, and typed where they are read; raises TypeError for a value of another type."""
 

@@ -5,7 +5,9 @@ How it is found does not enter here (:mod:`studies.solving`), nor what makes a s
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+import re
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -24,6 +26,8 @@ from studies.store.provenance import provenance
 from studies.store.tables import Table
 from studies.walk import Visited
 
+RESULT = "result.json"
+OWN = re.compile(r"(figures/)?[A-Za-z0-9_-]+\.(csv|svg|vtu)")  # what a result may have written beside it
 HISTORY = ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed")  # at the least
 UNSUPPORTED = "unsupported"  # the outcome of a request that the algorithm refuses
 CONVERGED, WRONG, NOT_CONVERGED, CAP_HIT = "converged", "wrong", "not-converged", "cap-hit"
@@ -44,8 +48,9 @@ class Result:
     """What a solve has found; ``last`` is the last converged state, from which the fields are written.
 
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
-    the scene cannot be; nothing was solved beyond that.  unstable: a sentence on each requested load whose equilibrium
-    is not stable, but for the points of a traced curve, which is followed through such states on purpose.
+    the scene cannot be; nothing was solved beyond that.  outcome: WRONG where the judge refuses a load: the path ends
+    there, and ``last`` is that state.  unstable: a sentence on each requested load whose equilibrium is not stable, but
+    for the points of a traced curve, which is followed through such states on purpose.
     work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
     ways: stage and accepted parameters on the way to each requested load, that included.  remarks: further notes.
     errors: {quantity: {low, high}} of those whose error is estimated.
@@ -118,9 +123,9 @@ class Result:
         """The class of the outcome: what a solve may end in of :data:`CLASSES`."""
         if self.unsupported:
             return UNSUPPORTED
+        if self.outcome is Outcome.WRONG:
+            return WRONG
         if self.outcome.converged:
-            if any(step.certificate["failures"] for step in self.loads):
-                return WRONG
             return UNSTABLE if self.unstable else CONVERGED
         capped = Outcome.ITERATION_LIMIT in (self.outcome, self.cause)
         return CAP_HIT if capped and not self.path_end else NOT_CONVERGED
@@ -143,10 +148,21 @@ class Result:
         """One of the tables, its parts from all loads below one another."""
         return Table.stacked(self.tables[name])
 
-    def write(self, directory: Path) -> None:
-        """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last."""
-        self.write_artefacts(directory)
-        write_json(directory / "result.json", self.as_json())
+    def write(self, directory: Path, beside: Iterable[str] = ()) -> list[str]:
+        """result.json, fields.vtu and the tables; each appears whole or not at all, result.json last.
+
+        result.json names the files, those ``beside`` included, which are there already; what the result that was there
+        before has named, and this one does not, is removed. Returns the names.
+        """
+        files = [*self.write_artefacts(directory), *beside]
+        for name in _named_before(directory) - {*files}:
+            (directory / name).unlink(missing_ok=True)
+        self.name(directory, files)
+        return files
+
+    def name(self, directory: Path, files: Sequence[str]) -> None:
+        """result.json alone, with the names of all files beside it."""
+        write_json(directory / RESULT, self.as_json() | {"files": files})
 
     def write_artefacts(self, directory: Path) -> list[str]:
         """fields.vtu and the tables, each whole or not at all; returns their names."""
@@ -157,3 +173,12 @@ class Result:
         state, write_fields = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0), self.model.write_fields
         write_by(directory / "fields.vtu", lambda path: write_fields(path, state))
         return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
+
+
+def _named_before(directory: Path) -> set[str]:
+    """The files that the result in a directory says to have written beside it; none elsewhere, whatever it says."""
+    try:
+        told = json.loads((directory / RESULT).read_text(encoding="utf-8"))["files"]
+        return {name for name in told if OWN.fullmatch(name)}
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return set()

@@ -17,10 +17,11 @@ from contact.interchange.linearised_step import freeze
 from contact.problem import ContactAlgorithm, Outcome
 from contact.swept import crossings
 from studies.algorithm_settings import configured
-from studies.certificate import certificate
+from studies.certificate import certificate, refusal
 from studies.complete import complete
 from studies.friction.settings import rubbing
 from studies.operations import counted
+from studies.outside import blamed
 from studies.request import Request
 from studies.result import UNSTABLE, Frozen, Result
 from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage, UsageError
@@ -32,10 +33,21 @@ from studies.walk import Visited, walk
 resolve = complete
 
 
+class Interrupted(KeyboardInterrupt):
+    """An interruption of a solve; result: what was finished before it."""
+
+    def __init__(self, result: Result) -> None:
+        super().__init__(result.reason)
+        self.result = result
+
+
 def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
-    """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised."""
+    """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised.
+
+    Raises Interrupted, and PartError where a part from outside breaks.
+    """
     start, spent = time.perf_counter(), time.process_time()
-    with counted() as work:
+    with counted() as work, blamed(request.contact, request.measure, scene):
         model = scene.build(request)
         result = Result(request, model, work=work)
         built = time.perf_counter()
@@ -45,12 +57,18 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
         except ValueError as error:  # a parameter that it cannot have
             result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
         else:
-            _run_stages(model, algorithm, request.steps, result, progress)
+            try:
+                _run_stages(model, algorithm, request.steps, result, progress)
+            except KeyboardInterrupt:
+                result.outcome = result.cause = Outcome.INTERRUPTED
+                result.reason = f"interrupted with {len(result.loads)} loads finished"
     result.counters["operations"] = sum(work.values())
     times = {key[:-2]: result.counters.pop(key) for key in list(result.counters) if key.endswith("_s")}
     clocks = {"total": time.perf_counter() - start, "cpu": time.process_time() - spent}
     result.timing = {**clocks, "build": built - start, **times}
     result.counters = {key: int(value) for key, value in result.counters.items()}
+    if result.outcome is Outcome.INTERRUPTED:
+        raise Interrupted(result)
     return result
 
 
@@ -60,31 +78,44 @@ def _run_stages(
     for visited in walk(
         _stages(model, result.request), algorithm, steps, tell=lambda stage, at: progress(f"{stage} {at:g}")
     ):
-        point, stage = visited.point, visited.stage
-        result.end = visited
-        result.ways.append((stage.name, tuple(t for t, _ in point.way[1:])))
-        _account(result, stage.name, point.solution.counters, point.solution.history)
-        if visited.trace is not None:
-            _record_curve(visited, visited.trace, result, algorithm.epsilon)
-        else:
-            result.frozen = partial(_freeze, visited, result, algorithm.epsilon)
-        if visited.converged or point.reached != 0.0:
-            result.last = visited.state
-        if not visited.converged:
-            _record_end(visited, result)
-        elif visited.trace is None:
-            seen = stage.observe(visited.problem, point.solution, point.requested)
-            counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
-            judged: dict[str, Any] = {}
-            if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
-                tolerance = result.request.number("tolerance")
-                before = visited.last_accepted if visited.problem.coulomb is not None else None
-                judged = certificate(
-                    visited.problem, point.solution, algorithm.epsilon, tolerance, visited.passed, before
-                )
-                if judged["stability"]["word"] == UNSTABLE:
-                    result.unstable.append(f"{stage.name} at {point.requested:g}: {judged['stability']['sentence']}")
-            _record(result, seen, judged, {**counts, "substeps": point.substeps})
+        _record_visit(visited, result, algorithm.epsilon)
+        if result.outcome is Outcome.WRONG:
+            return  # what follows would start from no equilibrium
+
+
+def _record_visit(visited: Visited, result: Result, epsilon: float) -> None:
+    """What was reached, or why it was not."""
+    point, stage = visited.point, visited.stage
+    result.end = visited
+    result.ways.append((stage.name, tuple(t for t, _ in point.way[1:])))
+    _account(result, stage.name, point.solution.counters, point.solution.history)
+    if visited.converged or point.reached != 0.0:
+        result.last = visited.state
+    if visited.trace is not None:
+        _record_curve(visited, visited.trace, result, epsilon)
+    else:
+        result.frozen = partial(_freeze, visited, result, epsilon)
+    if result.outcome is Outcome.WRONG:
+        return
+    if not visited.converged:
+        _record_end(visited, result)
+    elif visited.trace is None:
+        _record_point(visited, result, epsilon)
+
+
+def _record_point(visited: Visited, result: Result, epsilon: float) -> None:
+    """A requested load, judged."""
+    point, stage, problem = visited.point, visited.stage, visited.problem
+    seen = stage.observe(problem, point.solution, point.requested)
+    counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
+    judged: dict[str, Any] = {}
+    if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
+        tolerance = result.request.number("tolerance")
+        before = visited.last_accepted if problem.coulomb is not None else None
+        judged = certificate(problem, point.solution, epsilon, tolerance, visited.passed, before)
+        if judged["stability"]["word"] == UNSTABLE:
+            result.unstable.append(f"{stage.name} at {point.requested:g}: {judged['stability']['sentence']}")
+    _record(result, seen, judged, {**counts, "substeps": point.substeps})
 
 
 def _stages(model: SceneModel, request: Request) -> Iterable[Stage]:
@@ -126,7 +157,7 @@ def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
         raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")
     told = result.as_json()
     origin = {key: told[key] for key in ("scene", "measure", "contact", "newton", "mesh", "model", "settings")}
-    origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": point.outcome.value}
+    origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": result.outcome.value}
     commit = {key: told["provenance"][key] for key in ("version", "commit")}
     meta = plain({**origin, **commit})
     if problem.coulomb is None:
@@ -141,7 +172,7 @@ def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
 
 
 def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float) -> None:
-    """The points of a traced curve, each judged, and the table ``curve``."""
+    """The points of a traced curve, each judged, and the table ``curve``; it ends with the first that is wrong."""
     stage, tolerance = visited.stage, result.request.number("tolerance")
     assert isinstance(stage, CurveStage)
     for before, point in pairwise(trace.points):
@@ -152,17 +183,26 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
         standing = visited.problem_at(before.factor).standing
         passed = crossings(standing, before.u, problem.standing, state.u) if before.factor else []  # led there in steps
         _record(result, seen, certificate(problem, state, epsilon, tolerance, passed), spent)
-    result.quantities |= stage.summarise(trace.points)
+        if result.outcome is Outcome.WRONG:
+            result.last = stage.lifted(state)
+            break
+    else:
+        result.quantities |= stage.summarise(trace.points)
     rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
     result.tables["curve"] = [Table.of_rows(rows)]
 
 
 def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int]) -> None:
+    """What was seen of a state; one that the judge refuses is wrong, here and wherever an outcome is asked for."""
     for name, table in seen.tables().items():
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:
         result.loads.append(Step.of({**seen.step, **judged, **spent}, spent))
+        if judged.get("failures"):
+            load, value = next(iter(seen.step.items()))
+            result.outcome = result.cause = Outcome.WRONG
+            result.reason = f"{refusal(judged)} at {load} {value:g}"
 
 
 def _account(result: Result, stage: str, counters: Mapping[str, float], history: Sequence[Mapping[str, Any]]) -> None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
-CERTIFICATE = ("failures", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
+CERTIFICATE = ("failures", "exceeded", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
 OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm counts
 
 

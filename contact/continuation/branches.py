@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from contact.answered import answered
 from contact.continuation.critical_points import spectrum
 from contact.continuation.stability import STABLE, UNSTABLE, Stability, stability
 from contact.newton.state import Tally
@@ -114,7 +115,7 @@ def _down(
     mu = first = 2 * abs(float(push @ (K @ push))) / float(push @ (D * push))
     at, last = replace(state, u=state.u + PUSH * size * push), PUSH * size
     for _ in range(STEPS):
-        found = algorithm.solve(held_at(problem, at.u, mu * D), at)
+        found = answered(algorithm, held_at(problem, at.u, mu * D), at)
         tally.add(replace(found, history=()))
         moved = float(np.linalg.norm(found.u - at.u))
         if not found.outcome.converged or moved > LEAP * last:
@@ -125,7 +126,7 @@ def _down(
         # softer springs while steps grow would leave the tangent negative; where they shrink it no longer is
         mu *= SOFTER if moved < last else 1.0
         at, last = found, moved
-    end = algorithm.solve(problem, at)
+    end = answered(algorithm, problem, at)
     tally.add(replace(end, history=()))
     return replace(end, counters=dict(tally.counters))
 

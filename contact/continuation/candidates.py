@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from contact.answered import answered
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 
@@ -26,7 +27,7 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
     gap = problem.gap(start.u)
     depth = max(-float(np.min(gap, initial=0.0)), _slid(problem, start))
     if problem.only is None or depth <= 0:
-        return algorithm.solve(problem, start)
+        return answered(algorithm, problem, start)
     chosen = (gap <= REACH * depth) | start.active
     before: ContactSolution | None = None
     while True:
@@ -34,11 +35,11 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
         at = start if before is None else before
         rubbed = None if start.friction is None else start.friction.only(chosen)
         begin = replace(at, pressure=at.pressure[chosen], active=at.active[chosen], friction=rubbed)
-        found = _spread(problem, algorithm.solve(near, begin), chosen, before)
+        found = _spread(problem, answered(algorithm, near, begin), chosen, before)
         missed = ~chosen & (problem.gap(found.u) < 0)
         if not (found.outcome.converged and missed.any()):
             return found
-        *rows, last = found.history
+        *rows, last = found.history or ({},)
         told = f"{int(missed.sum())} candidates that were left out penetrate: they are taken in"
         event = Event(EventKind.TAKEN_IN, told)
         before = replace(found, history=(*rows, {**last, "event": event}))
@@ -61,7 +62,7 @@ def _spread(
     pressure[chosen], active[chosen] = part.pressure, part.active
     counters, history = part.counters, part.history
     if before is not None:
-        counters = {key: before.counters[key] + value for key, value in counters.items()}
+        counters = {key: before.counters.get(key, 0) + value for key, value in counters.items()}
         history = (*before.history, *history)
     friction = part.friction
     if friction is not None and problem.coulomb is not None and problem.surface is not None:

@@ -17,6 +17,7 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 import numpy as np
 from scipy import sparse
 
+from contact.answered import answered
 from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.events import Event, EventKind
@@ -133,7 +134,7 @@ class PressedCurve:
         """
         problem = self._bordered(normal, np.append(guess[:-1] / self.m, guess[-1]))
         begin = ContactSolution(np.append(start.u, start.factor), start.pressure, start.active, Outcome.CONVERGED)
-        found = self.algorithm.solve(problem, begin)
+        found = answered(self.algorithm, problem, begin)
         passed = crossings(problem.standing, begin.u, problem.standing, found.u) if found.outcome.converged else []
         t = float(found.u[-1])
         rows: list[dict[str, object]] = [{"parameter": t, "iteration": i, **row} for i, row in enumerate(found.history)]

@@ -72,16 +72,22 @@ class FrictionVerdict:
         told = {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances}
         return told | {"rounding": self.contact.rounding, "scales": {"length_mm": self.length, "force_N": self.force}}
 
-    def failures(self, *, cone: float = CONE, stick: float = GAP, chord: float = CHORD, **contact: float) -> list[str]:
-        """The names of the residuals above their bounds (NaN counts as above).
+    def exceeded(
+        self, *, cone: float = CONE, stick: float = GAP, chord: float = CHORD, **contact: float
+    ) -> dict[str, tuple[float, float]]:
+        """Size and bound of the residuals that are above theirs, by name (NaN counts as above).
 
         stick: of the length, to which the rounding of a slip is added.  contact: bounds for
-        :meth:`contact.verify.Verdict.failures`.
+        :meth:`contact.verify.Verdict.exceeded`.
         """
         none = stick + self.slip_rounding
         bounds = {"cone": cone, "open": cone, "stick": none, "direction": chord, "generated": none}
-        found = ["work" if name == "energy" else name for name in self.contact.failures(**contact)]
-        return found + [name for name, value in self.law.items() if not value <= bounds[name]]
+        found = {"work" if name == "energy" else name: pair for name, pair in self.contact.exceeded(**contact).items()}
+        return found | {name: (size, bounds[name]) for name, size in self.law.items() if not size <= bounds[name]}
+
+    def failures(self, **bounds: float) -> list[str]:
+        """The names of the residuals above their bounds, as :meth:`exceeded` takes them."""
+        return list(self.exceeded(**bounds))
 
 
 @dataclass(frozen=True)

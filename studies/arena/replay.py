@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from contact.answered import answered
 from contact.catalogue import ALGORITHMS
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import Confirmation, OracleError, confirm
@@ -95,7 +96,7 @@ def resolve_step(step: FrozenStep, algorithm: ContactAlgorithm, *, oracle: bool 
     refused = algorithm.supports(problem)
     if refused is not None:
         raise UsageError(f"{algorithm.name} does not apply: {refused}")
-    solution = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
+    solution = answered(algorithm, problem, ContactSolution.at_rest(len(step.r), len(step.gap)))
     said: Confirmation | str | None = None
     if oracle:
         try:

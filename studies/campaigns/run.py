@@ -16,13 +16,14 @@ from studies.door.plugins import used
 from studies.pool.engine import engine as engine_of
 from studies.pool.process import StoreFullError
 from studies.pool.task import Limits, Task
-from studies.result import CLASSES, UNSUPPORTED
+from studies.result import CLASSES, CRASH, MEMORY, TIME, UNSUPPORTED, WRONG
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
 from studies.store.atomic import SCHEMA, write_json, write_text
 from studies.store.layout import Archive, DamagedError
 
+FAILURES = (WRONG, TIME, MEMORY, CRASH)
 Progress = Callable[[int, int, str], None]
 
 
@@ -34,6 +35,12 @@ class Summary:
     solved: int = 0
     classes: Counter[str] = field(default_factory=Counter)
     tables: list[str] = field(default_factory=list)
+
+    @property
+    def failed(self) -> list[str]:
+        """What is no finding but a failure: cells refused by the judge, stopped or dead, and tables not made."""
+        counts = {**{name: self.classes[name] for name in FAILURES}, "tables not made": len(self.tables)}
+        return [f"{number} {name}" for name, number in counts.items() if number]
 
     @property
     def line(self) -> str:

@@ -8,16 +8,19 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
+from contact.problem import Outcome
 from studies import branching
-from studies.commands import NOT_CONVERGED, OK
+from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.door.columns import columns
 from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
-from studies.result import UNSTABLE, Result
-from studies.scene import Scene
-from studies.solving import solve
+from studies.result import UNSTABLE, WRONG, Result
+from studies.scene import Scene, has_contact
+from studies.solving import Interrupted, solve
 from studies.step import Step
 from studies.store.atomic import write_by
 from studies.store.tables import Table
@@ -46,22 +49,28 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Solve, write and print a short table."""
+    """Solve, write and print a short table; what overflows on the way to no answer is judged, and not warned of."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _run(options)
+
+
+def _run(options: argparse.Namespace) -> int:
     given = pairs(options.settings)
     named = {name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")}
     scene, request, wanted = _asked(options, given, **named)
-    if options.out.exists() and not options.out.is_dir():
-        raise UsageError(f"--out {options.out} is a file, not a directory")
+    _check_places(options, scene)
     with _progress() as tell:
-        result, enough = _solved(scene, request, wanted, options.of, tell)
-        step_lines = _step_error(result, tell) if not options.no_step_error else []
+        try:
+            result, enough = _solved(scene, request, wanted, options.of, tell)
+            step_lines = _step_error(result, tell) if not options.no_step_error else []
+        except Interrupted as stopped:
+            result, enough, step_lines = stopped.result, False, []
     if result.unsupported:
         raise UsageError(result.unsupported)
     asked = options.branch and result.outcome.converged
     if asked:
         branching.branches_of(result)
-    result.write(options.out)
-    branching.write(result, options.out)
+    files = result.write(options.out, branching.write(result, options.out))
     if options.freeze is not None:
         if result.frozen is None:
             raise UsageError(f"{options.scene} has no contact to freeze")
@@ -72,21 +81,46 @@ def run(options: argparse.Namespace) -> int:
     if asked:
         print("\n".join(branching.lines(result)))
     if options.plot:
-        _draw(options.out)
+        result.name(options.out, [*files, *_drawn(options.out)])
     if not result.outcome.converged:
-        print(f"footprint: did not converge: {result.reason}", file=sys.stderr)
-        return NOT_CONVERGED
+        return _say_why(result)
     if wanted is not None:
         _print_rounds(result)
     return OK if enough else NOT_CONVERGED
 
 
-def _draw(out: Path) -> None:
+def _say_why(result: Result) -> int:
+    """The last line: which condition the judge finds failed, or why the path ends; its exit code."""
+    sys.stdout.flush()  # whoever reads both streams as one reads this last
+    if result.outcome is Outcome.INTERRUPTED:
+        print(f"footprint: {result.reason}; they are written", file=sys.stderr)
+        return INTERRUPTED
+    wrong = result.verdict == WRONG
+    print(f"footprint: {'judged wrong' if wrong else 'did not converge'}: {result.reason}", file=sys.stderr)
+    return FAILED if wrong else NOT_CONVERGED
+
+
+def _check_places(options: argparse.Namespace, scene: Scene) -> None:
+    """Raise UsageError where nothing could be written, before anything is solved."""
+    if options.out.exists() and not options.out.is_dir():
+        raise UsageError(f"--out {options.out} is a file, not a directory")
+    if options.freeze is None:
+        return
+    if not has_contact(scene):
+        raise UsageError(f"{options.scene} has no contact to freeze")
+    if options.freeze.is_dir():
+        raise UsageError(f"--freeze {options.freeze} is a directory, not a file")
+    if not options.freeze.parent.is_dir() and options.freeze.parent.resolve() != options.out.resolve():
+        raise UsageError(f"--freeze {options.freeze}: there is no directory {options.freeze.parent}")
+
+
+def _drawn(out: Path) -> list[str]:
+    """Draw, and name the pictures."""
     from reports.figures.result_figures import draw_result
     from reports.store.reading import StoreError
 
     try:
-        draw_result(out)
+        return [path.relative_to(out).as_posix() for path in draw_result(out)]
     except StoreError as error:
         raise UsageError(str(error)) from None
 
@@ -139,7 +173,10 @@ def _progress() -> Iterator[Callable[[str], None]]:
 def _print_table(result: Result) -> None:
     """The loads that were reached, one line each, what fits a terminal."""
     if result.loads:
-        _print_columns(Table.of_rows([_row(step) for step in result.loads]))
+        rows = [_row(step) for step in result.loads]
+        if result.verdict == WRONG:  # the last load, at which the path ends
+            rows = [row | {"judge": ""} for row in rows[:-1]] + [rows[-1] | {"judge": WRONG}]
+        _print_columns(Table.of_rows(rows))
     if result.request.model_reason:
         print(f"model {result.request.model}: {result.request.model_reason}")
     counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
@@ -173,5 +210,9 @@ def _print_rounds(result: Result) -> None:
 def _print_columns(table: Table) -> None:
     """Numbers to six digits, flush right."""
     names = list(table.columns)
-    shown = ([f"{each:.6g}" if isinstance(each, float) else str(each) for each in row.values()] for row in table.rows())
-    print("\n".join(columns([names, *shown], right=range(len(names)))))
+    shown = (map(_shown, row.values()) for row in table.rows())
+    print("\n".join(columns([names, *map(list, shown)], right=range(len(names)))))
+
+
+def _shown(value: object) -> str:
+    return "-" if value is None else f"{value:.6g}" if isinstance(value, float) else str(value)

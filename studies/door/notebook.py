@@ -38,6 +38,11 @@ class Run:
         return str(self.result.as_json()["outcome"])
 
     @property
+    def verdict(self) -> str:
+        """The judge's word: "converged", "unstable", "wrong" or, of what it had nothing to judge, the class."""
+        return self.result.verdict
+
+    @property
     def reason(self) -> str:
         """Why it ended."""
         return str(self.result.as_json()["reason"])

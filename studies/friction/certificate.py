@@ -35,7 +35,8 @@ def certificate_of_friction(
     verdict = judge(posed(problem, since), state.u, forces, friction, epsilon=epsilon, since=before[1].u)
     found = verdict.certificate
     found["kkt"] |= gap_residuals(problem, state.u, forces, np.inf)
-    found["failures"] = verdict.failures(**claim(tolerance, len(state.u)))
+    found["exceeded"] = verdict.exceeded(**claim(tolerance, len(state.u)))
+    found["failures"] = list(found["exceeded"])
     if told is None:
         found["failures"].append(UNTOLD)
     values = {**verdict.kkt, **verdict.balances}

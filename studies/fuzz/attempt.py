@@ -164,8 +164,6 @@ def attempt(asked: Asked, seed: int) -> Attempt:
             raise Broken("no traceback", place(error)) from error
     if result.unsupported:
         return Attempt(asked, REFUSED, one_line(result.unsupported), result)
-    if not result.outcome.converged:
-        return Attempt(asked, ENDED, one_line(result.reason), result)
     if result.verdict == WRONG:
         failed = {name for step in result.loads for name in step.certificate["failures"]}
         told = next(step.certificate for step in result.loads if step.certificate["failures"])
@@ -173,6 +171,8 @@ def attempt(asked: Asked, seed: int) -> Attempt:
         raise Broken(
             "certified", f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
         )
+    if not result.outcome.converged:
+        return Attempt(asked, ENDED, one_line(result.reason), result)
     return Attempt(asked, CONVERGED, "", result)
 
 

@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.pool.task import Limits, Order, Task
+from studies.request import PartError
 
 READY = "ready"
 LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does
@@ -85,6 +86,8 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
             return {"class": "memory", "reason": f"more than {limits.memory_MB:g} MB{said}"}
         if isinstance(error, OSError) and _is_of_store(error, folder):
             return {"class": "disk", "reason": error.strerror}
+        if isinstance(error, PartError):
+            return {"class": "crash", "reason": str(error)}
         where = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(where.filename).name}:{where.lineno}"
         return {"class": "crash", "reason": f"{type(error).__name__} at {place}: {' '.join(str(error).split())}"}

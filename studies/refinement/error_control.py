@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 
+from contact.problem import Outcome
 from studies.analysis.richardson import correction
 from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
@@ -151,7 +152,7 @@ def solve_to_error(
         if coarse.unsupported:
             return coarse, False
         if not coarse.outcome.converged:
-            if rounds or too_coarse == TOO_COARSE:
+            if rounds or too_coarse == TOO_COARSE or coarse.outcome is Outcome.WRONG:
                 return coarse, False
             family, too_coarse = family.everywhere(), too_coarse + 1
             continue

@@ -15,7 +15,7 @@ from typing import Any
 from contact.continuation.stability import UNSTABLE as UNSTABLE_WORD
 from contact.problem import ContactSolution
 from studies.request import Request
-from studies.result import CONVERGED, UNSTABLE, UNSUPPORTED, WRONG
+from studies.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG
 from studies.scene import CurveStage, Stage
 from studies.step import Step
 from studies.store.atomic import plain
@@ -34,9 +34,7 @@ ALWAYS_CLAIMED = ("counters", "times", "machine", "history")
 def claims_success(record: Mapping[str, Any]) -> bool:
     """Whether outcome and class claim an equilibrium; raises ClaimError where the two exclude each other."""
     outcome, kind = record["outcome"], record["class"]
-    if (outcome == CERTIFIED) != (kind in (CONVERGED, UNSTABLE, WRONG)) or (outcome == UNSUPPORTED) != (
-        kind == UNSUPPORTED
-    ):
+    if (outcome == CERTIFIED) != (kind in SOLVED) or (outcome == UNSUPPORTED) != (kind == UNSUPPORTED):
         raise ClaimError("class", f"claimed {kind!r} of a cell whose outcome is {outcome!r}")
     return bool(outcome == CERTIFIED)
 
@@ -56,10 +54,9 @@ def check_request(record: Mapping[str, Any], request: Request) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Verified:
-    """A record whose claims hold: its field as this program writes it, the judge's failures, what is only claimed."""
+    """A record whose claims hold: its field as this program writes it, and what is only claimed."""
 
     fields: bytes
-    failures: list[str]
     claimed: list[str]
 
 
@@ -81,7 +78,7 @@ def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Ver
     _counters(record, found)
     for name, table in found.seen.tables().items():
         check_table(name, table, foreign.table(record["id"], f"{name}.csv"))
-    return Verified(as_written(opened.model, found.state)[0], found.failures, claimed)
+    return Verified(as_written(opened.model, found.state)[0], claimed)
 
 
 def _load(steps: Sequence[Mapping[str, Any]], stage: Stage) -> float:

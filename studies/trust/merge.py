@@ -26,7 +26,6 @@ from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan
 from studies.campaigns.run import Progress, write_plan
 from studies.request import Request, UsageError
-from studies.result import WRONG
 from studies.store.atomic import as_text, write_by, write_text
 from studies.store.layout import Archive, DamagedError
 from studies.store.provenance import provenance
@@ -159,11 +158,9 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, check
         checks.check(cell_id, asked.cell, record)
     if success and FIELDS in record["files"]:
         found = _verified(record, request, foreign)
-        if record["class"] != WRONG or found.failures:
-            tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
-            _keep_files(archive.files(cell_id), found.fields, tables)
-            return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, found.claimed)
-        success = False  # what has made it wrong lies before its last load
+        tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
+        _keep_files(archive.files(cell_id), found.fields, tables)
+        return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, found.claimed)
     if again:
         claimed = ["times", "machine"]
         return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, claimed)

@@ -51,7 +51,12 @@ def run(options: argparse.Namespace) -> int:
             fields=options.fields,
         )
     print(f"{campaign.name}: {summary.line}")
-    return OK
+    if not summary.failed:
+        return OK
+    sys.stdout.flush()
+    told = ", ".join(summary.failed)
+    print(f"footprint: failed: {told}; footprint table {campaign.name} names the cells", file=sys.stderr)
+    return FAILED
 
 
 def _limits(options: argparse.Namespace, usual: Limits) -> Limits:

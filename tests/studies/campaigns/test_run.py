@@ -81,7 +81,7 @@ def test_cells_that_do_not_come_back_are_classified_and_the_campaign_goes_on(tmp
     assert ended["sleeps"]["reason"] == "killed after 8 s"
     assert "more than 400 MB" in ended["eats"]["reason"]
     assert ended["dies"]["reason"] == "killed by SIGSEGV"
-    assert ended["raises"]["reason"].startswith("RuntimeError at planted_cells.py:")
+    assert ended["raises"]["reason"].startswith("scene 'planted': planted_cells.py:")
     assert table.loc["cross cantilever 2x1", "outcome"] == "converged"
     assert summary.classes == {"converged": 2, "time": 2, "memory": 1, "crash": 2}
     # no failure is taken for a result: all are tried again, and only they

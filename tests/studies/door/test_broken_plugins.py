@@ -1,0 +1,230 @@
+"""Algorithms, measures and scenes from outside that lie, fall over or answer with what is no answer."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from formulations.strains.catalogue import MEASURES
+from studies.cli import main
+
+ALGORITHM = """import math
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.parameters import SHARED
+from contact.problem import ContactSolution, Outcome
+
+
+@dataclass(frozen=True)
+class Odd:
+    epsilon: float = math.inf
+    solver: str = "auto"
+    tolerance: float = 1e-9
+    name: ClassVar[str] = "odd"
+    parameters: ClassVar[tuple] = SHARED
+
+    def supports(self, problem):
+        return {supports}
+
+    def solve(self, problem, start):
+        n, m = len(start.u), len(problem.weights)
+        found = Semismooth(self.epsilon).solve(problem, start)
+        {solve}
+
+
+ALGORITHMS["odd"] = Odd
+"""
+LINE = {
+    word: number
+    for number, text in enumerate(ALGORITHM.splitlines(), 1)
+    for word in ("solve", "supports")
+    if f"{{{word}}}" in text
+}
+SCENES = {"contact": ("panel", "4x4"), "none": ("cantilever", "4x1")}
+NO_ANSWER = {
+    "none": ("return None", "solve returned None, not a ContactSolution"),
+    "a tuple": ("return found.u, found.pressure", "solve returned tuple, not a ContactSolution"),
+    "a wrong shape": (
+        "return replace(found, u=np.zeros(n + 1))",
+        "solve returned u as float64 of shape ({more},), not as floats of shape ({n},)",
+    ),
+    "a list": ("return replace(found, u=found.u.tolist())", "solve returned u as list, not as floats of shape ({n},)"),
+    "whole numbers": (
+        "return replace(found, pressure=np.zeros(m, int))",
+        "solve returned pressure as int64 of shape ({m},), not as floats of shape ({m},)",
+    ),
+    "a word": ("return replace(found, outcome='converged')", "solve returned outcome as str, not as an Outcome"),
+    "a counter": ("return replace(found, counters={'a': 'b'})", "solve returned counters that are no numbers by name"),
+    "a list of rows": ("return replace(found, history=[])", "solve returned a history that is no tuple of rows"),
+    "a told event": (
+        "return replace(found, history=({'event': 'gave up'},))",
+        "solve returned a history with an event that is no Event",
+    ),
+    "an error": ("1 / 0", f"odd.py:{LINE['solve']}: ZeroDivisionError: division by zero"),
+    "the end": ("raise SystemExit(0)", f"odd.py:{LINE['solve']}: SystemExit: 0"),
+    "the end of support": ("1 / 0", f"odd.py:{LINE['supports']}: KeyError: 'no'"),
+}
+
+
+@pytest.fixture
+def put_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Catalogues and modules as they were."""
+    for catalogue, name in ((ALGORITHMS, "odd"), (MEASURES, "odd")):
+        monkeypatch.delitem(catalogue, name, raising=False)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    monkeypatch.delitem(sys.modules, "odd", raising=False)
+    sys.modules.pop("odd", None)
+
+
+@pytest.fixture
+def odd(put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
+    """Exit code, output and errors of a solve by an algorithm with this last line."""
+
+    def solved(solve: str, scene: str = "contact", supports: str = "None") -> tuple[int, str, str]:
+        path = tmp_path / "odd.py"
+        path.write_text(ALGORITHM.replace("{supports}", supports).replace("{solve}", solve))
+        name, mesh = SCENES[scene]
+        try:
+            code = main(["solve", name, "--mesh", mesh, "--contact", "odd", "--use", str(path), "--out", str(tmp_path)])
+        finally:
+            ALGORITHMS.pop("odd", None)
+            sys.modules.pop("odd", None)
+        return code, *capsys.readouterr()
+
+    return solved
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("what", NO_ANSWER)
+def test_no_answer_is_one_line_that_names_the_algorithm(what: str, scene: str, odd, tmp_path: Path) -> None:
+    solve, says = NO_ANSWER[what]
+    n, m = {"contact": (54, 9), "none": (48, 0)}[scene]
+    code, said, errors = odd(solve, scene, "{}['no']" if "support" in what else "None")
+    wanted = says.replace("{n}", str(n)).replace("{more}", str(n + 1)).replace("{m}", str(m))
+    assert (code, said) == (1, "")
+    assert errors == f"footprint: contact algorithm 'odd': {wanted}\n"
+    assert not (tmp_path / "result.json").exists()
+
+
+LIES = {
+    "rest": ("return replace(found, u=np.zeros(n), pressure=np.zeros(m), active=np.zeros(m, bool))", "{worst}"),
+    "no number": ("return replace(found, u=np.full(n, np.nan))", "equilibrium is not a number"),
+    "one that is no number": ("found.u[-1] = np.nan; return found", "equilibrium is not a number"),
+    "infinite": ("return replace(found, u=np.full(n, np.inf))", "equilibrium is not a number"),
+    "so large that it overflows": ("return replace(found, u=np.full(n, 1e200))", "equilibrium is not a number"),
+}
+
+
+@pytest.mark.parametrize("scene", SCENES)
+@pytest.mark.parametrize("lie", LIES)
+def test_a_lie_is_judged_wrong_and_never_stable(lie: str, scene: str, odd, tmp_path: Path) -> None:
+    solve, worst = LIES[lie]
+    code, said, errors = odd(solve, scene)
+    assert code == 1
+    assert "wrong: " in said
+    assert errors.startswith("footprint: judged wrong: ")
+    assert errors.count("\n") == 1
+    assert (
+        worst.replace("{worst}", {"contact": "penetration 1 mm above", "none": "equilibrium 1 above"}[scene]) in errors
+    )
+    told = json.loads((tmp_path / "result.json").read_text())
+    assert (told["outcome"], told["class"]) == ("wrong", "wrong")
+    assert told["steps"][-1]["stability"]["word"] == "not counted"
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_an_answer_without_counters_and_history_is_one(scene: str, odd, tmp_path: Path) -> None:
+    code, _, errors = odd("return ContactSolution(found.u, found.pressure, found.active, found.outcome)", scene)
+    assert (code, errors) == (0, "")
+    told = json.loads((tmp_path / "result.json").read_text())
+    assert told["class"] == "converged"
+    assert {told["counters"][name] for name in ("newton_iterations", "factorisations")} == {0}
+    assert told["steps"][0]["newton_iterations"] == 0
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_a_failure_that_says_nothing_ends_the_path(scene: str, odd, tmp_path: Path) -> None:
+    code, _, errors = odd("return ContactSolution(start.u, start.pressure, start.active, Outcome.DIVERGED)", scene)
+    assert code == 3
+    assert "the residual is no longer finite" in errors
+
+
+CAMPAIGN = """[[cross]]
+contacts = ["semismooth", "odd"]
+[cross.scenes.panel]
+meshes = ["4x4"]
+"""
+
+
+@pytest.mark.parametrize(("lie", "ended"), [("rest", "wrong"), ("an error", "crash")])
+def test_a_campaign_with_cells_that_fail_says_how_many(
+    lie: str, ended: str, put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A refused one, and a path that ends, are findings; these are not."""
+    solve, _ = {**LIES, **NO_ANSWER}[lie]
+    (tmp_path / "odd.py").write_text(ALGORITHM.replace("{supports}", "None").replace("{solve}", solve))
+    (tmp_path / "small.toml").write_text(CAMPAIGN)
+    try:
+        words = [str(tmp_path / "small.toml"), "--store", str(tmp_path / "store"), "--use", str(tmp_path / "odd.py")]
+        code = main(["run", *words])
+    finally:
+        ALGORITHMS.pop("odd", None)
+        sys.modules.pop("odd", None)
+    said = capsys.readouterr()
+    assert code == 1
+    assert f"1 converged, 1 {ended}" in said.out
+    assert said.err == f"footprint: failed: 1 {ended}; footprint table small names the cells\n"
+
+
+MEASURE = """from formulations.strains.catalogue import MEASURES
+
+exact = MEASURES["exact"]
+
+
+class Odd:
+    name = "odd"
+
+    def __getattr__(self, key):
+        return getattr(exact, key)
+
+    def strain(self, *asked):
+        {strain}
+
+
+MEASURES["odd"] = Odd()
+"""
+
+
+@pytest.mark.parametrize(
+    ("strain", "says"),
+    [
+        ("1 / 0", "measure 'odd': odd.py:13: ZeroDivisionError: division by zero"),
+        ("return None", "measure 'odd': TypeError: "),
+        ("return exact.strain(*asked)[..., :2]", "measure 'odd': ValueError: "),
+    ],
+)
+def test_a_measure_that_breaks_is_one_line_that_names_it(
+    strain: str, says: str, put_back: None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "odd.py"
+    path.write_text(MEASURE.replace("{strain}", strain))
+    try:
+        words = ["cantilever", "--mesh", "4x1", "--measure", "odd", "--use", str(path), "--out", str(tmp_path)]
+        code = main(["solve", *words])
+    finally:
+        MEASURES.pop("odd", None)
+        sys.modules.pop("odd", None)
+    errors = capsys.readouterr().err
+    assert code == 1
+    assert errors.startswith(f"footprint: {says}")
+    assert errors.count("\n") == 1

@@ -1,0 +1,68 @@
+"""What a solve leaves in its directory: what it has written, and what was never its own."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from studies.cli import main
+
+RING = ["solve", "ring", "--mesh", "1x8", "--set", "delta_mm=5,10"]
+
+
+def names(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_what_a_former_result_has_left_goes_and_what_is_of_others_stays(tmp_path: Path) -> None:
+    foreign = {"notes.txt", "mine.csv", "figures/mine.svg"}
+    (tmp_path / "figures").mkdir()
+    for name in foreign:
+        (tmp_path / name).write_text("mine")
+    assert main([*RING, "--error", "50%", "--plot", "--out", str(tmp_path)]) == 0
+    first = names(tmp_path)
+    assert {"refinement.csv", "grid.csv", "figures/grid.svg", *foreign} <= first
+    assert {*json.loads((tmp_path / "result.json").read_text())["files"]} == first - foreign - {"result.json"}
+    assert main([*RING, "--out", str(tmp_path)]) == 0
+    second = names(tmp_path)
+    assert not {"refinement.csv", "grid.csv", "figures/grid.svg", "figures/load-displacement.svg"} & second
+    assert {*json.loads((tmp_path / "result.json").read_text())["files"]} == second - foreign - {"result.json"}
+
+
+def test_a_result_that_lies_about_its_files_deletes_nothing_elsewhere(tmp_path: Path) -> None:
+    out, beside = tmp_path / "out", tmp_path / "beside.csv"
+    out.mkdir()
+    beside.write_text("mine")
+    (out / "notes.txt").write_text("mine")
+    told = ["../beside.csv", str(beside), "notes.txt", "..", 7, ["x"]]
+    for files in (told, "fields.vtu", None, {"a": 1}):
+        (out / "result.json").write_text(json.dumps({"files": files}))
+        assert main([*RING, "--out", str(out)]) == 0
+        assert beside.exists()
+        assert (out / "notes.txt").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["ring", "--freeze", "{}/none/step.npz"], "--freeze {0}/none/step.npz: there is no directory {0}/none"),
+        (["ring", "--freeze", "{}"], "--freeze {0} is a directory, not a file"),
+        (["cantilever", "--freeze", "{}/step.npz"], "cantilever has no contact to freeze"),
+    ],
+)
+def test_a_place_that_cannot_be_is_refused_before_anything_is_solved(
+    words: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = [word.format(tmp_path) for word in words]
+    assert main(["solve", *words, "--out", str(tmp_path / "out")]) == 2
+    assert capsys.readouterr().err == f"footprint: {says.format(tmp_path)}\n"
+    assert names(tmp_path) == set()
+    assert not (tmp_path / "none").exists()
+
+
+def test_a_step_is_frozen_into_the_directory_of_its_result(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert main([*RING, "--out", str(out), "--freeze", str(out / "step.npz")]) == 0
+    assert (out / "step.npz").exists()
