@@ -164,16 +164,19 @@ def attempt(asked: Asked, seed: int) -> Attempt:
             raise Broken("no traceback", place(error)) from error
     if result.unsupported:
         return Attempt(asked, REFUSED, one_line(result.unsupported), result)
+    if result.verdict == WRONG:  # whether it is called converged, or says so itself
+        raise Broken("certified" if result.outcome.converged else "solved right", _failed(result))
     if not result.outcome.converged:
         return Attempt(asked, ENDED, one_line(result.reason), result)
-    if result.verdict == WRONG:
-        failed = {name for step in result.loads for name in step.certificate["failures"]}
-        told = next(step.certificate for step in result.loads if step.certificate["failures"])
-        numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
-        raise Broken(
-            "certified", f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
-        )
     return Attempt(asked, CONVERGED, "", result)
+
+
+def _failed(result: Result) -> str:
+    """The failed conditions, and the numbers of the first load that has any."""
+    failed = {name for step in result.loads for name in step.certificate["failures"]}
+    told = next(step.certificate for step in result.loads if step.certificate["failures"])
+    numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
+    return f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
 
 
 def one_line(text: str) -> str:

@@ -14,8 +14,10 @@ import numpy as np
 from contact.parameters import STIFFNESS
 from contact.solvers.sparse import symmetric
 from studies.algorithm_settings import configured, settings_of
+from studies.friction.settings import MU, SLIDING
+from studies.fuzz import rubbed
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, quiet
-from studies.fuzz.cases import Asked, asked_of
+from studies.fuzz.cases import Asked
 from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, signs, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
@@ -25,21 +27,21 @@ from studies.scenes import SCENES
 
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
 OFTEN = {"another algorithm": 2, "part = whole": 4, "units": 2}  # as often as a law that is not named here
+FAINT = "1e-10"  # a coefficient of friction next to none
 UNITS = 9.0  # powers of ten of a unit of the panel
 PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
 PRODUCTS = {"_mm": (1, 0), "_MPa": (0, 1), "_N": (2, 1)}  # powers of length and of stress, by how a name ends
 SCALED = {"tyre": 2.0, "tyre-solid": 2.0}  # factor of lengths and of stresses, up and down, within their ranges
 
 
-def check(seed: int, asked: Asked | None = None) -> Passed:
-    """Solve, and hold the result against the law of the number; raises Broken. asked: instead of what is drawn."""
-    with quiet():
-        asked = asked_of(seed) if asked is None else asked
+def check(seed: int, asked: Asked) -> Passed:
+    """Solve, and hold the result against the law of the number; raises Broken."""
     one = attempt(asked, seed)
     if one.kind != CONVERGED:
         return Passed(one.word, said=one.reason)
     _differences(one, seed)
     _stable_as_told(one)
+    rubbed.check(one)
     laws = _laws(asked)
     if not laws:
         return Passed(one.word)
@@ -53,6 +55,8 @@ def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
     found: dict[str, Callable[[Attempt, int], str]] = {}
     if has_contact(SCENES[asked.scene]):
         found["another algorithm"] = _algorithms
+    if float(asked.settings.get(MU.key, 0)) > 0:
+        found["friction fades"] = _fades
     if asked.scene != "crushed-ring-solid" and asked.scene != "tyre-solid":
         found["the other newton"] = _newton
     found["another solver"] = _solver
@@ -81,6 +85,17 @@ def _algorithms(one: Attempt, seed: int) -> str:
         settings.pop(setting.key, None)
     settings["epsilon"] = text_of(one.found.request.number("epsilon"))
     return _same(one, replace(one.asked.with_options(contact=other), settings=settings), seed)
+
+
+def _fades(one: Attempt, seed: int) -> str:
+    """Next to no friction does what none does."""
+    slides = {setting.key for setting in SLIDING}
+    own = {setting.key for setting in settings_of(one.found.request.contact)}  # of which friction has not all
+    still = {key: value for key, value in one.asked.settings.items() if key not in slides | own}
+    none = attempt(replace(one.asked, settings={**still, MU.key: "0"}), seed)
+    if none.kind != CONVERGED:
+        return f"not compared, {none.word}: {none.reason}"
+    return _quantities(none, replace(one.asked, settings={**still, MU.key: FAINT}), seed, 1.0, 1.0)
 
 
 def _newton(one: Attempt, seed: int) -> str:

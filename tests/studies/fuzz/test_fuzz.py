@@ -112,8 +112,8 @@ def test_a_wrong_derivative_is_seen() -> None:
 @pytest.mark.slow
 def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The cells of the pool are its cases; a seed that it lists is replayed by one command."""
-    assert campaign.run(tmp_path, 3).solved == 3
-    again = campaign.run(tmp_path, 4, resume=True)
+    assert campaign.run(tmp_path, range(3)).solved == 3
+    again = campaign.run(tmp_path, range(4), resume=True)
     assert again.solved == 1
     assert again.broken == 0
     table = pd.read_csv(tmp_path / "tables" / "fuzz.csv")
