@@ -18,7 +18,9 @@ import numpy as np
 
 from contact.continuation.critical_points import PathEnd
 from contact.events import EventKind, events
+from contact.friction.verify import CHORD
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
+from contact.verify import EQUILIBRIUM
 from studies.fuzz.cases import Asked
 from studies.request import Request
 from studies.result import UNSTABLE, WRONG, Result
@@ -26,6 +28,7 @@ from studies.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
 from studies.solving import solve
 
 MOST = 8_000  # linearisations of one solve
+BARELY, BOUNDS = 0.1, {"equilibrium": EQUILIBRIUM, "direction": CHORD}  # of what the judge allows
 CONVERGED, REFUSED, ENDED = "converged", "refused", "ended"
 
 
@@ -39,11 +42,15 @@ class Broken(Exception):  # noqa: N818  it is no error of the solve, but its ver
 
 @dataclass(frozen=True)
 class Passed:
-    """A case that keeps its laws: what it came to, what it was compared with, and what came of that."""
+    """A case that keeps its laws: what it came to, what it was compared with, and what came of that.
+
+    hard: see :func:`hardness`.
+    """
 
     word: str
     law: str = ""
     said: str = ""
+    hard: int = 0
 
 
 def watched(problem: ContactProblem, left: list[int] | None = None) -> ContactProblem:
@@ -136,6 +143,20 @@ def cause(result: Result) -> str:
         return "through the foundation"
     last = result.cause if result.outcome is Outcome.STEP_LIMIT else result.outcome
     return "beyond the path" if last.converged else last.word  # every step finds a state, but none of the path
+
+
+def hardness(result: Result | None) -> int:
+    """How unusual a way a solve has taken: steps cut, sets that came back, substitutes, an end, a barely kept bound."""
+    if result is None or result.unsupported:
+        return 0
+    unusual = EventKind.STEP_CUT | EventKind.CYCLE | EventKind.SUBSTITUTE
+    near = [
+        step.certificate["kkt"][name] > BARELY * bound
+        for step in result.loads
+        for name, bound in BOUNDS.items()
+        if name in step.certificate.get("kkt", {})
+    ]
+    return len(events(result.history, unusual)) + 5 * (result.verdict != CONVERGED) + 5 * any(near)
 
 
 @contextmanager

@@ -8,10 +8,12 @@ from typing import Any
 
 from studies.fuzz import matrices, posed, scenes
 from studies.fuzz.attempt import Broken, Passed, place, quiet
-from studies.fuzz.cases import FRICTION, SCENE, Asked, asked_of, kind_of
+from studies.fuzz.cases import FRICTION, SCENE, Asked, kind_of
 from studies.fuzz.comparing import AGREES
+from studies.fuzz.near import request_of
 
 PASSED, EXPLAINED, UNCOMPARED, BROKEN = "agrees", "explained", "not compared", "broken"
+HARDEST = 100
 TRIES = 40  # requests that are tried to make one smaller
 REQUESTS = (SCENE, FRICTION)
 MADE: dict[str, Any] = {"posed": posed, "matrices": matrices}  # the other kinds
@@ -22,6 +24,7 @@ class Report:
     """A line: what was asked, what it came to, the law that was drawn or broken, and what is said of it.
 
     verdict: PASSED, EXPLAINED why two answers differ, UNCOMPARED where there are not two, or BROKEN.
+    hard: how near a request has come to breaking a law, or to no end, see :func:`studies.fuzz.attempt.hardness`.
     """
 
     seed: int
@@ -31,6 +34,7 @@ class Report:
     law: str
     verdict: str
     said: str
+    hard: int = 0
 
     @property
     def row(self) -> dict[str, Any]:
@@ -57,7 +61,7 @@ def examine(seed: int, kind: str = "", *, smaller: bool = False) -> Report:
     if kind not in REQUESTS:
         return _report(seed, kind, MADE[kind].about(seed), lambda: MADE[kind].check(seed))
     with quiet():
-        asked = asked_of(seed, kind)
+        asked = request_of(seed, kind)
     found = _report(seed, kind, asked.command, lambda: scenes.check(seed, asked))
     if smaller and found.verdict == BROKEN:
         return replace(found, about=minimised(seed, asked, found.law).command)
@@ -68,8 +72,8 @@ def _report(seed: int, kind: str, about: str, check: Callable[[], Passed]) -> Re
     try:
         passed = check()
     except Broken as broken:
-        return Report(seed, kind, about, "", broken.law, BROKEN, str(broken))
-    return Report(seed, kind, about, passed.word, passed.law, _verdict(passed), passed.said)
+        return Report(seed, kind, about, "", broken.law, BROKEN, str(broken), HARDEST)
+    return Report(seed, kind, about, passed.word, passed.law, _verdict(passed), passed.said, passed.hard)
 
 
 def _verdict(passed: Passed) -> str:

@@ -6,7 +6,7 @@ whole; in other units. Derivatives of the converged problem are always compared 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +14,10 @@ import numpy as np
 from contact.parameters import STIFFNESS
 from contact.solvers.sparse import symmetric
 from studies.algorithm_settings import configured, settings_of
+from studies.friction.observed import FORCES
 from studies.friction.settings import MU, SLIDING
 from studies.fuzz import rubbed
-from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, quiet
+from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
 from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, signs, unstable
 from studies.fuzz.derivatives import mismatches
@@ -38,16 +39,16 @@ def check(seed: int, asked: Asked) -> Passed:
     """Solve, and hold the result against the law of the number; raises Broken."""
     one = attempt(asked, seed)
     if one.kind != CONVERGED:
-        return Passed(one.word, said=one.reason)
+        return Passed(one.word, said=one.reason, hard=hardness(one.result))
     _differences(one, seed)
     _stable_as_told(one)
     rubbed.check(one)
     laws = _laws(asked)
     if not laws:
-        return Passed(one.word)
+        return Passed(one.word, hard=hardness(one.result))
     # a draw that stays the same where other laws come or go
     law = max(laws, key=lambda name: generator(seed, f"law: {name}").random() ** (1 / OFTEN.get(name, 1)))
-    return Passed(one.word, law, laws[law](one, seed))
+    return Passed(one.word, law, laws[law](one, seed), hardness(one.result))
 
 
 def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
@@ -162,8 +163,8 @@ def _stable_as_told(one: Attempt) -> None:
 
 
 def _whole(one: Attempt, seed: int) -> str:
-    """A part of the tyre and all of it."""
-    return _quantities(one, one.asked.with_options(model="full"), seed, 1.0, 1.0)
+    """A part of the tyre and all of it; resultants of friction are of the part alone."""
+    return _quantities(one, one.asked.with_options(model="full"), seed, 1.0, 1.0, left=FORCES)
 
 
 def _panel_units(one: Attempt, seed: int) -> str:
@@ -194,13 +195,17 @@ def _scaled(one: Attempt, seed: int) -> str:
     return _quantities(one, replace(one.asked, settings=settings), seed, length, stress)
 
 
-def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: float) -> str:
-    """What a comparison of what both report says, the other's over its units; raises Broken."""
+def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: float, left: Collection[str] = ()) -> str:
+    """What a comparison of what both report says, but for what is left out, the other's over its units; raises Broken.
+
+    Forces and pressures are compared: what is continuous in the state.
+    """
     other = attempt(asked, seed)
     if other.kind != CONVERGED:
         return f"not compared, {other.word}: {other.reason}"
     mine, theirs = ({**each.found.loads[-1].quantities} for each in (one, other))
-    apart = {key: _apart(mine[key], theirs[key], key, length, stress) for key in _comparable(mine)}
+    compared = [key for key in mine if key.endswith(("_N", "_MPa")) and key not in left]
+    apart = {key: _apart(mine, theirs, key, length, stress) for key in compared}
     worst = max(apart, key=lambda key: apart[key])
     if apart[worst] <= ALIKE:
         return AGREES
@@ -215,13 +220,10 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
     raise Broken("one answer", f"{worst} apart by {apart[worst]:.1e}, unlike {asked.command}")
 
 
-def _comparable(quantities: Mapping[str, object]) -> list[str]:
-    """Forces and pressures: what is continuous in the state."""
-    return [key for key in quantities if key.endswith(("_N", "_MPa"))]
-
-
-def _apart(mine: float, theirs: float, key: str, length: float, stress: float) -> float:
+def _apart(mine: Mapping[str, float], theirs: Mapping[str, float], key: str, length: float, stress: float) -> float:
+    """Relative; of the resultant of friction, which may cancel, over what it could be."""
     power = next(powers for end, powers in PRODUCTS.items() if key.endswith(end))
-    theirs /= length ** power[0] * stress ** power[1]
-    size = max(abs(mine), abs(theirs))
-    return float(np.abs(mine - theirs) / size) if size > 0 else 0.0
+    one, other = mine[key], theirs[key] / (length ** power[0] * stress ** power[1])
+    most = mine["bound_N"] if key == "friction_N" and np.isfinite(mine["bound_N"]) else 0.0
+    size = max(abs(one), abs(other), most)
+    return float(np.abs(one - other) / size) if 0 < size < np.inf else 0.0
