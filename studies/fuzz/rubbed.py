@@ -48,12 +48,18 @@ def _settings_count(one: Attempt) -> None:
 
 def _never_drives(result: Result) -> None:
     """What has been lost never falls along the path; raises Broken."""
-    before = 0.0
+    before, settings = 0.0, result.request.settings
+    unit = settings.number("length_unit") if "length_unit" in settings else 1.0
     for step in result.loads:
-        lost, scales = step.quantities.get(LOST), step.certificate["scales"]
+        lost = step.quantities.get(LOST)
         if lost is None:
             continue
-        size = min(step.quantities["bound_N"], scales["force_N"]) * scales["length_mm"]
+        bound = step.quantities["bound_N"]
+        size = (
+            (bound if np.isfinite(bound) else step.quantities["friction_N"])
+            * step.certificate["scales"]["length_mm"]
+            / unit
+        )
         if not lost >= before - SMALL * max(size, abs(before)):
             raise Broken("dissipation", f"falls from {before:.6g} to {lost:.6g} N mm, of {size:.3g}")
         before = lost

@@ -92,11 +92,12 @@ def _fades(one: Attempt, seed: int) -> str:
     """Next to no friction does what none does."""
     slides = {setting.key for setting in SLIDING}
     own = {setting.key for setting in settings_of(one.found.request.contact)}  # of which friction has not all
-    still = {key: value for key, value in one.asked.settings.items() if key not in slides | own}
-    none = attempt(replace(one.asked, settings={**still, MU.key: "0"}), seed)
+    still = {key: value for key, value in one.asked.settings.items() if key not in slides | own | {MU.key}}
+    asked = replace(one.asked, settings=still).with_options(model=one.found.request.model)
+    none = attempt(asked, seed)
     if none.kind != CONVERGED:
         return f"not compared, {none.word}: {none.reason}"
-    return _quantities(none, replace(one.asked, settings={**still, MU.key: FAINT}), seed, 1.0, 1.0)
+    return _same(none, asked.with_settings(**{MU.key: FAINT}), seed)
 
 
 def _newton(one: Attempt, seed: int) -> str:
