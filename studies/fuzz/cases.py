@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -14,6 +15,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import TOLERANCE, settings_of
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.friction.settings import SLIDING
 from studies.fuzz.paths import rubbing
 from studies.fuzz.values import drawn, generator
 from studies.refinement.trees import Family
@@ -28,10 +30,10 @@ RUBBED = {"panel": 10.0, "tyre": 8.0, "crushed-ring-solid": 0.3, "tyre-solid": 0
 WITH_CONTACT = 4  # the others, as often as a scene without
 CHANGED = (0, 1, 2, 3, 4, 6, 8)  # how many settings leave their default
 REPAIRED = 0.93  # share of refused requests that give settings back until they are taken
-HUNG = 0.25  # share of scenes whose grid is refined in places, where it can be
+HUNG, REFINED = 0.25, 48  # share of scenes whose grid is refined in places, where it can be, and its most elements
 LARGEST = {SCENE: 6, FRICTION: 4}  # elements along a side, of what may have as few as two
 LONG = 0.12  # share of grids with many elements along one side and one or two across
-SLIVERS = {SCENE: (16, 32, 64, 128), FRICTION: (16, 32)}
+SLIVERS = {1: {SCENE: (32, 64, 128), FRICTION: (16, 32)}, 2: {SCENE: (16, 32), FRICTION: (16,)}}  # by those across
 TOGETHER = ({"E_MPa", "nu"},)  # keys that a scene with all of them wants both or neither
 EVEN = ("tyre", "tyre-solid")  # meshes of even numbers, six at least
 
@@ -80,10 +82,11 @@ def asked_of(seed: int, kind: str = SCENE) -> Asked:
     name = str(rng.choice(list(SCENES), p=weights / weights.sum()))
     scene, options = SCENES[name], {"mesh": _mesh(name, kind, seed)}
     rubbed = rubbing(name, scene, seed) if kind == FRICTION else {}
+    slides = any(setting.key in rubbed for setting in SLIDING)  # whole bodies alone
     for option, choices, usual in (
         ("measure", MEASURES, 0.5),
         ("newton", NEWTONS, 0.7),
-        ("model", scene.models if isinstance(scene, SettlingScene) and len(rubbed) < 2 else (), 0.6),
+        ("model", scene.models if isinstance(scene, SettlingScene) and not slides else (), 0.6),
         ("steps", ("1", "2", "3", "4"), 0.6 if rubbed else 0.8),
         ("contact", ALGORITHMS if has_contact(scene) else (), 0.1),
     ):
@@ -93,7 +96,8 @@ def asked_of(seed: int, kind: str = SCENE) -> Asked:
     own = settings_of(options.get("contact", Request.contact)) if has_contact(scene) else ()
     known = (*scene.settings, TOLERANCE, *own)
     settings = {**rubbed, **_settings(known, seed)}  # given back from the last one on
-    return _repaired(Asked(name, options, settings, rng.random() < HUNG), seed, kept=len(rubbed))
+    refined = rng.random() < HUNG and math.prod(map(int, options["mesh"].split("x"))) <= REFINED
+    return _repaired(Asked(name, options, settings, refined), seed, kept=len(rubbed))
 
 
 def _weight(name: str, kind: str) -> float:
@@ -119,7 +123,8 @@ def _mesh(name: str, kind: str, seed: int) -> str:
     if name in EVEN:
         return f"6x{rng.choice([6, 8])}"
     if rng.random() < LONG:
-        sides = [str(rng.choice(SLIVERS[kind])), "1" if 1 in default else "2"]
+        across = 1 if 1 in default else 2
+        sides = [str(rng.choice(SLIVERS[across][kind])), str(across)]
         return "x".join(sides if default[0] > 1 and (default[1] == 1 or rng.random() < 0.5) else sides[::-1])
     return "x".join("1" if n == 1 and rng.random() < 0.9 else str(rng.integers(2, LARGEST[kind] + 1)) for n in default)
 

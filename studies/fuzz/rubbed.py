@@ -49,17 +49,13 @@ def _settings_count(one: Attempt) -> None:
 def _never_drives(result: Result) -> None:
     """What has been lost never falls along the path; raises Broken."""
     before, settings = 0.0, result.request.settings
-    unit = settings.number("length_unit") if "length_unit" in settings else 1.0
+    length, stress = (settings.number(key) if key in settings else 1.0 for key in ("length_unit", "stress_unit"))
     for step in result.loads:
-        lost = step.quantities.get(LOST)
+        lost, scales = step.quantities.get(LOST), step.certificate["scales"]
         if lost is None:
             continue
-        bound = step.quantities["bound_N"]
-        size = (
-            (bound if np.isfinite(bound) else step.quantities["friction_N"])
-            * step.certificate["scales"]["length_mm"]
-            / unit
-        )
+        most, large = step.quantities["bound_N"], scales["force_N"] / (stress * length**2)
+        size = (most if np.isfinite(most) else large) * scales["length_mm"] / length
         if not lost >= before - SMALL * max(size, abs(before)):
             raise Broken("dissipation", f"falls from {before:.6g} to {lost:.6g} N mm, of {size:.3g}")
         before = lost

@@ -12,14 +12,13 @@ from dataclasses import replace
 import numpy as np
 
 from contact.parameters import STIFFNESS
-from contact.solvers.sparse import symmetric
 from studies.algorithm_settings import configured, settings_of
 from studies.friction.observed import FORCES
 from studies.friction.settings import MU, SLIDING
-from studies.fuzz import rubbed
+from studies.fuzz import rubbed, stable
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
-from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, signs, unstable
+from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
 from studies.request import Request, text_of
@@ -41,7 +40,8 @@ def check(seed: int, asked: Asked) -> Passed:
     if one.kind != CONVERGED:
         return Passed(one.word, said=one.reason, hard=hardness(one.result))
     _differences(one, seed)
-    _stable_as_told(one)
+    stable.as_told(one.found, _answer(one))
+    stable.when_finer(one, seed)
     rubbed.check(one)
     laws = _laws(asked)
     if not laws:
@@ -139,25 +139,6 @@ def _differences(one: Attempt, seed: int) -> None:
         wrong = mismatches(answer.problem, answer.state.u, answer.state.pressure, generator(seed, "direction"))
     if wrong:
         raise Broken("derivatives", ", ".join(f"{name} off by {value:.1e}" for name, value in wrong.items()))
-
-
-def _stable_as_told(one: Attempt) -> None:
-    """Raises Broken where the certificate counts other negative eigenvalues than dense algebra does.
-
-    Of an unsymmetric tangent they are not counted by its symmetric part, and a traced curve ends elsewhere.
-    """
-    answer, end = _answer(one), one.found.end
-    told = one.found.loads[-1].certificate.get("stability", {}) if one.found.loads else {}
-    K = answer.problem.linearise(answer.state.u, None).tangent
-    if told.get("negative") is None or not symmetric(K) or end is None or end.trace is not None:
-        return
-    with quiet():
-        negative, unsigned = signs(answer, answer.state.active)
-    least, most = told["negative"], told["negative"] + told["rounding"]
-    if negative > most or negative + unsigned < least:
-        raise Broken(
-            "stability", f"told {least} negative eigenvalues, {most - least} unsigned; dense {negative}, {unsigned}"
-        )
 
 
 # --- another problem with the same answer -----------------------------------------------------------------------------
