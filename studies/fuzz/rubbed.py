@@ -91,7 +91,7 @@ class Slipped:
         slip = way - np.sum(way * normals, axis=1)[:, None] * normals
         f = problem.nodal_forces(state.pressure)
         bound = np.where(f > 0, coulomb.mu, 0.0) * np.where(f > 0, f, 0.0)
-        length = max(float(np.max(np.abs(first), initial=0.0)), float(np.max(np.abs(way), initial=0.0)))
+        length = max(surface.size, float(np.max(np.abs(way), initial=0.0)))
         return cls(slip, in_space(problem, state) @ coulomb.motion.rotation, f, bound, length)
 
     def check(self) -> None:

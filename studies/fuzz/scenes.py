@@ -28,7 +28,7 @@ from studies.scenes import SCENES
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
 OFTEN = {"another algorithm": 2, "part = whole": 4, "units": 2}  # as often as a law that is not named here
 FAINT = "1e-10"  # a coefficient of friction next to none
-UNITS = 9.0  # powers of ten of a unit of the panel
+UNITS, NEARBY = 9.0, 0.3  # powers of ten of a unit of the panel; where a length is forgotten both ways still converge
 PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
 PRODUCTS = {"_mm": (1, 0), "_MPa": (0, 1), "_N": (2, 1)}  # powers of length and of stress, by how a name ends
 SCALED = {"tyre": 2.0, "tyre-solid": 2.0}  # factor of lengths and of stresses, up and down, within their ranges
@@ -152,7 +152,8 @@ def _whole(one: Attempt, seed: int) -> str:
 def _panel_units(one: Attempt, seed: int) -> str:
     """The panel reports in mm, N and MPa whatever its units; epsilon and its like are in those of the problem."""
     rng, request = generator(seed, "units"), one.found.request
-    length, stress = (float(f"{10.0 ** rng.uniform(-UNITS, UNITS):.4g}") for _ in range(2))
+    span = float(rng.choice([UNITS, NEARBY]))
+    length, stress = (float(f"{10.0 ** rng.uniform(-span, span):.4g}") for _ in range(2))
     known = {setting.key: setting for setting in (*SCENES["panel"].settings, *settings_of(request.contact))}
     before = {key: request.number(key) for key in ("length_unit", "stress_unit")}
     units = {"length_unit": text_of(length), "stress_unit": text_of(stress)}
@@ -203,9 +204,10 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
 
 
 def _apart(mine: Mapping[str, float], theirs: Mapping[str, float], key: str, length: float, stress: float) -> float:
-    """Relative; of the resultant of friction, which may cancel, over what it could be."""
+    """Relative; of the resultant of friction, which may cancel or be next to none, over the largest force."""
     power = next(powers for end, powers in PRODUCTS.items() if key.endswith(end))
     one, other = mine[key], theirs[key] / (length ** power[0] * stress ** power[1])
-    most = mine["bound_N"] if key == "friction_N" and np.isfinite(mine["bound_N"]) else 0.0
+    forces = [abs(value) for name, value in mine.items() if name.endswith("_N") and np.isfinite(value)]
+    most = max(forces) if key == "friction_N" else 0.0
     size = max(abs(one), abs(other), most)
     return float(np.abs(one - other) / size) if 0 < size < np.inf else 0.0
