@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,23 +17,19 @@ from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
+from contact.continuation import stability
 from contact.obstacles.drum_sphere import Round
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.shell import ShellModel
+from studies import certificate
+from studies.experiments import planted_in_friction
+from studies.experiments.planting import Fault, swapped
 from studies.fuzz.examine import BROKEN, examine
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
 
 MOST = 500
 Solve = Callable[[Semismooth, ContactProblem, ContactSolution], ContactSolution]
-
-
-@dataclass(frozen=True)
-class Fault:
-    """What is wrong, in words, and how it is planted: a context in which it is there."""
-
-    name: str
-    planted: Callable[[], Any]
 
 
 def right(own: Semismooth, problem: ContactProblem, start: ContactSolution, **other: Any) -> ContactSolution:
@@ -49,25 +45,6 @@ def algorithm(name: str) -> Callable[[Solve], Fault]:
         return Fault(name, lambda: swapped(ALGORITHMS, "semismooth", faulty))
 
     return named
-
-
-@contextmanager
-def swapped(place: Any, name: str, other: Any) -> Iterator[None]:
-    """An entry of a dictionary, or an attribute, while the context lasts."""
-    entry = isinstance(place, dict)
-    kept = place[name] if entry else vars(place)[name]
-
-    def put(value: Any) -> None:
-        if entry:
-            place[name] = value
-        else:
-            setattr(place, name, value)
-
-    put(other)
-    try:
-        yield
-    finally:
-        put(kept)
 
 
 # --- algorithms -----------------------------------------------------------------------------------------------------
@@ -158,6 +135,13 @@ def last_ignored(own: Semismooth, problem: ContactProblem, start: ContactSolutio
     return right(own, replace(problem, gap=lambda u: problem.gap(u) + away, only=None), start)
 
 
+@algorithm("it returns what is no number")
+def no_number(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """Displacements of NaN, and says that it has converged."""
+    found = right(own, problem, start)
+    return replace(found, u=np.full_like(found.u, np.nan))
+
+
 @algorithm("an end has no reason")
 def silent(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
     """A refusal without a word."""
@@ -228,13 +212,27 @@ def _tangent(change: Callable[[sparse.csc_matrix], sparse.csc_matrix]) -> Iterat
         yield
 
 
+@contextmanager
+def _two_too_many() -> Iterator[None]:
+    sound = stability.stability
+
+    def counted(*arguments: Any) -> Any:
+        found = sound(*arguments)
+        return found if found.negative is None else replace(found, negative=found.negative + 2)
+
+    with swapped(certificate, "stability", counted):
+        yield
+
+
 FAULTS = (
-    *(left_out, glued, stale, too_large, loose, at_the_limit, endless, raises, exact, last_ignored, silent),
+    *(left_out, glued, stale, too_large, loose, at_the_limit, endless, raises, exact, last_ignored, no_number, silent),
     Fault("the normal of one node of a ball or drum points inwards", _one_gradient_turned),
     Fault("a ball or drum has no curvature", _no_curvature),
     Fault("nodes on the seam of half a tyre have twice their area", _seam_twice),
     Fault("a thickness stays in mm in other units", _thickness_in_mm),
     Fault("the tangent is a thousandth too stiff", lambda: _tangent(lambda K: sparse.csc_matrix(1.001 * K))),
+    Fault("two negative eigenvalues too many are counted", _two_too_many),
+    *planted_in_friction.FAULTS,
 )
 
 
@@ -242,8 +240,8 @@ def found_after(fault: Fault, most: int = MOST) -> dict[str, Any]:
     """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has."""
     for seed in range(most):
         with fault.planted():
-            report = examine(seed)
-        if report.verdict == BROKEN and examine(seed).verdict != BROKEN:
+            report = examine(seed, fault.kind)
+        if report.verdict == BROKEN and examine(seed, fault.kind).verdict != BROKEN:
             return {"fault": fault.name, "cases": seed + 1, "law": report.law, "said": report.said}
     return {"fault": fault.name, "cases": 0, "law": "", "said": ""}
 

@@ -18,7 +18,9 @@ import numpy as np
 
 from contact.continuation.critical_points import PathEnd
 from contact.events import EventKind, events
+from contact.friction.verify import CHORD
 from contact.problem import ContactProblem, Linearise, Linearised, Outcome
+from contact.verify import EQUILIBRIUM
 from studies.fuzz.cases import Asked
 from studies.request import Request
 from studies.result import UNSTABLE, WRONG, Result
@@ -26,6 +28,7 @@ from studies.scene import ArcStage, Begun, Scene, SceneModel, Stage, UsageError
 from studies.solving import solve
 
 MOST = 8_000  # linearisations of one solve
+BARELY, BOUNDS = 0.1, {"equilibrium": EQUILIBRIUM, "direction": CHORD}  # of what the judge allows
 CONVERGED, REFUSED, ENDED = "converged", "refused", "ended"
 
 
@@ -39,11 +42,15 @@ class Broken(Exception):  # noqa: N818  it is no error of the solve, but its ver
 
 @dataclass(frozen=True)
 class Passed:
-    """A case that keeps its laws: what it came to, what it was compared with, and what came of that."""
+    """A case that keeps its laws: what it came to, what it was compared with, and what came of that.
+
+    hard: see :func:`hardness`.
+    """
 
     word: str
     law: str = ""
     said: str = ""
+    hard: int = 0
 
 
 def watched(problem: ContactProblem, left: list[int] | None = None) -> ContactProblem:
@@ -138,6 +145,20 @@ def cause(result: Result) -> str:
     return "beyond the path" if last.converged else last.word  # every step finds a state, but none of the path
 
 
+def hardness(result: Result | None) -> int:
+    """How unusual a way a solve has taken: steps cut, sets that came back, substitutes, an end, a barely kept bound."""
+    if result is None or result.unsupported:
+        return 0
+    unusual = EventKind.STEP_CUT | EventKind.CYCLE | EventKind.SUBSTITUTE
+    near = [
+        step.certificate["kkt"][name] > BARELY * bound
+        for step in result.loads
+        for name, bound in BOUNDS.items()
+        if name in step.certificate.get("kkt", {})
+    ]
+    return len(events(result.history, unusual)) + 5 * (result.verdict != CONVERGED) + 5 * any(near)
+
+
 @contextmanager
 def quiet() -> Iterator[None]:
     """Overflows on the way to an end are no news."""
@@ -164,16 +185,19 @@ def attempt(asked: Asked, seed: int) -> Attempt:
             raise Broken("no traceback", place(error)) from error
     if result.unsupported:
         return Attempt(asked, REFUSED, one_line(result.unsupported), result)
-    if result.verdict == WRONG:
-        failed = {name for step in result.loads for name in step.certificate["failures"]}
-        told = next(step.certificate for step in result.loads if step.certificate["failures"])
-        numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
-        raise Broken(
-            "certified", f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
-        )
+    if result.verdict == WRONG:  # whether it is called converged, or says so itself
+        raise Broken("certified" if result.outcome.converged else "solved right", _failed(result))
     if not result.outcome.converged:
         return Attempt(asked, ENDED, one_line(result.reason), result)
     return Attempt(asked, CONVERGED, "", result)
+
+
+def _failed(result: Result) -> str:
+    """The failed conditions, and the numbers of the first load that has any."""
+    failed = {name for step in result.loads for name in step.certificate["failures"]}
+    told = next(step.certificate for step in result.loads if step.certificate["failures"])
+    numbers = {**told["kkt"], **told["balances"], "rounding": told["rounding"]}
+    return f"{', '.join(sorted(failed))}: " + ", ".join(f"{k} {v:.2e}" for k, v in numbers.items())
 
 
 def one_line(text: str) -> str:

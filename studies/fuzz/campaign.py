@@ -14,7 +14,8 @@ from typing import Any
 
 import pandas as pd
 
-from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report
+from studies.fuzz.cases import kind_of
+from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report, command_of
 from studies.fuzz.record import NAME as NAME
 from studies.fuzz.record import task_id
 from studies.pool.engine import engine as engine_of
@@ -28,6 +29,7 @@ from studies.store.layout import Archive, DamagedError
 CASES, MOST = 5000, 1_000_000
 LIMITS = Limits(time_s=120.0, memory_MB=2048.0)  # most take well under a second, the longest of 5,000 takes 54 s
 STOPPED = {TIME: "ends", MEMORY: "memory", CRASH: "the process lives"}  # the law that a failure of the child breaks
+WORST = {"no traceback": "tracebacks", "certified": "wrong called converged", "one answer": "silent disagreements"}
 VERDICTS = (PASSED, EXPLAINED, UNCOMPARED, BROKEN)
 Progress = Callable[[int, int, str], None]
 
@@ -51,24 +53,38 @@ class Summary:
         told = ", ".join(f"{counts[name]} {name}" for name in VERDICTS if counts[name])
         return f"{len(self.rows)} cases: {told or 'none'}; {self.solved} solved now"
 
+    @property
+    def lines(self) -> list[str]:
+        """What the cases came to, and how many broke each of the laws that nothing may break."""
+        words = Counter(row["word"] for row in self.rows if row["word"])
+        laws = Counter(row["law"] for row in self.rows if row["verdict"] == BROKEN)
+        found = dict.fromkeys(WORST, 0) | dict(laws.most_common())
+        return [
+            "came to: " + (", ".join(f"{count} {word}" for word, count in words.most_common()) or "nothing"),
+            "broken: " + ", ".join(f"{count} {WORST.get(law, law)}" for law, count in found.items()),
+        ]
+
 
 def run(
     store: Path,
-    cases: int = CASES,
+    seeds: range = range(CASES),
+    kind: str = "",
     engine: str = "serial",
     limits: Limits = LIMITS,
     progress: Progress = lambda done, planned, label: None,
     *,
     resume: bool = False,
 ) -> Summary:
-    """The cases 0 to ``cases`` - 1 that are missing, and the tables fuzz and fuzz_cases.
+    """The cases of these numbers that are missing, and the table fuzz.
 
-    Raises UsageError, and StoreFullError with everything finished kept. resume: refuse to begin.
+    kind: of all cases, by default of each what is drawn from its number.  resume: refuse to begin.
+    Raises UsageError, and StoreFullError with everything finished kept.
     """
-    if not 1 <= cases <= MOST:
-        raise UsageError(f"cases = {cases} must be a whole number in [1, {MOST}]")
-    archive, work = Archive(store), engine_of(engine)
-    names = [task_id(seed) for seed in range(cases)]
+    if not 1 <= len(seeds) <= MOST:
+        raise UsageError(f"cases = {len(seeds)} must be a whole number in [1, {MOST}]")
+    archive, work, cases = Archive(store), engine_of(engine), len(seeds)
+    kinds = [kind or kind_of(seed) for seed in seeds]
+    names = [task_id(seed, each) for seed, each in zip(seeds, kinds, strict=True)]
     if resume and not any(archive.record_path(name).exists() for name in names):
         raise UsageError(f"--resume: {store} has no case of {NAME!r} of these sources yet; leave --resume out")
     with archive.claimed():
@@ -77,7 +93,7 @@ def run(
             progress(cases - len(tasks), cases, NAME)
             for count, (task, _) in enumerate(work(tasks, store, limits), start=cases - len(tasks) + 1):
                 progress(count, cases, task.label)
-            rows = [_row(archive, name, seed) for seed, name in enumerate(names)]
+            rows = [_row(archive, *case) for case in zip(names, seeds, kinds, strict=True)]
             write_table(archive.tables / "fuzz.csv", table_of(rows))
         except StoreFullError as error:
             raise StoreFullError(
@@ -94,17 +110,17 @@ def _there(archive: Archive, name: str) -> bool:
         return False
 
 
-def _row(archive: Archive, name: str, seed: int) -> dict[str, Any]:
+def _row(archive: Archive, name: str, seed: int, kind: str) -> dict[str, Any]:
     """The line of a case; of one whose child was killed or died, what is known."""
     record = archive.record(name)
     if record is not None:
         return {**record["case"]}
     failure = archive.failure(name) or {"class": "missing", "reason": "not solved yet"}
     law = STOPPED.get(failure["class"], failure["class"])
-    return Report(seed, "", "", "", law, BROKEN, failure["reason"]).row
+    return Report(seed, kind, "", "", law, BROKEN, failure["reason"]).row
 
 
 def table_of(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """A row a case, with the command that replays it."""
-    commands = [f"footprint fuzz --seed {row['seed']}" for row in rows]
+    commands = [command_of(row["seed"], row["kind"]) for row in rows]
     return pd.DataFrame(rows).assign(command=commands)

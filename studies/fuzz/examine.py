@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from studies.fuzz import matrices, posed, scenes
 from studies.fuzz.attempt import Broken, Passed, place, quiet
-from studies.fuzz.cases import Asked, asked_of, kind_of
+from studies.fuzz.cases import FRICTION, SCENE, Asked, kind_of
 from studies.fuzz.comparing import AGREES
+from studies.fuzz.near import request_of
 
 PASSED, EXPLAINED, UNCOMPARED, BROKEN = "agrees", "explained", "not compared", "broken"
+HARDEST = 100
 TRIES = 40  # requests that are tried to make one smaller
+REQUESTS = (SCENE, FRICTION)
+MADE: dict[str, Any] = {"posed": posed, "matrices": matrices}  # the other kinds
 
 
 @dataclass(frozen=True)
@@ -19,6 +24,7 @@ class Report:
     """A line: what was asked, what it came to, the law that was drawn or broken, and what is said of it.
 
     verdict: PASSED, EXPLAINED why two answers differ, UNCOMPARED where there are not two, or BROKEN.
+    hard: how near a request has come to breaking a law, or to no end, see :func:`studies.fuzz.attempt.hardness`.
     """
 
     seed: int
@@ -28,6 +34,7 @@ class Report:
     law: str
     verdict: str
     said: str
+    hard: int = 0
 
     @property
     def row(self) -> dict[str, Any]:
@@ -37,27 +44,36 @@ class Report:
     @property
     def command(self) -> str:
         """The command that replays it."""
-        return f"footprint fuzz --seed {self.seed}"
+        return command_of(self.seed, self.kind)
 
 
-def examine(seed: int, *, smaller: bool = False) -> Report:
-    """The report of a case; smaller: of a broken request with as few settings as break the same law."""
-    kind = kind_of(seed)
-    try:
-        passed = {"scene": scenes.check, "posed": posed.check, "matrices": matrices.check}[kind](seed)
-    except Broken as broken:
-        about = _about(kind, seed)
-        if smaller and kind == "scene":
-            about = minimised(seed, broken.law).command
-        return Report(seed, kind, about, "", broken.law, BROKEN, str(broken))
-    return Report(seed, kind, _about(kind, seed), passed.word, passed.law, _verdict(passed), passed.said)
+def command_of(seed: int, kind: str) -> str:
+    """The command that replays a case."""
+    return f"footprint fuzz --seed {seed} --kind {kind}"
 
 
-def _about(kind: str, seed: int) -> str:
-    if kind != "scene":
-        return {"posed": posed.about, "matrices": matrices.about}[kind](seed)
+def examine(seed: int, kind: str = "", *, smaller: bool = False) -> Report:
+    """The report of a case of a kind, by default of that which is drawn from its number.
+
+    smaller: of a broken request with as few settings as break the same law.
+    """
+    kind = kind or kind_of(seed)
+    if kind not in REQUESTS:
+        return _report(seed, kind, MADE[kind].about(seed), lambda: MADE[kind].check(seed))
     with quiet():
-        return asked_of(seed).command
+        asked = request_of(seed, kind)
+    found = _report(seed, kind, asked.command, lambda: scenes.check(seed, asked))
+    if smaller and found.verdict == BROKEN:
+        return replace(found, about=minimised(seed, asked, found.law).command)
+    return found
+
+
+def _report(seed: int, kind: str, about: str, check: Callable[[], Passed]) -> Report:
+    try:
+        passed = check()
+    except Broken as broken:
+        return Report(seed, kind, about, "", broken.law, BROKEN, str(broken), HARDEST)
+    return Report(seed, kind, about, passed.word, passed.law, _verdict(passed), passed.said, passed.hard)
 
 
 def _verdict(passed: Passed) -> str:
@@ -66,11 +82,9 @@ def _verdict(passed: Passed) -> str:
     return PASSED if passed.said == AGREES else EXPLAINED
 
 
-def minimised(seed: int, law: str) -> Asked:
+def minimised(seed: int, asked: Asked, law: str) -> Asked:
     """The request with options and settings given back one by one, as long as it breaks the same law."""
-    with quiet():
-        asked, tries = asked_of(seed), TRIES
-    shrinking = True
+    tries, shrinking = TRIES, True
     while shrinking:
         shrinking = False
         for fewer in _fewer(asked):

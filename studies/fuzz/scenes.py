@@ -6,17 +6,19 @@ whole; in other units. Derivatives of the converged problem are always compared 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from contact.parameters import STIFFNESS
-from contact.solvers.sparse import symmetric
 from studies.algorithm_settings import configured, settings_of
-from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, quiet
-from studies.fuzz.cases import Asked, asked_of
-from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, signs, unstable
+from studies.friction.observed import FORCES
+from studies.friction.settings import MU, SLIDING
+from studies.fuzz import rubbed, stable
+from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
+from studies.fuzz.cases import Asked
+from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
 from studies.request import Request, text_of
@@ -25,27 +27,28 @@ from studies.scenes import SCENES
 
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
 OFTEN = {"another algorithm": 2, "part = whole": 4, "units": 2}  # as often as a law that is not named here
-UNITS = 9.0  # powers of ten of a unit of the panel
+FAINT = "1e-10"  # a coefficient of friction next to none
+UNITS, NEARBY = 9.0, 0.3  # powers of ten of a unit of the panel; where a length is forgotten both ways still converge
 PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
 PRODUCTS = {"_mm": (1, 0), "_MPa": (0, 1), "_N": (2, 1)}  # powers of length and of stress, by how a name ends
 SCALED = {"tyre": 2.0, "tyre-solid": 2.0}  # factor of lengths and of stresses, up and down, within their ranges
 
 
-def check(seed: int, asked: Asked | None = None) -> Passed:
-    """Solve, and hold the result against the law of the number; raises Broken. asked: instead of what is drawn."""
-    with quiet():
-        asked = asked_of(seed) if asked is None else asked
+def check(seed: int, asked: Asked) -> Passed:
+    """Solve, and hold the result against the law of the number; raises Broken."""
     one = attempt(asked, seed)
     if one.kind != CONVERGED:
-        return Passed(one.word, said=one.reason)
+        return Passed(one.word, said=one.reason, hard=hardness(one.result))
     _differences(one, seed)
-    _stable_as_told(one)
+    stable.as_told(one.found, _answer(one))
+    stable.when_finer(one, seed)
+    rubbed.check(one)
     laws = _laws(asked)
     if not laws:
-        return Passed(one.word)
+        return Passed(one.word, hard=hardness(one.result))
     # a draw that stays the same where other laws come or go
     law = max(laws, key=lambda name: generator(seed, f"law: {name}").random() ** (1 / OFTEN.get(name, 1)))
-    return Passed(one.word, law, laws[law](one, seed))
+    return Passed(one.word, law, laws[law](one, seed), hardness(one.result))
 
 
 def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
@@ -53,6 +56,8 @@ def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
     found: dict[str, Callable[[Attempt, int], str]] = {}
     if has_contact(SCENES[asked.scene]):
         found["another algorithm"] = _algorithms
+    if float(asked.settings.get(MU.key, 0)) > 0:
+        found["friction fades"] = _fades
     if asked.scene != "crushed-ring-solid" and asked.scene != "tyre-solid":
         found["the other newton"] = _newton
     found["another solver"] = _solver
@@ -81,6 +86,18 @@ def _algorithms(one: Attempt, seed: int) -> str:
         settings.pop(setting.key, None)
     settings["epsilon"] = text_of(one.found.request.number("epsilon"))
     return _same(one, replace(one.asked.with_options(contact=other), settings=settings), seed)
+
+
+def _fades(one: Attempt, seed: int) -> str:
+    """Next to no friction does what none does."""
+    slides = {setting.key for setting in SLIDING}
+    own = {setting.key for setting in settings_of(one.found.request.contact)}  # of which friction has not all
+    still = {key: value for key, value in one.asked.settings.items() if key not in slides | own | {MU.key}}
+    asked = replace(one.asked, settings=still).with_options(model=one.found.request.model)
+    none = attempt(asked, seed)
+    if none.kind != CONVERGED:
+        return f"not compared, {none.word}: {none.reason}"
+    return _same(none, asked.with_settings(**{MU.key: FAINT}), seed)
 
 
 def _newton(one: Attempt, seed: int) -> str:
@@ -124,37 +141,19 @@ def _differences(one: Attempt, seed: int) -> None:
         raise Broken("derivatives", ", ".join(f"{name} off by {value:.1e}" for name, value in wrong.items()))
 
 
-def _stable_as_told(one: Attempt) -> None:
-    """Raises Broken where the certificate counts other negative eigenvalues than dense algebra does.
-
-    Of an unsymmetric tangent they are not counted by its symmetric part, and a traced curve ends elsewhere.
-    """
-    answer, end = _answer(one), one.found.end
-    told = one.found.loads[-1].certificate.get("stability", {}) if one.found.loads else {}
-    K = answer.problem.linearise(answer.state.u, None).tangent
-    if told.get("negative") is None or not symmetric(K) or end is None or end.trace is not None:
-        return
-    with quiet():
-        negative, unsigned = signs(answer, answer.state.active)
-    least, most = told["negative"], told["negative"] + told["rounding"]
-    if negative > most or negative + unsigned < least:
-        raise Broken(
-            "stability", f"told {least} negative eigenvalues, {most - least} unsigned; dense {negative}, {unsigned}"
-        )
-
-
 # --- another problem with the same answer -----------------------------------------------------------------------------
 
 
 def _whole(one: Attempt, seed: int) -> str:
-    """A part of the tyre and all of it."""
-    return _quantities(one, one.asked.with_options(model="full"), seed, 1.0, 1.0)
+    """A part of the tyre and all of it; resultants of friction are of the part alone."""
+    return _quantities(one, one.asked.with_options(model="full"), seed, 1.0, 1.0, left=FORCES)
 
 
 def _panel_units(one: Attempt, seed: int) -> str:
     """The panel reports in mm, N and MPa whatever its units; epsilon and its like are in those of the problem."""
     rng, request = generator(seed, "units"), one.found.request
-    length, stress = (float(f"{10.0 ** rng.uniform(-UNITS, UNITS):.4g}") for _ in range(2))
+    span = float(rng.choice([UNITS, NEARBY]))
+    length, stress = (float(f"{10.0 ** rng.uniform(-span, span):.4g}") for _ in range(2))
     known = {setting.key: setting for setting in (*SCENES["panel"].settings, *settings_of(request.contact))}
     before = {key: request.number(key) for key in ("length_unit", "stress_unit")}
     units = {"length_unit": text_of(length), "stress_unit": text_of(stress)}
@@ -179,13 +178,17 @@ def _scaled(one: Attempt, seed: int) -> str:
     return _quantities(one, replace(one.asked, settings=settings), seed, length, stress)
 
 
-def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: float) -> str:
-    """What a comparison of what both report says, the other's over its units; raises Broken."""
+def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: float, left: Collection[str] = ()) -> str:
+    """What a comparison of what both report says, but for what is left out, the other's over its units; raises Broken.
+
+    Forces and pressures are compared: what is continuous in the state.
+    """
     other = attempt(asked, seed)
     if other.kind != CONVERGED:
         return f"not compared, {other.word}: {other.reason}"
     mine, theirs = ({**each.found.loads[-1].quantities} for each in (one, other))
-    apart = {key: _apart(mine[key], theirs[key], key, length, stress) for key in _comparable(mine)}
+    compared = [key for key in mine if key.endswith(("_N", "_MPa")) and key not in left]
+    apart = {key: _apart(mine, theirs, key, length, stress) for key in compared}
     worst = max(apart, key=lambda key: apart[key])
     if apart[worst] <= ALIKE:
         return AGREES
@@ -200,13 +203,11 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
     raise Broken("one answer", f"{worst} apart by {apart[worst]:.1e}, unlike {asked.command}")
 
 
-def _comparable(quantities: Mapping[str, object]) -> list[str]:
-    """Forces and pressures: what is continuous in the state."""
-    return [key for key in quantities if key.endswith(("_N", "_MPa"))]
-
-
-def _apart(mine: float, theirs: float, key: str, length: float, stress: float) -> float:
+def _apart(mine: Mapping[str, float], theirs: Mapping[str, float], key: str, length: float, stress: float) -> float:
+    """Relative; of the resultant of friction, which may cancel or be next to none, over the largest force."""
     power = next(powers for end, powers in PRODUCTS.items() if key.endswith(end))
-    theirs /= length ** power[0] * stress ** power[1]
-    size = max(abs(mine), abs(theirs))
-    return float(np.abs(mine - theirs) / size) if size > 0 else 0.0
+    one, other = mine[key], theirs[key] / (length ** power[0] * stress ** power[1])
+    forces = [abs(value) for name, value in mine.items() if name.endswith("_N") and np.isfinite(value)]
+    most = max(forces) if key == "friction_N" else 0.0
+    size = max(abs(one), abs(other), most)
+    return float(np.abs(one - other) / size) if 0 < size < np.inf else 0.0

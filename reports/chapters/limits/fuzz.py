@@ -12,20 +12,28 @@ from reports.markdown import Part, commands, joined, listing, machine, prose, ta
 from reports.store.tables import Store
 
 VERDICTS = ("agrees", "explained", "not compared", "broken")
-KINDS = {"scene": "requests of all scenes", "posed": "panels posed in two ways", "matrices": "matrices with an answer"}
+KINDS = {
+    "scene": "requests of all scenes",
+    "friction": "requests with friction",
+    "posed": "panels posed in two ways",
+    "matrices": "matrices with an answer",
+}
 INTRODUCTION = prose("""# Random cases
 
-Requests that nobody has written down: scene, measure, algorithm, grid and settings are drawn from a number, near their
-defaults, far from them and on the bounds of their ranges. Each case must end within a number of linearisations and
-without a traceback, converged, refused in one line, or ended with a cause. What is called converged is judged; its
-derivatives are compared with differences, its negative eigenvalues with those of dense algebra; and one law more is
-drawn. *Requests of all scenes* are solved once more by another algorithm, Newton iteration or solver, in more load
-steps, as a part of a tyre and as the whole, or in other units. *Panels posed in two ways* have their axes exchanged,
-are measured in other units, moved and turned together with all that holds and presses them, renumbered, or loaded in
-steps. *Matrices with an answer* are small contact problems made from it. Two answers *agree* to 1e-6 of displacements
-and of contact forces; a difference is *explained* only by what is computed of each state: the error that one more step
-of Newton's iteration shows, a negative eigenvalue, or two stable equilibria each of which is confirmed by the way of
-solving that has found the other. Everything else is *broken*, a finding.""")
+Requests that nobody has written down: scene, measure, algorithm, grid and settings are drawn from a number, near
+their defaults, far from them and on the bounds of their ranges. Each case must end within a number of
+linearisations and without a traceback, converged, refused in one line, or ended with a cause. What is called
+converged is judged; its derivatives are compared with differences, its negative eigenvalues with those of dense
+algebra; and one law more is drawn. *Requests of all scenes* are solved once more by another algorithm, Newton
+iteration or solver, in more load steps, as a part of a tyre and as the whole, or in other units. *Requests with
+friction* are dragged and turned back and forth, too; friction may not drive, exceed its bound or miss the direction
+against the slip that places alone tell, and next to none must do what none does. A quarter of all requests are hard
+ones of earlier runs with one thing changed. *Panels posed in two ways* have their axes exchanged, are measured in
+other units, moved and turned together with all that holds and presses them, renumbered, or loaded in steps.
+*Matrices with an answer* are small contact problems made from it. Two answers *agree* to 1e-6 of displacements and
+of contact forces; a difference is *explained* only by what is computed of each state: the error that one more step
+of Newton's iteration shows, a negative eigenvalue, or two stable equilibria each of which is confirmed by the way
+of solving that has found the other. Everything else is *broken*, a finding.""")
 
 
 def fuzz_page(store: Store) -> Part:

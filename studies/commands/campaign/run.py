@@ -10,7 +10,8 @@ from studies.campaigns.run import run as run_campaign
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, add_trust, positive, progress_bar
 from studies.fuzz import campaign as fuzz
-from studies.fuzz.examine import BROKEN
+from studies.fuzz.cases import KINDS
+from studies.fuzz.examine import BROKEN, command_of
 from studies.pool.task import Limits
 from studies.scene import UsageError
 
@@ -28,15 +29,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--time-limit", type=float, metavar="S", help=told)
     told = f"of one cell, default {usual.memory_MB:g}; of a random case {short.memory_MB:g}"
     parser.add_argument("--memory-limit", type=float, metavar="MB", help=told)
-    parser.add_argument("--cases", type=int, metavar="N", help=f"of {fuzz.NAME}, default {fuzz.CASES}")
+    parser.add_argument("--cases", type=int, metavar="N", help=f"of {fuzz.NAME}: from 0 on, default {fuzz.CASES}")
+    parser.add_argument("--seeds", metavar="A:B", help=f"of {fuzz.NAME}: its cases from A on, before B")
+    parser.add_argument("--kind", choices=list(KINDS), default="", help=f"of {fuzz.NAME}: of all its cases")
 
 
 def run(options: argparse.Namespace) -> int:
     """Solve what is missing and print a line of what became of it."""
     if options.campaign == fuzz.NAME:
         return _run_fuzz(options)
-    if options.cases is not None:
-        raise UsageError(f"--cases is of {fuzz.NAME}, not of {options.campaign}")
+    for name in ("cases", "seeds", "kind"):
+        if getattr(options, name):
+            raise UsageError(f"--{name} is of {fuzz.NAME}, not of {options.campaign}")
     limits = _limits(options, Limits())
     campaign = find(options.campaign, trust=options.trust)
     with progress_bar(campaign.name) as advance:
@@ -71,11 +75,22 @@ def _run_fuzz(options: argparse.Namespace) -> int:
     if options.fields:
         raise UsageError(f"--fields is of cells, {fuzz.NAME} has none")
     limits = _limits(options, fuzz.LIMITS)
-    cases = fuzz.CASES if options.cases is None else options.cases
+    seeds = _seeds(options)
     with progress_bar(fuzz.NAME) as advance:
-        summary = fuzz.run(options.store, cases, options.engine, limits, advance, resume=options.resume)
+        summary = fuzz.run(options.store, seeds, options.kind, options.engine, limits, advance, resume=options.resume)
     print(f"{fuzz.NAME}: {summary.line}")
+    print("\n".join(summary.lines))
     for row in summary.rows:
         if row["verdict"] == BROKEN:
-            print(f"footprint fuzz --seed {row['seed']}: {row['law']}: {row['said']}")
+            print(f"{command_of(row['seed'], row['kind'])}: {row['law']}: {row['said']}")
     return FAILED if summary.broken else OK
+
+
+def _seeds(options: argparse.Namespace) -> range:
+    """The numbers of the cases."""
+    if options.seeds is None:
+        return range(fuzz.CASES if options.cases is None else options.cases)
+    first, _, end = options.seeds.partition(":")
+    if options.cases is not None or not (first.isdecimal() and end.isdecimal()):
+        raise UsageError(f"--seeds {options.seeds!r} must be A:B with two whole numbers, without --cases")
+    return range(int(first), int(end))

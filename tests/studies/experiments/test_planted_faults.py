@@ -7,7 +7,8 @@ import pytest
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from contact.obstacles.drum_sphere import Sphere
-from studies.experiments.planted_faults import FAULTS, MOST, Fault, found_after, too_large
+from studies.experiments.planted_faults import FAULTS, MOST, found_after, too_large
+from studies.experiments.planting import Fault
 from studies.fuzz.cases import Asked, asked_of, kind_of
 from studies.fuzz.examine import examine, minimised
 
@@ -35,7 +36,7 @@ def test_a_finding_is_made_smaller_while_it_breaks_the_same_law() -> None:
     """Nothing but the scene and its grid is left of a request that breaks its law whatever is asked."""
     seed = next(s for s in range(200) if kind_of(s) == "scene" and _many(asked_of(s)) and _found(s))
     with too_large.planted():
-        asked = minimised(seed, "certified")
+        asked = minimised(seed, asked_of(seed), "certified")
     assert asked.settings == {}
     assert set(asked.options) <= {"mesh"}
 

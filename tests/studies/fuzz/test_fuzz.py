@@ -13,15 +13,20 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
 from contact.problem import Linearisation
 from studies.algorithm_settings import parameters_of
 from studies.cli import main
-from studies.fuzz import campaign, matrices, posed
-from studies.fuzz.cases import KINDS, asked_of, kind_of
+from studies.fuzz import campaign, matrices, near, posed
+from studies.fuzz.attempt import Broken
+from studies.fuzz.cases import FRICTION, KINDS, asked_of, kind_of
 from studies.fuzz.comparing import AGREES, Answer, compared, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.examine import BROKEN, examine
+from studies.fuzz.hard import COMMANDS
+from studies.fuzz.rubbed import Slipped
 from studies.fuzz.values import drawn
+from studies.scene import has_contact
 from studies.scenes import SCENES
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -112,8 +117,8 @@ def test_a_wrong_derivative_is_seen() -> None:
 @pytest.mark.slow
 def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The cells of the pool are its cases; a seed that it lists is replayed by one command."""
-    assert campaign.run(tmp_path, 3).solved == 3
-    again = campaign.run(tmp_path, 4, resume=True)
+    assert campaign.run(tmp_path, range(3)).solved == 3
+    again = campaign.run(tmp_path, range(4), resume=True)
     assert again.solved == 1
     assert again.broken == 0
     table = pd.read_csv(tmp_path / "tables" / "fuzz.csv")
@@ -123,11 +128,72 @@ def test_a_campaign_is_resumed_and_replayed(tmp_path: Path, capsys: pytest.Captu
     assert str(table["kind"].iloc[2]) in capsys.readouterr().out
 
 
+def test_friction_is_drawn_with_ways_that_turn_back() -> None:
+    """By all algorithms, on all scenes with contact, from next to none to infinite."""
+    asked = [asked_of(seed, FRICTION) for seed in range(250)]
+    assert {each.scene for each in asked} == {name for name, scene in SCENES.items() if has_contact(scene)}
+    assert {each.options.get("contact", "semismooth") for each in asked} == set(ALGORITHMS)
+    coefficients = [float(each.settings["mu"]) for each in asked]
+    assert min(coefficients) == 0
+    assert min(mu for mu in coefficients if mu) < 1e-6
+    assert max(coefficients) == np.inf
+    for key in ("drag_mm", "turn_deg"):
+        ways = [[float(stop) for stop in each.settings[key].split(",")] for each in asked if key in each.settings]
+        assert sum(np.any(np.diff(np.sign(np.diff([0.0, *way])))) for way in ways) > 0.3 * len(ways)
+
+
+def test_slender_grids_are_drawn() -> None:
+    grids = [[int(n) for n in asked_of(seed).options["mesh"].split("x")] for seed in range(200)]
+    assert sum(max(grid) >= 16 * min(grid) for grid in grids) > 5
+
+
+def test_a_hard_request_is_changed_in_one_thing() -> None:
+    parents = [near.parsed(command) for command in COMMANDS]
+    for seed in range(60):
+        parent = parents[seed % len(parents)]
+        asked = near.changed(parent, seed)
+        mine, theirs = ({**each.options, **each.settings, "scene": each.scene} for each in (asked, parent))
+        assert asked == near.changed(parent, seed)
+        assert len(dict(mine.items() ^ theirs.items())) <= 1
+    assert any(near.request_of(seed, FRICTION) != asked_of(seed, FRICTION) for seed in range(20))
+
+
+def test_every_hard_request_is_one_that_is_taken() -> None:
+    for command in COMMANDS:
+        near.parsed(command).request(0)
+
+
+def test_the_list_of_hard_requests_is_grown_from_a_campaign(tmp_path: Path) -> None:
+    rows = [examine(seed, FRICTION).row for seed in range(6)]
+    hard = [{**row, "hard": 7 * (row["seed"] % 2)} for row in rows if "refined" not in row["about"]]
+    found = near.grown(campaign.table_of(hard), 2)
+    assert len(found) == min(2, sum(row["hard"] > 0 for row in hard))
+    for command in found:
+        assert near.parsed(command).command in {row["about"] for row in hard}
+
+
+def slipped(friction: float) -> Slipped:
+    """A candidate that has slipped along x under a bound of 1 N."""
+    along = np.array([[1e-3, 0.0, 0.0]])
+    return Slipped(along, friction * np.array([[1.0, 0.0, 0.0]]), np.array([2.0]), np.array([1.0]), 1.0)
+
+
+@pytest.mark.parametrize(("friction", "law"), [(1.0, "opposes"), (-1.1, "bound")])
+def test_friction_opposes_its_slip_within_its_bound(friction: float, law: str) -> None:
+    slipped(-1.0).check()
+    with pytest.raises(Broken) as broken:
+        slipped(friction).check()
+    assert broken.value.law == law
+
+
 def test_wrong_use_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     store = ["--store", str(tmp_path)]
     for words in (
         ["fuzz", "--seed", "-1"],
         ["run", "fuzz", "--cases", "0", *store],
+        ["run", "fuzz", "--seeds", "3:3", *store],
+        ["run", "fuzz", "--seeds", "3", *store],
+        ["run", "quick", "--kind", "friction", *store],
         ["run", "quick", "--cases", "5", *store],
         ["run", "fuzz", "--resume", *store],
     ):

@@ -1,0 +1,113 @@
+"""Faults of friction that are planted: of its direction, its judge, what it has lost, units and settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from contact.friction import posed
+from contact.friction.algorithms import catalogue
+from contact.friction.posed import WithFriction
+from contact.friction.problem import State
+from contact.problem import ContactProblem, ContactSolution
+from studies import solving
+from studies.experiments.planting import Fault, swapped
+from studies.friction.settings import DRAG
+from studies.friction.stages import Stages
+from studies.fuzz.cases import FRICTION
+
+Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
+
+
+@contextmanager
+def _answers(change: Change) -> Iterator[None]:
+    """Every converged answer with friction is changed; change(found, start)."""
+    sound = WithFriction.solve
+
+    def solve(self: WithFriction, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        found = sound(self, problem, start)
+        return found if found.friction is None or not found.outcome.converged else change(found, start)
+
+    with swapped(WithFriction, "solve", solve):
+        yield
+
+
+def _kept(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """Who slips on keeps the direction of its friction, whichever way it slips now."""
+    assert found.friction is not None
+    if start.friction is None:
+        return found
+    slips = (found.friction.state == State.SLIP) & (start.friction.state == State.SLIP)
+    now, before = (np.linalg.norm(each.friction.force, axis=1)[:, None] for each in (found, start) if each.friction)
+    old = np.divide(start.friction.force, before, out=np.zeros_like(found.friction.force), where=before > 0)
+    force = np.where(slips[:, None], now * old, found.friction.force)
+    return replace(found, friction=replace(found.friction, force=force))
+
+
+def _along(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """Friction along the slip."""
+    assert found.friction is not None
+    slips = (found.friction.state == State.SLIP)[:, None]
+    force = np.where(slips, -found.friction.force, found.friction.force)
+    return replace(found, friction=replace(found.friction, force=force))
+
+
+def _gained(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """What a step has lost is gained."""
+    assert found.friction is not None
+    before = 0.0 if start.friction is None else start.friction.dissipation
+    lost = 2 * before - found.friction.dissipation
+    return replace(found, friction=replace(found.friction, dissipation=lost))
+
+
+@contextmanager
+def _unjudged() -> Iterator[None]:
+    """Friction along the slip, and a judge that nobody asks."""
+    sound = solving.certificate
+
+    def certificate(*arguments: Any) -> dict[str, Any]:
+        return {**sound(*arguments), "failures": [], "diagnosis": []}
+
+    with swapped(solving, "certificate", certificate), _answers(_along):
+        yield
+
+
+@contextmanager
+def _drag_in_own_units() -> Iterator[None]:
+    sound = Stages._stops
+
+    def stops(self: Stages, setting: Any) -> tuple[float, ...]:
+        found = sound(self, setting)
+        unit = self._settings.number("length_unit") if "length_unit" in self._settings else 1.0
+        return tuple(stop / unit for stop in found) if setting is DRAG else found
+
+    with swapped(Stages, "_stops", stops):
+        yield
+
+
+def _anchored(change: Callable[[np.ndarray], np.ndarray]) -> Any:
+    """Where candidates are taken to have stuck is changed, for the algorithm and its judge alike."""
+    sound = posed._anchors
+    return swapped(posed, "_anchors", lambda slip, u, stretched: change(sound(slip, u, stretched)))
+
+
+def _twin_without_settings() -> Any:
+    return swapped(catalogue, "twin", lambda algorithm: catalogue.FRICTIONAL[algorithm.name](epsilon=algorithm.epsilon))
+
+
+FAULTS = tuple(
+    Fault(name, planted, FRICTION)
+    for name, planted in (
+        ("friction keeps its direction when a drag reverses", lambda: _answers(_kept)),
+        ("friction along the slip", lambda: _answers(_along)),
+        ("friction along the slip, and no judge is asked", _unjudged),
+        ("what friction loses is gained", lambda: _answers(_gained)),
+        ("a drag is taken in the unit of length of the problem", _drag_in_own_units),
+        ("anchors are a thousandth off", lambda: _anchored(lambda places: 1.001 * places)),
+        ("settings of an algorithm are dropped with friction", _twin_without_settings),
+    )
+)
