@@ -141,7 +141,7 @@ def _seen(visited: Visited, result: Result) -> tuple[Observation, str]:
 
 
 def lines(result: Result) -> list[str]:
-    """For people: the first quantity and friction, or its torque, at each load; then the steps that were cut automatically."""
+    """For people: the first quantity and friction, or its torque, at each load; then the automatic cuts."""
     if TABLE not in result.tables:
         return []
     rows = list(result.table(TABLE).rows())
