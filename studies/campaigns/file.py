@@ -161,8 +161,8 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
         if "contact" in axes and not has_contact(SCENES[scene]):
             axes["contact"] = [Request.contact]  # one stands for all: the others would solve the same
         most -= math.prod(map(len, axes.values()))
-        label = len(scene) + sum(max(map(len, values), default=0) + len(key) for key, values in axes.items())
-        if most < 0 or len(axes) + len(constant) > MOST_KEYS or label > LONGEST_LABEL:
+        longest = len(scene) + sum(max(map(len, values), default=0) + len(key) for key, values in axes.items())
+        if most < 0 or len(axes) + len(constant) > MOST_KEYS or longest > LONGEST_LABEL:
             bounds = f"{MOST_CELLS} cells, {MOST_KEYS} settings of a cell, {LONGEST_LABEL} letters of a label"
             raise UsageError(f"campaign {path} is beyond a bound: {bounds}")
         steps = {"steps": asked["steps"]} if "steps" in asked else {}
