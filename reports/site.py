@@ -32,18 +32,33 @@ LINK = re.compile(r"\[([^\[\]]+)\]\(([\w./-]+\.md)(?:#[^)]*)?\)")
 
 def write_pages(store: Path, out: Path, campaign: str | None = None) -> list[Path]:
     """Render everything, then write it into ``out``; returns the paths. After a StoreError nothing is written."""
-    return write_texts(out, rendered(load_store(store, campaign)))
+    return write_texts(out, _rendered(load_store(store, campaign)))
 
 
 def check_pages(store: Path, out: Path, campaign: str | None = None) -> list[str]:
     """Differences between the pages in ``out`` and those of the store, a line each; pictures need only be there."""
-    return compare_pages(rendered(load_store(store, campaign), draw=False), out)
+    return compare_pages(_rendered(load_store(store, campaign), draw=False), out)
 
 
 def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
     """The folder below the pages that those of a campaign belong to, and how complete it is in one line."""
     loaded = load_store(store, campaign)
     return "" if loaded.pages == ALL else loaded.campaign, completeness_line(loaded)
+
+
+def _rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
+    """As rendered; raises StoreError for what no page can show, and names that lead out, as tables of others have."""
+    try:
+        files = rendered(store, draw=draw)
+    except StoreError:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise StoreError(f"{store.path}: campaign {store.campaign!r} cannot be put on pages: {said}") from error
+    for name in files:
+        if name.startswith("/") or ".." in name.split("/"):
+            raise StoreError(f"{store.path}: the page {name!r} leads out of its folder")
+    return files
 
 
 def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:

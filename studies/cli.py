@@ -6,6 +6,7 @@ What a command does is in :mod:`studies.commands`; only the module of the one th
 from __future__ import annotations
 
 import argparse
+import contextlib
 import gc
 import importlib
 import os
@@ -15,6 +16,7 @@ from typing import Any, NoReturn
 
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE
 from studies.request import PartError, UsageError
+from studies.shown import Escaping
 
 __all__ = ["FAILED", "NOT_CONVERGED", "OK", "WRONG_USE", "main"]
 
@@ -45,6 +47,7 @@ FOLDERS = {  # of studies.commands, and their commands; the others lie beside th
     "campaign": {"run", "merge", "table", "time", "analyse", "report", "advise"},
     "exchange": {"export", "problems", "judge-field", "resolve", "card"},
 }
+ENOUGH = 141  # as the shell has it of a process that a closed pipe ends
 WITHOUT_PARTS = {"report", "compare"}  # they read tables alone
 
 
@@ -67,7 +70,20 @@ class _Version(argparse.Action):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; returns the exit code."""
+    """Run one command, its text free of control characters; returns the exit code."""
+    streams = [stream and Escaping(stream) for stream in (sys.stdout, sys.stderr)]
+    with contextlib.redirect_stdout(streams[0]), contextlib.redirect_stderr(streams[1]):
+        try:
+            code = _main(arguments)
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        except BrokenPipeError:  # who reads has enough: nothing is left to be said, at the end of the process neither
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            return ENOUGH
+        return code
+
+
+def _main(arguments: Sequence[str] | None) -> int:
     # before numpy is loaded: threads of small matrices only wait for one another, 5 times as long on a busy machine;
     # OpenBLAS and MKL heed this one where nothing is said to them by their own names
     os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -81,6 +97,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             gc.freeze()
             gc.enable()
         return int(options.run(options))
+    except BrokenPipeError:
+        raise
     except (UsageError, OSError) as error:
         print(f"footprint: {_line(error)}", file=sys.stderr)
         return WRONG_USE

@@ -12,7 +12,7 @@ from markdown_it.token import Token
 
 from reports.markdown import END_MACHINE, MACHINE
 
-MARKDOWN, RENDERER = MarkdownIt("commonmark").enable("table"), RendererHTML()
+MARKDOWN, RENDERER = MarkdownIt("commonmark").enable("table").disable(["html_inline", "autolink"]), RendererHTML()
 FOLD = re.compile(r"<details><summary>(.+)</summary>|</details>")  # the only HTML of a page, beside comments
 
 Link = Callable[[str], str]  # where a link of the page leads to; nothing for one that leads out of the file

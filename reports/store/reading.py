@@ -1,13 +1,20 @@
-"""JSON and CSV files read and checked; whatever is wrong with one ends in a StoreError of one line."""
+"""JSON and CSV files read and checked; whatever is wrong with one ends in a StoreError of one line.
+
+Here text of others becomes text of pages: what Markdown or HTML would take for its own is written out, once for all.
+"""
 
 from __future__ import annotations
 
-import json
+import io
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
+
+from contact.interchange.untrusted import MOST, read_bytes, read_json
+from studies.shown import as_prose, as_words
+from studies.store.schema import Kind, fault
 
 SCHEMA = 2
 
@@ -16,29 +23,58 @@ class StoreError(ValueError):
     """A store that cannot be reported; its message is the one line the user reads."""
 
 
-def read_table(path: Path, columns: Iterable[str] = (), comment: str | None = None) -> pd.DataFrame:
-    """A CSV file with at least these columns; raises StoreError when it is missing or damaged."""
-    table = _read(path, lambda: pd.read_csv(path, comment=comment))
+def read_table(
+    path: Path, columns: Iterable[str] = (), comment: str | None = None, prose: Iterable[str] = ()
+) -> pd.DataFrame:
+    """A CSV file with at least these columns; raises StoreError when it is missing or damaged.
+
+    prose: columns of whole sentences, which have code and emphasis in them.
+    """
+    table = _read(path, lambda: _table(path, comment))
+    table.columns = [as_words(str(name)) for name in table.columns]
+    for name in table.columns:
+        if table[name].dtype.kind == "O":  # texts, be they of pandas' own type or of Python's
+            shown = as_prose if name in prose else as_words
+            worded = table[name].map(lambda value, shown=shown: shown(value) if isinstance(value, str) else value)
+            table[name] = worded.astype(table[name].dtype)
     missing = [column for column in columns if column not in table]
     if missing:
         raise StoreError(f"{path}: lacks the columns {', '.join(missing)}")
     return table
 
 
-def read_record(path: Path, keys: Iterable[str]) -> dict[str, Any]:
-    """A JSON file with at least these keys; raises StoreError when it is missing or damaged."""
-    data = _read(path, lambda: json.loads(path.read_text(encoding="utf-8")))
+def _table(path: Path, comment: str | None) -> pd.DataFrame:
+    data = read_bytes(path)
+    if data.count(b",") + data.count(b"\n") > MOST:
+        raise ValueError(f"it has more than {MOST} values")
+    return pd.read_csv(io.BytesIO(data), comment=comment)
+
+
+def read_record(path: Path, keys: Iterable[str], kinds: Kind = None) -> dict[str, Any]:
+    """A JSON file with at least these keys, of these kinds; raises StoreError when it is missing or damaged."""
+    data = _read(path, lambda: read_json(path))
     require(data, keys, path)
-    return dict(data)
+    if wrong := fault(data, kinds):
+        raise StoreError(f"{path}: {wrong}")
+    return dict(_worded(data))
 
 
-def read_versioned(path: Path, keys: Iterable[str]) -> dict[str, Any]:
+def read_versioned(path: Path, keys: Iterable[str], kinds: Kind = None) -> dict[str, Any]:
     """As read_record, of this schema."""
-    data = read_record(path, ("schema",))
+    data = read_record(path, ("schema",), kinds)
     if data["schema"] != SCHEMA:
         raise StoreError(f"{path}: schema {data['schema']!r}, but this program reads {SCHEMA}")
     require(data, keys, path)
     return data
+
+
+def _worded(data: Any) -> Any:
+    """The same with texts that mean themselves on a page."""
+    if isinstance(data, dict):
+        return {as_words(key): _worded(value) for key, value in data.items()}
+    if isinstance(data, list):
+        return [_worded(value) for value in data]
+    return as_words(data) if isinstance(data, str) else data
 
 
 def require(data: object, keys: Iterable[str], path: Path) -> None:

@@ -17,6 +17,7 @@ import pandas as pd
 
 from reports.store.cells import CELL_KEYS, Cell, planned_cell
 from reports.store.reading import SCHEMA, StoreError, read_table, read_versioned, require
+from studies.store.schema import PLAN, REFERENCE, Each
 
 SHEETS = "sheets"  # the group of the cells that are drawn, which no other page means
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
@@ -38,6 +39,10 @@ OF_A_COMPARISON = {
 }
 OF_A_FINDING = {"cause", "causes", "refusals", "worst_scene", "error_scene", "load_key", "regime", "name", "axis"}
 WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON | OF_A_FINDING  # columns of the analysis that may be empty
+
+PROSE: Mapping[str, tuple[str, ...]] = {  # columns of whole sentences
+    **{"statements": ("text", "scope"), "statement_values": ("word",), "sheet_parts": ("about", "source")},
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +115,7 @@ class Store:
 
     def table(self, name: str) -> pd.DataFrame:
         """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
-        return read_table(self.path / "tables" / f"{name}.csv")
+        return read_table(self.path / "tables" / f"{name}.csv", prose=PROSE.get(name, ()))
 
     def has_analysis(self, name: str) -> bool:
         """True when a table is there that is of this campaign, or of none."""
@@ -152,8 +157,9 @@ def load_store(path: Path, campaign: str | None = None) -> Store:
     if not path.is_dir():
         raise StoreError(f"{path}: no such directory")
     index_path = path / "campaigns" / f"{campaign or _only(path)}.json"
-    index = read_versioned(index_path, INDEX_KEYS)
-    references = read_versioned(path / "references.json", ("schema", "references"))["references"]
+    index = read_versioned(index_path, INDEX_KEYS, PLAN)
+    kinds = {"references": Each(REFERENCE)}
+    references = read_versioned(path / "references.json", ("schema", "references"), kinds)["references"]
     for row in references:
         require(row, REFERENCE_KEYS, path / "references.json")
     for row in index["cells"]:

@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import bootstrap
 
+from contact.interchange.untrusted import read_json
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import plan, solved_rows
 from studies.door.plugins import used
@@ -32,6 +33,7 @@ from studies.scene import UsageError
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
 from studies.store.provenance import provenance
+from studies.store.schema import TIMES, fault
 
 DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
 REPEATS = 3  # of a block that was discarded
@@ -168,7 +170,7 @@ def time_campaign(
 
 def _spent(record: Mapping[str, Any]) -> float:
     """Seconds of the solve that made a record, be it on another machine: enough to share out blocks."""
-    return float((record.get("merged") or record)["timing_s"]["cpu"])
+    return float((record.get("merged") or record).get("timing_s", {}).get("cpu", 0.0))
 
 
 def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples, rounds: int) -> None:
@@ -188,15 +190,19 @@ def times_path(store: Path, campaign: str) -> Path:
 
 
 def read_times(store: Path, campaign: str) -> dict[str, Any]:
-    """What was kept of a campaign: canaries, the rounds of a block, samples; raises UsageError where nothing was."""
+    """What was kept of a campaign: canaries, rounds of a block, samples, provenance; raises UsageError."""
     path = times_path(store, campaign)
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
-        return {key: found[key] for key in ("canaries", "rounds", "cells")}
+        found = read_json(path)
+        told = {key: found[key] for key in ("canaries", "rounds", "cells")}
+        told["provenance"] = found.get("provenance") or {}
     except FileNotFoundError:
         raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them") from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
+    if wrong := fault(told, TIMES):
+        raise UsageError(f"{path} cannot be read: {wrong}")
+    return told
 
 
 def summary(store: Path, campaign: str) -> pd.DataFrame:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from studies.request import UsageError
+from studies.shown import behind, printable
 
 STORE = Path(".footprint/store")
 
@@ -58,8 +60,9 @@ def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    console = Console(stderr=True)
+    words = TextColumn("{task.description}", markup=False)
+    columns = (words, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    console = Console(file=behind(sys.stderr))
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(name, total=None)
-        yield lambda done, planned, label: bar.update(task, completed=done, total=planned, description=label)
+        yield lambda done, planned, label: bar.update(task, completed=done, total=planned, description=printable(label))

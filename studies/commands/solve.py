@@ -20,6 +20,7 @@ from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
 from studies.result import UNSTABLE, WRONG, Result
 from studies.scene import Scene, has_contact
+from studies.shown import behind, printable
 from studies.solving import Interrupted, solve
 from studies.step import Step
 from studies.store.atomic import write_by
@@ -164,10 +165,11 @@ def _progress() -> Iterator[Callable[[str], None]]:
     if not sys.stderr.isatty():
         yield lambda text: None
         return
+    terminal = behind(sys.stderr)
     try:
-        yield lambda text: print(f"{SAME_LINE}reached {text}", end="", file=sys.stderr, flush=True)
+        yield lambda text: print(f"{SAME_LINE}reached {printable(text)}", end="", file=terminal, flush=True)
     finally:
-        print(SAME_LINE, end="", file=sys.stderr, flush=True)
+        print(SAME_LINE, end="", file=terminal, flush=True)
 
 
 def _print_table(result: Result) -> None:

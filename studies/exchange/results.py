@@ -12,6 +12,7 @@ Nothing is judged here.
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
@@ -20,6 +21,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from contact.interchange.untrusted import MOST, read_bytes
 from studies.exchange.pressure import pressure_forces
 from studies.exchange.problem import Problem
 from studies.request import UsageError
@@ -29,6 +31,7 @@ NODE = "node"
 PLANE_FORCE, STRAIN_ENERGY = "plane_force_N", "strain_energy_Nmm"
 GROWTH = "inflated_equator_outer_mm"  # of a tyre that is inflated alone
 REACTION = ("reaction_x_N", "reaction_y_N", "reaction_z_N")
+MOST_LOADS, MOST_COLUMNS = 1000, 1000
 PRINTED = ".dat"  # how the printed output of CalculiX ends
 WIDTHS = {"displacements": 4, "total force": 3, "total internal energy": 1}  # numbers of a line, of what is read
 _BLOCK = re.compile(r"^ *(\w.*?)(?: \(.*\))? for set (\w+) and time +(\S+)", re.MULTILINE)  # kind, set, time
@@ -45,16 +48,24 @@ class Found:
 
 def read_results(path: Path, problem: Problem) -> list[Found]:
     """By growing load; raises UsageError for a file that is none of these, OSError for one that is not there."""
-    text = path.read_text(encoding="utf-8", errors="replace")
-    found = _printed(text, problem) if path.suffix == PRINTED else list(_csv(path, problem))
-    if not found:
-        raise UsageError(f"{path} has no results")
+    try:
+        text = read_bytes(path).decode("utf-8", "replace")
+    except ValueError as error:
+        raise UsageError(f"{path} has no results: {error}") from None
+    found = _printed(text, problem) if path.suffix == PRINTED else list(_csv(path, text, problem))
+    if not 0 < len(found) <= MOST_LOADS:
+        raise UsageError(
+            f"{path} has {f'results at {len(found)} loads, more than {MOST_LOADS}' if found else 'no results'}"
+        )
     return sorted(found, key=lambda each: each.load)
 
 
-def _csv(path: Path, problem: Problem) -> Iterator[Found]:
+def _csv(path: Path, text: str, problem: Problem) -> Iterator[Found]:
+    head = text.partition("\n")[0].count(",") + 1
+    if head > MOST_COLUMNS or text.count(",") > MOST:
+        raise UsageError(f"{path} is no table of numbers: it has {head} columns, {text.count(',')} values")
     try:
-        table = pd.read_csv(path).rename(columns=str.strip)
+        table = pd.read_csv(io.StringIO(text)).rename(columns=str.strip)
         values = table.astype(float)
     except (ValueError, pd.errors.ParserError) as error:
         raise UsageError(f"{path} is no table of numbers: {str(error).splitlines()[0]}") from None
@@ -96,8 +107,10 @@ def _printed(text: str, problem: Problem) -> list[Found]:
         try:
             values, time = np.array(rows, float), float(head[3])
         except ValueError:
-            values = np.zeros((0, 0))
-        if not len(values) or values.shape[1] != WIDTHS[head[1]]:
+            values, time = np.zeros((0, 0)), 0.0
+        if not np.all(np.isfinite(values)) or not np.isfinite(time):
+            raise UsageError(f"the printed output has no finite numbers within {head[1]} at time {head[3]}")
+        if not len(values) or values.ndim != 2 or values.shape[1] != WIDTHS[head[1]]:
             raise UsageError(f"the printed output ends or breaks within {head[1]} for set {head[2]}")
         blocks.setdefault(round(time) - 1, {})[f"{head[1]} {head[2]}"] = values
     steps = {i: told for i, told in blocks.items() if 0 <= i < len(problem.steps)}
@@ -147,8 +160,8 @@ def _displacements(told: Mapping[str, np.ndarray], problem: Problem) -> np.ndarr
     u = np.full_like(problem.bricks.x, np.nan)
     rows = told.get("displacements BODY")
     if rows is not None:
-        nodes = rows[:, 0].astype(int)
+        nodes = rows[:, 0]
         if nodes.min() < 1 or nodes.max() > len(u):
-            raise UsageError(f"the printed output has node {nodes.max()}, the body {len(u)}; is the mesh the same?")
-        u[nodes - 1] = rows[:, 1:]
+            raise UsageError(f"the printed output has node {nodes.max():.0f}, the body {len(u)}; is the mesh the same?")
+        u[nodes.astype(int) - 1] = rows[:, 1:]
     return u

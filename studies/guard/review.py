@@ -9,6 +9,7 @@ import pandas as pd
 from studies.guard.baseline import OUTCOME, Bound
 from studies.guard.compare import UNFINISHED, Finding, compared, measured, shortened
 from studies.result import CONVERGED
+from studies.shown import as_words
 
 MOST = 20  # rows a table: a comment is read, an archive is not
 VALUES = ("cell", "value", "A", "B", "allowed")
@@ -48,14 +49,14 @@ def ran(table: pd.DataFrame) -> str:
     outcomes = table[OUTCOME]
     rest = outcomes[~outcomes.isin((CONVERGED,))].value_counts()
     done = int((~outcomes.isin(UNFINISHED)).sum())
-    others = "".join(f", {n} {outcome}" for outcome, n in rest.items())
+    others = "".join(f", {n} {as_words(str(outcome))}" for outcome, n in rest.items())
     return f"{done} of {len(table)} cells ran, {int((outcomes == CONVERGED).sum())} {CONVERGED}{others}"
 
 
 def _table(title: str, head: Sequence[str], rows: Sequence[Sequence[str]], left: int) -> str:
     """The first rows under a bold title; so many columns are aligned to the left, the others to the right."""
     align = [":--"] * left + ["--:"] * (len(head) - left)
-    shown = (" | ".join(word.replace("|", "\\|") for word in row) for row in (head, align, *rows[:MOST]))
+    shown = (" | ".join(as_words(word) for word in row) for row in (head, align, *rows[:MOST]))
     rest = f"\n\nand {len(rows) - MOST} more" if len(rows) > MOST else ""
     return f"**{title}**\n\n" + "\n".join(f"| {line} |" for line in shown) + rest
 

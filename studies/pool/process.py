@@ -21,6 +21,7 @@ from typing import IO, Any
 from studies.pool.main import READY
 from studies.pool.task import KEPT, Limits, Order, Task
 from studies.store.layout import Archive
+from studies.store.schema import as_line
 from studies.store.source_hash import ROOT
 
 STARTUP_S = 120.0
@@ -190,7 +191,7 @@ class Children:
             raise StoreFullError(answer["reason"])
         try:
             if answer["class"]:
-                archive.note_failure(task.id, {"label": task.label, **answer})
+                archive.note_failure(task.id, {"label": task.label, **answer, "reason": as_line(answer["reason"])})
             elif task.kind in KEPT:
                 archive.keep(task.id, answer["text"])
             else:

@@ -10,6 +10,7 @@ from studies.result import Result
 from studies.scene import UsageError
 from studies.solving import solve
 from studies.store.atomic import SCHEMA, as_text
+from studies.store.schema import as_line
 
 
 def record_of(cell_id: str, cell: Cell, directory: Path | None) -> str:
@@ -20,4 +21,6 @@ def record_of(cell_id: str, cell: Cell, directory: Path | None) -> str:
     except UsageError as error:
         result = Result(request, unsupported=str(error))
     files = [] if directory is None or result.unsupported else result.write_artefacts(directory)
-    return as_text({"schema": SCHEMA, "id": cell_id, **result.as_json(), "files": files})
+    told = result.as_json()
+    told["reason"] = as_line(told["reason"])
+    return as_text({"schema": SCHEMA, "id": cell_id, **told, "files": files})

@@ -21,9 +21,19 @@ def word(value: Any) -> bool:
     return isinstance(value, str) and len(value) <= LONGEST and value.isprintable()
 
 
+def as_line(text: str) -> str:
+    """A text of ours as a word: the messages of libraries may have several lines."""
+    return "".join(letter if letter.isprintable() else "?" for letter in " ".join(text.split()))[:LONGEST]
+
+
 def identity(value: Any) -> bool:
     """A name that becomes one of a file."""
     return isinstance(value, str) and ID.fullmatch(value) is not None
+
+
+def file_name(value: Any) -> bool:
+    """The name of a file, without its folder."""
+    return word(value) and not value.startswith(".") and not {*"/\\"} & {*value}
 
 
 def whole(value: Any) -> bool:
@@ -74,6 +84,11 @@ def mesh(value: Any) -> bool:
 def leaf(value: Any) -> bool:
     """Three whole numbers."""
     return isinstance(value, list) and len(value) == 3 and all(map(whole, value))
+
+
+def canary(value: Any) -> bool:
+    """Two times, and whether they count."""
+    return isinstance(value, list) and len(value) == 3 and count(value[0]) and count(value[1]) and flag(value[2])
 
 
 @dataclass(frozen=True)
@@ -143,9 +158,20 @@ ROW: Mapping[str, Kind] = {
 ROW_KEYS = ("label", "id", "scene", "command", "options", "settings", "files", "request", "reason")
 PLAN: Mapping[str, Kind] = {
     "schema": whole,
-    **dict.fromkeys(("campaign", "title", "pages"), word),
+    "campaign": file_name,
+    **dict.fromkeys(("title", "pages"), word),
     "tables": Each(identity),
     "cells": Each(ROW),
+}
+
+REFERENCE: Mapping[str, Kind] = {
+    **dict.fromkeys(("scene", "quantity", "kind", "source"), word),
+    **{"value": finite, "uncertainty": finite, "at": Named(scalar)},
+}
+
+TIMES: Mapping[str, Kind] = {
+    **{"canaries": Each(canary), "rounds": whole, "provenance": RECORD["provenance"]},
+    "cells": Each({"label": word, "id": identity, **dict.fromkeys(("warm", "cold", "discarded"), Each(count))}),
 }
 
 

@@ -56,7 +56,9 @@ def test_a_table_has_its_title_and_knows_its_numbers() -> None:
 def test_html_of_its_own_is_refused() -> None:
     with pytest.raises(ValueError, match="HTML in a page: '<div>raw</div>'"):
         converted("<div>raw</div>")
-    assert converted("a <b>raw</b>") == "<p>a <b>raw</b></p>\n"
+    assert converted("a <b>raw</b> <https://x.example>") == (
+        "<p>a &lt;b&gt;raw&lt;/b&gt; &lt;https://x.example&gt;</p>\n"
+    )
 
 
 BLOCKS = {
@@ -86,10 +88,17 @@ def faults(text: str) -> list[str]:
 
 @pytest.mark.parametrize(
     "text",
-    ["a * b", "an `open code", "> quoted", "a <b>raw</b>", "    indented", "**A title**\n\nno table", "| a |\n| 1 |"],
+    ["a * b", "an `open code", "> quoted", "    indented", "**A title**\n\nno table", "| a |\n| 1 |"],
 )
 def test_what_a_page_must_not_have_is_seen(text: str) -> None:
     assert faults(text)
+
+
+def test_what_a_store_of_ours_says_stays_as_it_is(files: dict[str, str]) -> None:
+    """No character of it is one that has to be written by its number."""
+    for name, text in files.items():
+        if name.endswith(".md"):
+            assert "&#" not in text, name
 
 
 def test_pages_are_plain(files: dict[str, str]) -> None:

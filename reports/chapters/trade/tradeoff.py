@@ -90,8 +90,8 @@ def _families(store: Store) -> str:
     front = front.groupby("family", sort=False).head(FEW)
     names = [name for name in ("measure", "contact", "newton", "element") if name in front]
     heads = " | ".join(["family", "scenes", *names, "mesh", "error", "cost"])
-    coded = " | ".join(f"{{{name}:code}}" for name in names)
-    line = f"{{family}} | {{scenes}} | {coded} | {{rung:.0f}} | {{error:.3%}} | {{cost.{COST}:.1f}}"
+    coded = [f"{{{name}:code}}" for name in names]  # of what varies; none, where nothing does
+    line = " | ".join(["{family}", "{scenes}", *coded, "{rung:.0f}", "{error:.3%}", f"{{cost.{COST}:.1f}}"])
     text = prose("""
 Configurations that have solved all scenes of a family, none wrongly: geometric means over its scenes of the error and
 of the cost, the latter over the cheapest cell of each scene. *Mesh*: 1 is the coarsest of each scene.""")

@@ -6,7 +6,6 @@ meshes are too coarse on purpose, and would be taken for rungs of the ladders of
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
@@ -116,11 +115,9 @@ def _with_lane(table: pd.DataFrame, timed: Mapping[str, Mapping[str, Any]]) -> p
 
 def _timed_on(store: Path, campaign: str) -> str:
     """The machine of the timing lane; nothing where the campaign was not timed, or the samples do not say."""
-    path = times_path(store, campaign)
-    if not path.exists():
+    if not times_path(store, campaign).exists():
         return ""
-    read_times(store, campaign)  # says in one line what cannot be read
-    told = machine_of(json.loads(path.read_text(encoding="utf-8")).get("provenance") or {})
+    told = machine_of(read_times(store, campaign)["provenance"])
     return "" if told == UNKNOWN else told
 
 

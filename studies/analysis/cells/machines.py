@@ -33,7 +33,7 @@ def of_record(record: Mapping[str, Any]) -> dict[str, Any]:
     """machine; merged: how far the cell was verified, nothing where it was solved here; seconds_there: as claimed."""
     mark = record.get("merged") or {}
     found = {"machine": machine_of(record.get("provenance") or {}), "merged": mark.get("status", "")}
-    return {**found, "seconds_there": mark["timing_s"].get("cpu", np.nan)} if mark else found
+    return {**found, "seconds_there": mark.get("timing_s", {}).get("cpu", np.nan)} if mark else found
 
 
 def home_of(table: pd.DataFrame, timed_on: str = "") -> str:

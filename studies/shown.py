@@ -1,0 +1,75 @@
+"""Text of others as text: what a terminal, or a page in Markdown, would take for its own is written out.
+
+All that is printed passes :class:`Escaping`, all that a page shows of a store :func:`as_words`. What is said does not
+enter here.
+"""
+
+from __future__ import annotations
+
+import re
+from typing import Any, TextIO
+
+# all control characters but the ends of lines and tabs; marks that turn the direction of text or are not seen; halves
+CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
+HTML = r"<(?=[A-Za-z/!?])|!(?=\[)|\](?=[(\[:])"  # with links and pictures
+LINKED = r"(?<=[a-z]):(?=//)|(?<=www)\.|(?<=\w)@(?=\w)|(?<!\w)@(?=\w)"  # what GitHub makes links of by itself
+NAMED = r"&(?=#?\w+;)"  # characters by their names
+LIVE = re.compile(
+    rf"{HTML}|{LINKED}|{NAMED}"
+    r"|[|`$~\\*]|(?<!\w)_|_(?!\w)"  # columns, code, formulas, fences, escapes, emphasis
+    r"|^\s*[#>]"  # headings, quotes
+)
+LIVE_IN_PROSE = re.compile(rf"{HTML}|{LINKED}|{NAMED}|[|$~]")
+
+
+def printable(text: str) -> str:
+    """A text without control characters: each as it is written in Python."""
+    return CONTROL.sub(lambda found: _escaped(found[0]), text)
+
+
+def as_words(text: str) -> str:
+    """A text on one line that means itself in Markdown: characters that would do something are given by their numbers.
+
+    Numbers, units and names of ours stay as they are.
+    """
+    line = text if text.isprintable() else printable(" ".join(text.split()))
+    return LIVE.sub(_numbered, line)
+
+
+def as_prose(text: str) -> str:
+    """A text whose code, emphasis and paragraphs stay; links, pictures, HTML and columns of tables are written out."""
+    return LIVE_IN_PROSE.sub(_numbered, printable(text))
+
+
+def _numbered(found: re.Match[str]) -> str:
+    return "".join(f"&#{ord(letter)};" for letter in found[0])
+
+
+def _escaped(letter: str) -> str:
+    code = ord(letter)
+    return f"\\x{code:02x}" if code < 256 else f"\\u{code:04x}"
+
+
+class Escaping:
+    """A stream that shows control characters instead of sending them, and writes what its encoding has no letter for.
+
+    ``stream``: the one behind it, for what draws on a terminal by control characters of its own.
+    """
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        """Write; returns the length of the text."""
+        encoding = self.stream.encoding or "utf-8"
+        self.stream.write(printable(text).encode(encoding, "backslashreplace").decode(encoding))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.stream, name)
+
+
+def behind(stream: Any) -> TextIO:
+    """The stream that draws, behind the one that escapes."""
+    found: TextIO = getattr(stream, "stream", stream)
+    return found
