@@ -24,7 +24,7 @@ from contact.parameters import Parameter
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearise, Outcome
 from formulations.shell import ShellModel
 from studies.fields import write_fields
-from studies.request import Request, Value
+from studies.request import Request, Value, text_of
 from studies.request import UsageError as UsageError  # scenes are what raises it
 from studies.store.tables import Table
 
@@ -90,15 +90,14 @@ class Setting:
             "floats": "increasing numbers in",
             "path": "numbers, from 0 on no two alike in a row, in",
         }[self.kind]
-        return f"{words} {left}{self.low:g}, {self.high:g}{right}"
+        return f"{words} {left}{text_of(self.low)}, {text_of(self.high)}{right}"
 
     @property
     def default_text(self) -> str:
         """The default as it is written after KEY=, or how the scene works it out."""
         if self.default is None:
             return self.otherwise
-        values = self.default if isinstance(self.default, tuple) else (self.default,)
-        return ",".join(f"{value:g}" if isinstance(value, float) else str(value) for value in values)
+        return text_of(self.default)
 
     def parse(self, value: object) -> Value:
         """The value of a text or of Python's numbers and sequences; raises UsageError naming it and the range."""

@@ -151,7 +151,7 @@ def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
     Raises UsageError when it has no contact candidates.
     """
     point, stage = visited.point, visited.stage.name
-    parameter = point.requested if visited.converged else float(str(result.history[-1]["parameter"]))
+    parameter = point.requested if visited.converged else float(result.history[-1]["parameter"])
     problem, state = visited.problem_at(parameter), point.solution
     if not len(problem.weights):
         raise UsageError(f"{result.request.scene} has no contact to freeze in its stage {stage!r}")

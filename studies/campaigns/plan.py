@@ -16,11 +16,12 @@ from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.complete import complete
 from studies.door.plugins import modules_of
+from studies.friction.settings import rubbing
 from studies.request import Request
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 from studies.store.atomic import SCHEMA, plain
-from studies.store.source_hash import CATALOGUE, sources_hash
+from studies.store.source_hash import CATALOGUE, FRICTION, sources_hash
 
 SOLVERS = ("studies.solving", "studies.store.record")  # what solves a cell, besides its own scene
 
@@ -55,8 +56,9 @@ def identity(cell: Cell) -> str:
 
 def _identity(request: Request) -> str:
     """Resolved request, schema, and the sources of what solves it and of its scene; no date, no machine."""
+    without = CATALOGUE if rubbing(request.settings) else (*CATALOGUE, *FRICTION)
     outside = modules_of(request.measure, request.contact, request.scene)
-    sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__, *outside), without=CATALOGUE)
+    sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 

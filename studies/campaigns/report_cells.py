@@ -17,13 +17,14 @@ from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.campaigns.share_cells import share_cells
 from studies.campaigns.sheet_cells import sheet_cells
+from studies.request import text_of
 
 _PAPER = {"element": "paper"}
 
 
 def enforcements(default: float) -> tuple[tuple[str, str], ...]:
     """The exact condition, which all algorithms must agree on, and what an algorithm does if not told otherwise."""
-    return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", f"{default:g}"))
+    return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", text_of(default)))
 
 
 def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
@@ -93,7 +94,7 @@ class Growing:
     @property
     def cells(self) -> tuple[Cell, ...]:
         """One a measure."""
-        settings = {self.load: ",".join(f"{load:g}" for load in self.loads)}
+        settings = {self.load: text_of(self.loads)}
         return tuple(
             Cell(f"{self.scene} by {measure}", self.scene, {"measure": measure, "mesh": self.mesh}, settings)
             for measure in MEASURES

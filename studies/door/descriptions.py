@@ -17,6 +17,7 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import RigidBodyLaw, StrainMeasure
 from studies.algorithm_settings import parameters_of, settings_beside
 from studies.door.columns import columns
+from studies.request import text_of
 from studies.scene import Reference, Scene, Setting, SettlingScene, UsageError
 from studies.scenes import SCENES
 
@@ -96,7 +97,7 @@ def _references(references: Sequence[Reference]) -> Iterator[str]:
     yield from ("", "references:")
     rows = [("quantity", "value", "uncertainty", "kind", "at", "source")]
     for each in references:
-        at = ", ".join(f"{key}={v:g}" if isinstance(v, float) else f"{key}={v}" for key, v in each.at.items())
+        at = ", ".join(f"{key}={text_of(v)}" for key, v in each.at.items())
         rows.append((each.quantity, f"{each.value:.6g}", f"{100 * each.uncertainty:g} %", each.kind, at, each.source))
     yield from columns(rows, "  ")
 

@@ -45,7 +45,7 @@ from studies.experiments.shell_limits.catalogue import shell_limits
 from studies.experiments.solids.greco_plate import greco_table
 from studies.experiments.work_precision import work_precision_study
 from studies.store.atomic import SCHEMA, write_table_once
-from studies.store.source_hash import sources_hash
+from studies.store.source_hash import packages_of, sources_hash
 
 TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "rigid_body": rigid_body_table,
@@ -109,7 +109,7 @@ def make_table(name: str, directory: Path) -> bool:
 
 
 def _data_of(make: Callable[[], pd.DataFrame]) -> str:
-    """Hash of the tables and lists that lie beside the module of a maker; nothing without any."""
-    folder = Path(inspect.getfile(make)).parent
-    files = sorted(path for path in folder.iterdir() if path.suffix in (".csv", ".json"))
+    """Hash of the tables and lists beside the module of a maker and in the packages it imports; nothing without any."""
+    folders = {Path(inspect.getfile(make)).parent, *packages_of(make.__module__)}
+    files = sorted(path for folder in folders for path in folder.iterdir() if path.suffix in (".csv", ".json"))
     return " " + hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest() if files else ""

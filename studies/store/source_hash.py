@@ -1,7 +1,8 @@
 """Which sources decide a result: the import closure of what computes it, and the hash of its statements.
 
 Every import of our own modules counts, wherever in a file it stands, and the packages that a module lies in. For a
-cell the catalogue of scenes is not followed: it imports all of them, and a cell is solved by its own scene alone.
+cell the catalogue of scenes is not followed: it imports all of them, and a cell is solved by its own scene alone. Nor,
+without friction, what is imported with it alone.
 """
 
 from __future__ import annotations
@@ -10,15 +11,17 @@ import ast
 import hashlib
 import sys
 from collections.abc import Iterable, Iterator
+from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("formulations", "contact", "studies")
-CATALOGUE = "studies.scenes"
+CATALOGUE = ("studies.scenes",)
+FRICTION = ("contact.friction", "contact.friction.*", "studies.friction.certificate", "studies.friction.stages")
 
 
-def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> str:
+def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> str:
     """Hash of the sources, by module name, of the closure of ``modules``; neither machine nor place enter."""
     named = frozenset(modules)
     ours = all(name.split(".")[0] in PACKAGES for name in named)
@@ -26,11 +29,11 @@ def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: str = ""
 
 
 @cache
-def _hash(modules: frozenset[str], root: Path, without: str) -> str:
+def _hash(modules: frozenset[str], root: Path, without: tuple[str, ...]) -> str:
     return _digest(modules, root, without)
 
 
-def _digest(modules: frozenset[str], root: Path, without: str) -> str:
+def _digest(modules: frozenset[str], root: Path, without: tuple[str, ...]) -> str:
     digest = hashlib.sha256()
     for name in sorted(closure(modules, root, without=without)):
         path = _path_of(name, root)
@@ -39,8 +42,8 @@ def _digest(modules: frozenset[str], root: Path, without: str) -> str:
     return digest.hexdigest()
 
 
-def closure(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> set[str]:
-    """Names of all our modules that ``modules`` import, directly or not, with themselves; ``without`` is not followed.
+def closure(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> set[str]:
+    """Names of all our modules that ``modules`` import, directly or not, with themselves, but no name like ``without``.
 
     A module outside our packages counts when it is named (a part of a user's own), and what it imports from its folder.
     """
@@ -48,10 +51,17 @@ def closure(modules: Iterable[str], root: Path = ROOT, *, without: str = "") -> 
     ahead = [name for name in modules if _path_of(name, root) is not None]
     while ahead:
         name = ahead.pop()
-        if name not in found and name != without:
+        if name not in found and not any(fnmatchcase(name, each) for each in without):
             found.add(name)
             ahead += () if name in PACKAGES else _imports(name, root)  # those re-export what a notebook calls
     return found
+
+
+def packages_of(name: str, root: Path = ROOT) -> set[Path]:
+    """Folders of our packages that a module of ours imports itself, where the data lie that it may read."""
+    path = _path_of(name, root)
+    places = [_our_path(each, root) for each in _ours(name, path, root)] if path and root in path.parents else []
+    return {place.parent for place in places if place is not None and place.name == "__init__.py"}
 
 
 def _imports(name: str, root: Path) -> tuple[str, ...]:

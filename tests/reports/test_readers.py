@@ -60,6 +60,15 @@ def test_a_reader_finds_the_answer_with_one_click(files: dict[str, str], said: d
     assert there, f"{question}: on no page one click away"
 
 
+def test_nothing_is_said_twice(said: dict[str, Said]) -> None:
+    texts = [each.text for each in said.values()]
+    assert not {text for text in texts if texts.count(text) > 1}
+
+
+def test_page_one_says_what_the_paper_s_algorithm_lacks(said: dict[str, Said]) -> None:
+    assert "a detector of cycles, which the paper does not have" in said["trial-and-error-ends"].text
+
+
 def test_every_page_opens_with_its_answer(files: dict[str, str], said: dict[str, Said]) -> None:
     """Between its heading and the links to other pages; pages that list things have a text of their own."""
     lists = {"index.md", "questions.md", "glossary.md", "findings.md", "outcomes.md", "gallery.md", "data.md"}

@@ -1,4 +1,4 @@
-"""An oracle of steps with friction: Tresca problems by an interior-point solver that shares no line with ours.
+"""An oracle of steps with friction: Tresca problems by an interior-point solver, none of our algorithms.
 
 For given bounds b (m,) of friction [N] a step is a convex programme, with the disc |t| <= b as a second-order cone::
 
@@ -10,7 +10,8 @@ damped where they do not contract; an infinite coefficient has a bound beyond al
 interior-point solver knows forces to 1e-6 and no closer, so it is asked for states alone, open, stick or slip: where a
 pass has those of the one before, or nearly its bounds. The exact answer on them
 (:mod:`contact.friction.interchange.oracle_states`) then has to obey every condition. That it is the only one nobody
-says: at large mu it need not be, and where contacts are redundant forces are not.
+says: at large mu it need not be, and where contacts are redundant forces are not. Its linear systems are
+solved by the direct solver that our algorithms use, too, which checks every residual.
 
 Lengths and forces are scaled first: a unit diagonal of K, unit rows, displacements of about one.
 """

@@ -13,6 +13,7 @@ from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES, SANDERS
 from formulations.strains.measure import EXACT_LAW, QuadraticMeasure, quadratic_measure
 from formulations.strains.quantities import QUANTITIES, STRAINS
+from studies.algorithm_settings import settings_beside
 from studies.cli import main
 from studies.door.descriptions import describe, meaning_of
 from studies.scene import Setting, UsageError, has_contact
@@ -118,3 +119,11 @@ def test_the_unit_is_what_the_key_ends_in() -> None:
     units = {"h_mm": "mm", "p_MPa": "MPa", "a_deg": "deg", "F_N": "N", "nu": "1"}
     assert {key: Setting(key, 1.0, "").unit for key in units} == units
     assert Setting("epsilon", 1.0, "", unit="MPa/mm").unit == "MPa/mm"
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_default_as_it_is_printed_asks_for_the_same(name: str) -> None:
+    scene = SCENES[name]
+    for setting in (*scene.settings, *settings_beside(scene)):
+        if setting.default is not None:
+            assert setting.parse(setting.default_text) == setting.parse(setting.default), setting.key

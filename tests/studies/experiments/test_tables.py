@@ -14,7 +14,9 @@ from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.experiments import tables
 from studies.experiments.tables import TABLES, make_table
 from studies.scenes import SCENES
+from studies.scenes import data as reference_data
 from studies.store.atomic import write_table_once
+from studies.store.source_hash import packages_of
 
 
 def test_a_table_with_its_identity_is_not_made_again(tmp_path: Path) -> None:
@@ -108,3 +110,11 @@ def test_data_beside_a_maker_decide_its_table(tmp_path: Path, monkeypatch: pytes
     assert not make_table("shipped", tmp_path / "store")
     (tmp_path / "shipped.csv").write_text("x\n2\n")
     assert make_table("shipped", tmp_path / "store")
+
+
+def test_data_of_a_package_that_a_maker_imports_decide_its_table() -> None:
+    """The crushed ring with friction is held against a file of the scenes."""
+    maker = TABLES["friction_crushed_ring"]
+    data = Path(reference_data.__file__).parent
+    assert (data / "contact_crushed_ring.csv").exists()
+    assert data in packages_of(maker.__module__)

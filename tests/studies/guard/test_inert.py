@@ -8,11 +8,11 @@ import pytest
 
 from contact.catalogue import ALGORITHMS
 from studies.complete import complete
-from studies.guard.inert import FAILS, NONE, REFUSED, algorithm_effects, effects, inert_settings
 from studies.request import Request
 from studies.scene import SceneModel, Setting, UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
+from support.inert_settings import FAILS, NONE, REFUSED, algorithm_effects, effects, inert_settings
 
 # the membrane is relaxed by curvature, and these have none
 FLAT = ("cantilever", "sze-annulus", "sze-moment", "pagano", "strip-contact", "heavy-strip", "plate-contact")

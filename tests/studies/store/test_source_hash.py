@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import shutil
+import subprocess
+import sys
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import pytest
 
+from studies.campaigns import plan
 from studies.campaigns.cell import Cell
 from studies.campaigns.plan import SOLVERS, identity
 from studies.experiments.tables import TABLES
-from studies.store.source_hash import CATALOGUE, PACKAGES, ROOT, closure, sources_hash
+from studies.store.source_hash import CATALOGUE, FRICTION, PACKAGES, ROOT, closure, sources_hash
 
 TYRE = (*SOLVERS, "studies.scenes.tyre.scene")
 
@@ -50,6 +54,26 @@ def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path, 
     assert (sources_hash(TYRE, second, without=CATALOGUE) != before) == matters
 
 
+def test_a_cell_without_friction_is_made_without_its_sources(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With it they decide; without it they are not even loaded."""
+    asked: list[set[str]] = []
+
+    def seen(modules, root=ROOT, *, without=()):
+        asked.append(closure(modules, root, without=without))
+        return ""
+
+    monkeypatch.setattr(plan, "sources_hash", seen)
+    for mu in ("0", "0.3"):
+        identity(Cell("a", "strip-contact", {"mesh": "4x1"}, {"mu": mu}))
+    smooth, rubbed = asked
+    assert rubbed - smooth > {"contact.friction.newton.run", "studies.friction.stages", "studies.friction.certificate"}
+    code = "import sys; from studies.solving import resolve, solve; import studies.store.record\n"
+    code += "solve(*resolve('strip-contact', {}, '4x1')); print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert not set(loaded) & (rubbed - smooth)
+    assert not [name for name in smooth if any(fnmatchcase(name, each) for each in FRICTION)]
+
+
 def test_comments_and_docstrings_decide_nothing(tmp_path: Path) -> None:
     """And everything else does, a text among the statements, too."""
 
@@ -86,7 +110,7 @@ def test_imports_are_followed_wherever_they_stand(tmp_path: Path) -> None:
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
     assert closure(["studies.a"], tmp_path) == {"studies", *(f"studies.{name}" for name in "abcd")}
-    assert closure(["studies.a"], tmp_path, without="studies.c") == {"studies", "studies.a", "studies.b"}
+    assert closure(["studies.a"], tmp_path, without=("studies.c",)) == {"studies", "studies.a", "studies.b"}
 
 
 def test_identity_follows_what_decides_the_result() -> None:

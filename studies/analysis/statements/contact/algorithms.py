@@ -111,13 +111,14 @@ def failures(outcomes: pd.DataFrame) -> Iterator[Statement]:
     could = trial["planned"] - trial["refused"] - trial["path_ends"]
     values = {"scenes": ", ".join(where["scene"]), "lost": float(trial["failed"].sum()), "of": float(could.sum())}
     values |= {"count": float(len(trial))}
-    text = (
-        "`trial-and-error`, the paper's algorithm, does not end on {lost:.0f} of {of:.0f} problems, on {scenes}."
+    ends = (
+        "does not end on {lost:.0f} of {of:.0f} problems, on {scenes}"
         if len(where)
-        else "`trial-and-error`, the paper's algorithm, ends on all {of:.0f} problems of all {count:.0f} scenes."
+        else "ends on all {of:.0f} problems of all {count:.0f} scenes"
     )
-    scope = f"{SCOPE}; with the detector of cycles, which the paper does not have"
-    yield Statement("trial-and-error-ends", "outcomes", text, values, int(could.sum()), scope)
+    text = f"`trial-and-error`, the paper's algorithm with a detector of cycles, which the paper does not have, {ends};"
+    text += " problems whose path ends before the load are left out."
+    yield Statement("trial-and-error-ends", "outcomes", text, values, int(could.sum()), SCOPE)
 
 
 def measures_fail(outcomes: pd.DataFrame) -> Iterator[Statement]:

@@ -88,6 +88,8 @@ def limits(extremes_limits: pd.DataFrame) -> Iterator[Statement]:
     text += ", with an error of at most {error:.2%} there."
     scope = "a ring of 32 elements in double precision; steps of a tenth of a decade"
     yield Statement("thinnest", "extremes", text, values, len(thin), scope, OPENING, machine=True)
+    text = "A ring thinner than h/R = {best:.2g} is pressed to the end by no contact algorithm."
+    values = {"best": best["value"]}
     yield Statement("thin-walls", "extremes", text, values, len(thin), scope, LIMIT, machine=True)
 
 

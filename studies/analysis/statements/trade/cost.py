@@ -39,8 +39,9 @@ def grids(grids_reaching: pd.DataFrame, work_precision: pd.DataFrame) -> Iterato
     largest = work_precision[work_precision["family"] == "patch"]["unknowns"].max()
     values = {"within": WITHIN, "adapted": best, "uniform": uniform, "largest": largest, "share": best / uniform}
     text = (
-        "To know the tyre's force at 20 mm within {within:.0%} takes a uniform grid of {uniform:.0f} unknowns, or one "
-        "that follows the error with {adapted:.0f}, {share:.0%} of them"
+        "The tyre's force at 20 mm stays within {within:.0%} on a uniform n x n grid of {uniform:.0f} unknowns and all "
+        "finer ones (one grid alone may be good by chance), on one that follows the error with {adapted:.0f}, "
+        "{share:.0%} of them"
     )
     text += "; the paper's graded grid does not get there with {largest:.0f}." if pd.isna(patch) else "."
     scope = "default element; the smallest grid from which on all larger ones stay within"

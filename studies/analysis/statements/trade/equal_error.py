@@ -21,8 +21,10 @@ def at_equal_error(equal_accuracy: pd.DataFrame) -> Iterator[Statement]:
     values = {"problems": seconds["problems"], "scenes": seconds["scenes"], "both": seconds["both"]}
     values |= {"alone": seconds["exact_alone"], "ratio": seconds["ratio"], "ops": operations["ratio"]}
     values |= {cost: row["cheaper"] + row["alone"] for cost, row in by.items()} | {"clear": seconds["cheaper_both"]}
-    text = "To reach a given error no classical nonlinear measure is cheaper than `exact`" * (values["clear"] == 0) or (
-        "To reach a given error a classical nonlinear measure is cheaper than `exact` in {clear:.0f} comparisons"
+    text = (
+        "To reach a given error no classical nonlinear measure is cheaper than `exact`"
+        if values["clear"] == 0
+        else "To reach a given error a classical nonlinear measure is cheaper than `exact` in {clear:.0f} comparisons"
     )
     text += (
         " by more than 5 % in seconds and in operations (in one of them: {seconds:.0f} and {operations:.0f} of "

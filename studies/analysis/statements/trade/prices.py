@@ -25,7 +25,7 @@ def prices(price_of_accuracy: pd.DataFrame) -> Iterator[Statement]:
                 said.append(f"{{within{n}:.1%}} is not reached (nearest {{bound{n}:.2%}})")
         if not said:
             continue
-        text = f"{{scene}}, {{quantity}}: {'; '.join(said)}."
+        text = f"{{scene}}, {{quantity}}, by the fastest single cell: {'; '.join(said)}."
         scope = f"against {own['against'].iloc[0]}; the cheapest of {int(own['cells'].max())} solved configurations"
         yield Statement(
             f"price-{scene}", "tradeoff", text, values, int(own["cells"].max()), scope, OPENING, machine=True

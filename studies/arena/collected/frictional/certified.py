@@ -1,4 +1,4 @@
-"""The answer to a frozen step with friction, found by one way and confirmed by others that share no line with it.
+"""The answer to a frozen step with friction, found by one way and confirmed by others that are no algorithm of ours.
 
 The first is an algorithm of ours before the judge of friction. The second solves the equations on its states anew;
 signs and cones are the judge's. Where the step is a sequence of convex programmes, the oracle has to come to the same

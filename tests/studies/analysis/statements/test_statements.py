@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import ast
 from collections.abc import Iterator
+from inspect import signature
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+import studies
 from reports.store.statements import of_page, sentence, statements
 from reports.store.tables import Store
 from studies.analysis.everything import written
 from studies.analysis.statements.laws import experiment, fuzz
-from studies.analysis.statements.record import OPENING, Evidence, Statement, as_tables
+from studies.analysis.statements.record import ANSWERS, OPENING, Evidence, Statement, as_tables
 from studies.analysis.statements.shells.tyre import printed
 from studies.analysis.statements.tables import MAKERS
 from studies.analysis.statements.trade.cost import grids
+from studies.arena.solver_run import FIELDS
 
 CAMPAIGN = "made"
 
@@ -99,3 +103,15 @@ def test_broken_laws_are_counted() -> None:
     (said,) = fuzz(verdicts, pd.DataFrame({"cases": [0, 9, 4]}))
     assert said.values == {"cases": 4, "broken": 2, "explained": 1, "faults": 3, "found": 2, "latest": 9}
     assert isinstance(said, Statement)
+
+
+def test_every_table_that_a_maker_reads_is_written_by_somebody() -> None:
+    """A table with another name would make its sentences vanish without a word."""
+    read = {name for maker in MAKERS for name in signature(maker).parameters} - {ANSWERS}
+    assert len(read) > 40
+    words: set[str] = set()
+    for path in Path(studies.__file__).parent.rglob("*.py"):
+        if "statements" not in path.parts:
+            nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            words |= {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, str)}
+    assert not read - words - {f"{field}_{word}" for field in FIELDS for word in words}
