@@ -55,6 +55,26 @@ CATALOGUES: dict[str, Mapping[str, Any]] = {
 KEYS = ("title", "lists", "pages", "modules", "cross")
 CROSS_KEYS = (*OPTIONS, *SETTINGS, "vary", "set", "steps")
 
+TITLES = {  # of the lists, for people
+    "tyre": "The paper's tyre: travels, loads, sections, both Newton iterations, finer meshes",
+    "benchmarks": "Scenes without contact against exact and published values",
+    "measures": "Every strain measure under growing loads, and all options of the element",
+    "solid": "The isotropic tyre as a shell and as a solid",
+    "convergence": "Ladders of meshes: orders, limits, errors",
+    "shares": "Every sampling of the thickness strain, on two meshes each",
+    "agreement": "Every contact algorithm on one tyre, by loads and sections, and by other ways",
+    "models": "Parts of the tyre beside the whole, and what they save",
+    "sheets": "The pictures of the scenes' sheets",
+    "statements": "How often the interval of an error holds (a table)",
+    "experiment": "A crushed ring that was measured (tables)",
+    "truth": "Manufactured solutions (tables)",
+    "limits": "Where a shell is not enough (a table)",
+    "faults": "After how many random cases planted faults are found (a table)",
+    "arena": "The collection of frozen contact problems (tables)",
+    "friction": "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
+    "report": "All of these lists but statements, and the tables of all pages",
+}
+
 
 @dataclass(frozen=True)
 class Campaign:
@@ -74,7 +94,7 @@ def find(name: str) -> Campaign:
     if path.exists():
         return read(path)
     if name in LISTS:
-        return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
+        return Campaign(name, TITLES[name], tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
     if name.endswith(".toml"):
         return read(Path(name))
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")
@@ -89,7 +109,9 @@ def read(path: Path) -> Campaign:
     """The campaign of a TOML file, named like the file; raises UsageError."""
     try:
         data = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except OSError as error:
+        raise UsageError(f"campaign {path}: {error.strerror}") from None
+    except ValueError as error:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
     _known(path, data, KEYS)
     use = _modules(path, data.get("modules", []))
