@@ -54,7 +54,7 @@ def complete(
     if not isinstance(request.steps, int) or not 1 <= request.steps <= 10_000:
         raise UsageError(f"steps = {request.steps} must be a whole number in [1, 10000]")
     if settings.get("solver") == "pardiso" and importlib.util.find_spec("pypardiso") is None:
-        raise UsageError("solver 'pardiso' needs the extra mkl: pip install 'footprint[mkl]'")
+        raise UsageError("solver 'pardiso' needs the extra mkl: pip install -e '.[mkl]' in the checkout of Footprint")
     if has_contact(scene) and EPSILON.key not in settings:
         settings[EPSILON.key] = ALGORITHMS[request.contact]().epsilon
     request = replace(request, settings=Settings(settings))

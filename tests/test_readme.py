@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad_vec
 
+from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 from reports.chapter import listed
@@ -21,6 +22,7 @@ from reports.contents import CHAPTERS
 from studies.campaigns.file import names as campaigns
 from studies.cli import _parser
 from studies.experiments.conformance import conformance
+from studies.result import SOLVED
 from studies.scenes import SCENES
 from studies.solving import resolve, solve
 
@@ -29,7 +31,7 @@ README, MANUAL = ROOT / "README.md", ROOT / ".github" / "MANUAL.md"
 
 
 def blocks(page: Path = MANUAL) -> list[str]:
-    """The Python of a page; of the manual a measure and a scene."""
+    """The Python of a page; of the manual a measure, an algorithm and a scene."""
     return re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
 
 
@@ -89,7 +91,7 @@ def test_every_file_that_a_printed_command_reads_is_made_above_it(page: Path) ->
 @pytest.fixture
 def tutorial(monkeypatch: pytest.MonkeyPatch) -> str:
     """The measure of the manual, executed on a copy of the catalogue; returns its code."""
-    code, _ = blocks()
+    code, _, _ = blocks()
     for name, measure in dict(MEASURES).items():
         monkeypatch.setitem(MEASURES, name, measure)
     monkeypatch.setitem(MEASURES, "no-drilling", None)
@@ -133,7 +135,7 @@ EXTRAPOLATED = 1e-4  # of two meshes
 @pytest.fixture
 def scene(monkeypatch: pytest.MonkeyPatch) -> dict:
     """Names of the manual's scene, executed on a copy of the catalogue."""
-    _, code = blocks()
+    _, _, code = blocks()
     assert len([line for line in code.splitlines() if line.strip()]) < 40
     monkeypatch.setitem(SCENES, "arch", None)
     names: dict = {"__name__": "arch"}
@@ -188,3 +190,35 @@ def test_the_new_scene_is_linear_only_under_small_loads(scene: dict) -> None:
 def test_the_new_scene_takes_the_measure_of_the_manual(tutorial: str, scene: dict) -> None:
     """Without drilling in it the arch is the same: a strip does not drill."""
     assert sags("1x32", "no-drilling", "1") == pytest.approx(sags("1x32", "exact", "1"), rel=1e-6)
+
+
+@pytest.fixture
+def saddle(monkeypatch: pytest.MonkeyPatch) -> str:
+    """The algorithm of the manual, in the catalogue; returns its code."""
+    _, code, _ = blocks()
+    monkeypatch.setitem(ALGORITHMS, "saddle", None)
+    exec(code, {"__name__": __name__})  # its dataclass asks for its module
+    return code
+
+
+@pytest.mark.parametrize(
+    ("scene", "given", "mesh"),
+    [
+        ("panel", {"foundation": "ball"}, "8x8"),  # curved: the curvature of the gap is in the tangent
+        ("ring", {}, "1x16"),
+        ("tyre", {"delta_mm": "5"}, "8x8"),  # inflated before: no candidate
+        ("cantilever", {}, "4x1"),
+    ],
+)
+def test_the_new_algorithm_ends_where_ours_do(saddle: str, scene: str, given: dict[str, str], mesh: str) -> None:
+    found, ours = (solve(*resolve(scene, given, mesh, contact=contact)) for contact in ("saddle", "semismooth"))
+    assert found.verdict == ours.verdict
+    assert found.verdict in SOLVED
+    assert len(found.steps) == len(ours.steps) > 0
+    for name, value in ours.quantities.items():
+        assert found.quantities[name] == pytest.approx(value, rel=1e-7), name
+    assert found.steps[-1].get("contact_nodes") == ours.steps[-1].get("contact_nodes")
+
+
+def test_a_minimal_algorithm_stays_short(saddle: str) -> None:
+    assert len(saddle.splitlines()) < 60

@@ -188,5 +188,5 @@ def missing(backend: str) -> str | None:
     if backend not in BACKENDS:
         return f"backend {backend!r} must be one of {', '.join(BACKENDS)}"
     if importlib.util.find_spec(MODULES[backend]) is None:
-        return f"backend {backend!r} needs the extra qp: pip install 'footprint[qp]'"
+        return f"backend {backend!r} needs the extra qp: pip install -e '.[qp]' in the checkout of Footprint"
     return None

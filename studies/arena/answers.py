@@ -22,6 +22,11 @@ SAME = 1e-9  # relative, of a claimed force
 RESIDUALS = tuple(Accuracy.__dataclass_fields__)
 CLAIMS = ("accuracy", *RESIDUALS, "force", "pressed")
 
+OFF = {
+    "force": "of the larger of it and F",
+    "pressed": "candidates",
+}  # what a false claim is off by; residuals: a factor
+
 
 @dataclass(frozen=True, eq=False)
 class Given:
@@ -68,7 +73,7 @@ class Judgement:
         told = [f"{name}: {value:.2e}" for name, value in asdict(self.worth).items()]
         told.append(f"relative to {self.force_N:.6g} N and {self.length_mm:.6g} mm")
         for claim in self.claims:
-            how = f"FALSE by {claim.off:.3g}" if claim.false else "true"
+            how = f"FALSE by {claim.off:.3g} {OFF.get(claim.what, 'times')}" if claim.false else "true"
             told.append(f"claim {claim.what} = {claim.claimed}: {how}, it is {claim.found}")
         verdict = "certified" if self.certified else "NOT certified"
         return [*told, f"{verdict}: accuracy {self.worth.worst:.2e}, asked {self.asked:.0e}"]

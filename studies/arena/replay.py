@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -45,8 +46,18 @@ class Resolved:
             f"{int(found.active.sum())} contact nodes, force {force:.9g} N, epsilon {self.epsilon:g}",
             ", ".join(f"{name} {value:.1e}" for name, value in self.certificate["kkt"].items()),
             *self.certificate["diagnosis"],
+            *of_a_part(told),
         ]
         return [*lines, *said_by(self.oracle)]
+
+
+FULL = "full"  # the model that is the whole scene
+
+
+def of_a_part(meta: Mapping[str, Any]) -> list[str]:
+    """That a step is of a part of its scene, where it is: whoever solved the whole saw more nodes and another force."""
+    model = meta.get("model", FULL)
+    return [] if model == FULL else [f"of the model {model} alone: forces and nodes are those of that part"]
 
 
 class Confirming(Protocol):

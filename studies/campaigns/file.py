@@ -73,6 +73,26 @@ TYPES: Mapping[str, Kind] = {
     **{"lists": axis, "modules": Each(word), "cross": Each({**OF_A_CROSS, "scenes": Named(OF_A_CROSS)})},
 }
 
+TITLES = {  # of the lists, for people
+    "tyre": "The paper's tyre: travels, loads, sections, both Newton iterations, finer meshes",
+    "benchmarks": "Scenes without contact against exact and published values",
+    "measures": "Every strain measure under growing loads, and all options of the element",
+    "solid": "The isotropic tyre as a shell and as a solid",
+    "convergence": "Ladders of meshes: orders, limits, errors",
+    "shares": "Every sampling of the thickness strain, on two meshes each",
+    "agreement": "Every contact algorithm on one tyre, by loads and sections, and by other ways",
+    "models": "Parts of the tyre beside the whole, and what they save",
+    "sheets": "The pictures of the scenes' sheets",
+    "statements": "How often the interval of an error holds (a table)",
+    "experiment": "A crushed ring that was measured (tables)",
+    "truth": "Manufactured solutions (tables)",
+    "limits": "Where a shell is not enough (a table)",
+    "faults": "After how many random cases planted faults are found (a table)",
+    "arena": "The collection of frozen contact problems (tables)",
+    "friction": "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
+    "report": "All of these lists but statements, and the tables of all pages",
+}
+
 
 @dataclass(frozen=True)
 class Campaign:
@@ -95,7 +115,7 @@ def find(name: str, *, trust: bool = False) -> Campaign:
     if path.exists():
         return read(path)
     if name in LISTS:
-        return Campaign(name, f"the cells {name} of the report", tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
+        return Campaign(name, TITLES[name], tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
     if name.endswith(".toml"):
         return read(Path(name), trust=trust)
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")

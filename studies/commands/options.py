@@ -11,6 +11,7 @@ from pathlib import Path
 from studies.request import UsageError
 from studies.shown import behind, printable
 
+SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
 STORE = Path(".footprint/store")
 
 
@@ -26,7 +27,7 @@ def add_trust(parser: argparse.ArgumentParser) -> None:
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
     """``--set KEY=VALUE``, as often as wanted."""
-    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", dest="settings", help=SETTINGS)
 
 
 def pairs(settings: Sequence[str]) -> dict[str, str]:

@@ -32,17 +32,17 @@ COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, tho
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
-    parser.add_argument("scene")
-    parser.add_argument("--measure", default="exact")
-    parser.add_argument("--contact", default="semismooth")
-    parser.add_argument("--newton", default="mixed", help="plain or mixed")
-    parser.add_argument("--mesh", help="N1xN2")
+    parser.add_argument("scene", help="footprint list scenes")
+    parser.add_argument("--measure", default="exact", help="of strain, footprint list measures; by default exact")
+    parser.add_argument("--contact", default="semismooth", help="footprint list algorithms; by default semismooth")
+    parser.add_argument("--newton", default="mixed", help="plain or mixed, the default")
+    parser.add_argument("--mesh", help="N1xN2, elements along both directions; by default that of the scene")
     parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
     parser.add_argument("--of", metavar="QUANTITY", help="the quantity of --error; by default the force, or the first")
     parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
     parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
     add_settings(parser)
-    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the result goes")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
     parser.add_argument("--branch", action="store_true", help="from an unstable state to the stable branches beside it")
     parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
@@ -181,7 +181,8 @@ def _print_table(result: Result) -> None:
         _print_columns(Table.of_rows(rows))
     if result.request.model_reason:
         print(f"model {result.request.model}: {result.request.model_reason}")
-    counters = ", ".join(f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items())
+    spent = [f"{value} {name.replace('_', ' ')}" for name, value in result.counters.items()]
+    counters = ", ".join([*spent, f"{result.timing['total']:.3g} s"])
     unstable = ", unstable" if result.verdict == UNSTABLE else ""
     print(f"{result.as_json()['outcome']}{unstable}: {counters}")
     for sentence in (*result.unstable, *result.notes):

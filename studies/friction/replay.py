@@ -15,7 +15,7 @@ from contact.friction.verify import FrictionVerdict, judge
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import OracleError
 from contact.problem import ContactAlgorithm
-from studies.arena.replay import said_by
+from studies.arena.replay import of_a_part, said_by
 from studies.scene import UsageError
 
 
@@ -48,6 +48,7 @@ class ResolvedWithFriction:
             f"of friction {pull:.9g} N, epsilon {self.epsilon:g}",
             ", ".join(f"{name} {value:.1e}" for name, value in self.verdict.kkt.items()),
             *(f"wrong: {name}" for name in self.verdict.failures()),
+            *of_a_part(told),
         ]
         return [*lines, *said_by(self.oracle)]
 

@@ -33,7 +33,7 @@ def engine(name: str) -> Engine:
         return lambda tasks, store, limits: _local(int(rest), tasks, store, limits)
     if kind == "dask" and rest:
         if importlib.util.find_spec("distributed") is None:
-            raise UsageError("engine dask needs the extra dask: pip install 'footprint[dask]'")
+            raise UsageError("engine dask needs the extra dask: pip install -e '.[dask]' in the checkout of Footprint")
         return lambda tasks, store, limits: _dask(rest, tasks, store, limits)
     raise UsageError(f"engine {name!r} must be serial, local:N with N in [1, {MOST}], or dask:ADDRESS")
 

@@ -42,7 +42,7 @@ TOP_LEVEL = {
         "notes",
         "path_end",
     ),
-    *("quantities", "steps", "cuts", "counters", "work", "timing_s", "provenance"),
+    *("quantities", "steps", "cuts", "counters", "work", "timing_s", "files", "provenance"),
 }
 STEP = {
     *("delta_mm", "force_N", "centre_pressure_MPa", "contact_nodes", "half_length_mm", "half_width_mm"),
@@ -195,6 +195,12 @@ WRONG = {
     "unknown key": (["solve", "tyre", "--set", "colour=red"], "gamma_deg"),
     "not KEY=VALUE": (["solve", "tyre", "--set", "gamma_deg"], "KEY=VALUE"),
     "mesh text": (["solve", "tyre", "--mesh", "fine"], "N1xN2"),
+    "negative mesh": (["solve", "tyre", "--mesh", "-8x8"], "mesh '-8x8' must be N1xN2 with two whole numbers"),
+    "negative error": (
+        ["solve", "tyre", "--error", "-1%"],
+        "error '-1%' must be a part of the quantity in [0.01%, 50%]",
+    ),
+    "no campaign file": (["run", "nofile.toml"], "footprint: campaign nofile.toml: No such file or directory\n"),
     "odd mesh": (["solve", "tyre", "--mesh", "41x40"], "even"),
     "huge mesh": (["solve", "tyre", "--mesh", "9999x9999"], "250000"),
     "no steps": (["solve", "tyre", "--steps", "0"], "[1, 10000]"),
@@ -243,6 +249,28 @@ def test_wrong_use_is_one_line_exit_2_and_nothing_written(
     assert len(message.strip().splitlines()) == 1
     assert hint in message
     assert not target.exists()
+
+
+def test_every_option_of_solve_says_what_it_is(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["solve", "--help"])
+    said = capsys.readouterr().out.partition("positional arguments:")[2]
+    bare = [words for line in said.splitlines() if (words := line.split()) and line.startswith("  ") and len(words) < 3]
+    assert [words for words in bare if words[0].startswith("--") or words == ["scene"]] == []
+
+
+def test_too_little_memory_is_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def hungry(*asked: object) -> None:
+        np.empty(2**57)
+
+    monkeypatch.setattr("studies.solving._run_stages", hungry)
+    assert main(["solve", "cantilever", "--mesh", "2x1", "--out", str(tmp_path / "out")]) == 1
+    said = capsys.readouterr().err
+    assert said.startswith("footprint: not enough memory; a coarser mesh needs less: Unable to allocate 1.00 EiB")
+    assert said.count("\n") == 1
+    assert not (tmp_path / "out").exists()
 
 
 def test_missing_out_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:

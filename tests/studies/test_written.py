@@ -49,7 +49,6 @@ def test_a_result_that_lies_about_its_files_deletes_nothing_elsewhere(tmp_path: 
     [
         (["ring", "--freeze", "{}/none/step.npz"], "--freeze {0}/none/step.npz: there is no directory {0}/none"),
         (["ring", "--freeze", "{}"], "--freeze {0} is a directory, not a file"),
-        (["cantilever", "--freeze", "{}/step.npz"], "cantilever has no contact to freeze"),
     ],
 )
 def test_a_place_that_cannot_be_is_refused_before_anything_is_solved(

@@ -134,5 +134,8 @@ def _independent(J: np.ndarray, i: int) -> np.ndarray:
     _, R, order = qr(J, mode="economic", pivoting=True)
     pivots = np.abs(np.diag(R))
     if len(pivots) < len(J) or pivots[-1] <= DEPENDENT * pivots[0]:
-        raise NotHeldError(f"contact candidate {i} cannot stick: its supports leave it less ways than its slip has")
+        raise NotHeldError(
+            f"contact candidate {i} of the scene cannot stick: its supports leave it less ways than its slip has; "
+            "leave such candidates out of the contact, or set a finite epsilon"
+        )
     return np.asarray(order[: len(J)])

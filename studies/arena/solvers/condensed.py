@@ -17,7 +17,7 @@ from contact.solvers.lcp_pivoting import unit
 from contact.solvers.qp_backends import Programme
 from contact.solvers.sparse import checked_solve, factorise, response
 from studies.arena.solvers.base import Answer, Solver
-from studies.arena.solvers.outside import DENSE, QP, Outside
+from studies.arena.solvers.outside import DENSE, Outside
 from studies.arena.solvers.programmes import known
 
 
@@ -56,6 +56,6 @@ class Condensed(Outside):
 CONDENSED: tuple[Solver, ...] = (
     Condensed("OSQP, condensed", "osqp"),
     Condensed("Clarabel, condensed", "clarabel", call=known("clarabel")),
-    Condensed("PIQP, condensed", "piqp", QP, call=known("piqp")),
-    Condensed("DAQP, condensed", "daqp", QP, call=known("daqp")),
+    Condensed("PIQP, condensed", "piqp", call=known("piqp")),
+    Condensed("DAQP, condensed", "daqp", call=known("daqp")),
 )

@@ -87,14 +87,13 @@ def _both(solver: Outside) -> tuple[Solver, Solver]:
     return solver, replace(solver, name=f"{solver.name}, scaled", scaled=True)
 
 
-QP = "'footprint[qp]'"
 # licences: cvxopt and quadprog are under the GPL, qpsolvers and QPALM under the LGPL; none is an extra of ours
 OUTSIDE: tuple[Solver, ...] = (
     *_both(Outside("OSQP", "osqp", call=osqp)),
     *_both(Outside("Clarabel", "clarabel", call=known("clarabel"))),
-    *_both(Outside("ProxQP", "proxsuite", QP, call=known("proxqp"))),
-    *_both(Outside("PIQP", "piqp", QP, call=known("piqp"))),
-    *_both(Outside("DAQP", "daqp", QP, call=known("daqp"), dense=True)),
+    *_both(Outside("ProxQP", "proxsuite", call=known("proxqp"))),
+    *_both(Outside("PIQP", "piqp", call=known("piqp"))),
+    *_both(Outside("DAQP", "daqp", call=known("daqp"), dense=True)),
     *_both(Outside("HiGHS", "highspy", call=highs)),
     *_both(Outside("SCS", "scs", call=scs)),
     *_both(Outside("QPALM", "qpalm", call=qpalm)),

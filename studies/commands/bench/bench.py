@@ -123,7 +123,7 @@ def _peers(options: argparse.Namespace) -> int:
     rounds = count("rounds", options.rounds)
     lines, skipped = available()
     if not lines:
-        raise UsageError("peers need the extra peers: pip install 'footprint[peers]'")
+        raise UsageError("peers need the extra peers: pip install -e '.[peers]' in the checkout of Footprint")
     chosen = [line for line in lines if options.only in (None, line.problem)]
     if not chosen:
         names = ", ".join(dict.fromkeys(line.problem for line in lines))

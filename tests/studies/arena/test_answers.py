@@ -45,7 +45,8 @@ def test_a_false_claim_is_named(what: str) -> None:
     assert found.certified
     assert not found.sound
     assert f"claim {what}" in "\n".join(found.lines())
-    assert "FALSE" in "\n".join(found.lines())
+    (false,) = (line for line in found.lines() if line.startswith(f"claim {what} ") and "FALSE" in line)
+    assert {"force": " of the larger of it and F, ", "pressed": " candidates, "}.get(what, " times, ") in false
 
 
 def test_residuals_are_those_of_the_equations() -> None:

@@ -88,8 +88,8 @@ def test_a_loose_tolerance_gives_a_loose_answer() -> None:
 
 
 def test_what_is_missing_says_how_to_get_it() -> None:
-    assert Told("nobody", "no_such_module", "'footprint[qp]'").missing() == (
-        "not installed: pip install 'footprint[qp]'"
+    assert Told("nobody", "no_such_module", "'another[extra]'").missing() == (
+        "not installed: pip install 'another[extra]'"
     )
     assert Told("nobody", "no_such_module").missing() == "not installed: pip install no_such_module"
 

@@ -21,7 +21,10 @@ def test_without_the_extra_one_line_says_what_to_install(
 ) -> None:
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
     assert main(["bench", "peers"]) == 2
-    assert capsys.readouterr().err == "footprint: peers need the extra peers: pip install 'footprint[peers]'\n"
+    assert (
+        capsys.readouterr().err
+        == "footprint: peers need the extra peers: pip install -e '.[peers]' in the checkout of Footprint\n"
+    )
     _, skipped = catalogue.available()
     assert skipped[0] == "ngsolve is skipped: no module ngsolve (extra peers)"
     assert skipped[1].startswith("kratos is skipped: no module KratosMultiphysics, ")

@@ -10,7 +10,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.analysis.cells.collect import COLUMNS, collect
-from studies.campaigns.file import SHIPPED, find, names
+from studies.campaigns.file import SHIPPED, TITLES, find, names
 from studies.campaigns.plan import plan
 from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.campaigns.run import run
@@ -51,6 +51,8 @@ def test_rows_of_shipped_campaigns_are_solved_or_have_a_reason(name: str) -> Non
 def test_names_are_those_of_files_and_lists() -> None:
     assert {"quick", "standard", "full"} == {path.stem for path in SHIPPED.glob("*.toml")}
     assert set(names()) == {"quick", "standard", "full", *LISTS}
+    assert set(TITLES) == set(LISTS)
+    assert len({find(name).title for name in names()}) == len(names())
     assert find("benchmarks").cells == tuple(LISTS["benchmarks"]())
 
 
