@@ -5,7 +5,7 @@ How it is found does not enter here (:mod:`studies.solving`), nor what makes a s
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -95,12 +95,12 @@ class Result:
 
     @property
     def notes(self) -> list[str]:
-        """What an answer does not show by itself: that the foundation is finer than the elements on it."""
+        """What an answer does not show by itself: that a foundation is finer than its elements, or these too long."""
         if self.end is None:
             return []
         problem, state = self.end.problem, self.end.point.solution
         told = between_nodes(problem.standing, problem.weights, state.active)
-        return [told] if told else []
+        return [*([told] if told else []), *_of_elements(self.request, self.loads)]
 
     @property
     def steps(self) -> list[dict[str, Any]]:
@@ -151,3 +151,17 @@ class Result:
         state, write_fields = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0), self.model.write_fields
         write_by(directory / "fields.vtu", lambda path: write_fields(path, state))
         return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
+
+
+def _of_elements(request: Request, loads: Sequence[Step]) -> list[str]:
+    """Modes that elements have by themselves at the load where these are most, and the mesh that has none."""
+    stable: list[dict[str, Any]] = [step.certificate.get("stability", {}) for step in loads]
+    worst = max(stable, key=lambda told: told.get("element_modes", 0), default={})
+    count = worst.get("element_modes", 0)
+    if not count:
+        return []
+    removed = "them" if count > 1 else "it"
+    (n1, n2), cuts = request.mesh, worst["cuts"]
+    mesh = "a finer grid" if request.leaves else f"{n1 * cuts[0]}x{n2 * cuts[1]}"
+    modes = f"{count} negative eigenvalue{'s' if count > 1 else ''} of elements alone, not of the shell"
+    return [f"{modes}: {mesh} removes {removed}"]
