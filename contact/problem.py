@@ -71,6 +71,25 @@ def linear_mechanics(K: sparse.csc_matrix, f: np.ndarray, scale: float | None = 
     return linearise
 
 
+class Overlooked(Protocol):
+    """What the elements of a body leave out of its tangent, so that they have motions that are none of the body."""
+
+    @property
+    def stiffness(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """(n, n) of it, for motions along the first and the second coordinate: symmetric, no eigenvalue negative."""
+
+    def alternating(self, modes: np.ndarray) -> int:
+        """How many of the motions that the modes (n, k) span alternate from element to element, as they do."""
+
+    @property
+    def cuts(self) -> tuple[int, int]:
+        """In how many parts elements must be cut along both coordinates for the stress not to drive them."""
+
+    @property
+    def aspect(self) -> float:
+        """The largest length of an element that is driven over the one across; 0 where none is."""
+
+
 @dataclass(frozen=True, eq=False)
 class ContactProblem:
     """One contact problem at fixed loads; all callables are pure.
@@ -87,6 +106,8 @@ class ContactProblem:
     only(chosen): the same problem with the ``chosen`` candidates (m,) bool alone, where the others then carry no
     pressure; None where they cannot be told apart.  gap_size: size [mm] of what a gap is a difference of, the position
     of the foundation included, wherever u is: the gap has the rounding of it; 0 where it has that of g and G u alone.
+
+    element_modes(u) -> what elements leave out of the tangent at u, for what they do by themselves to be told apart.
 
     ordered: the unknowns are numbered so that elimination in their order fills in little; factorisations keep it.
 
@@ -113,6 +134,7 @@ class ContactProblem:
     residual: Callable[[np.ndarray], np.ndarray] | None = None
     only: Callable[[np.ndarray], ContactProblem] | None = None
     gap_size: float = 0.0
+    element_modes: Callable[[np.ndarray], Overlooked] | None = None
     ordered: bool = False
     driven: int = 0
     travel: Callable[[], ContactProblem] | None = None

@@ -106,12 +106,13 @@ class Result:
 
     @property
     def notes(self) -> list[str]:
-        """What an answer does not show by itself: remarks, and that the foundation is finer than the elements on it."""
+        """What an answer does not show by itself: remarks, a foundation finer than its elements, elements too long."""
         if self.end is None:
             return self.remarks
         problem, state = self.end.problem, self.end.point.solution
         told = between_nodes(problem.standing, problem.weights, state.active)
-        return [*([told] if told else []), *self.remarks]
+        elements = _of_elements(self.request, self.loads)
+        return [*([told] if told else []), *elements, *self.remarks]
 
     @property
     def steps(self) -> list[dict[str, Any]]:
@@ -182,3 +183,17 @@ def _named_before(directory: Path) -> set[str]:
         return {name for name in told if OWN.fullmatch(name)}
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return set()
+
+
+def _of_elements(request: Request, loads: Sequence[Step]) -> list[str]:
+    """Modes that elements have by themselves at the load where these are most, and the mesh that has none."""
+    stable: list[dict[str, Any]] = [step.certificate.get("stability", {}) for step in loads]
+    worst = max(stable, key=lambda told: told.get("element_modes", 0), default={})
+    count = worst.get("element_modes", 0)
+    if not count:
+        return []
+    removed = "them" if count > 1 else "it"
+    (n1, n2), cuts = request.mesh, worst["cuts"]
+    mesh = "a finer grid" if request.leaves else f"{n1 * cuts[0]}x{n2 * cuts[1]}"
+    modes = f"{count} negative eigenvalue{'s' if count > 1 else ''} of elements alone, not of the shell"
+    return [f"{modes}: {mesh} removes {removed}"]

@@ -8,6 +8,10 @@ A tangent that is not symmetric has no potential. Where the symmetric part is po
 (Hill) and the state is stable; where it is not, only an eigenvalue of the tangent itself with a negative real part
 says that the state is unstable. Eigenvalues inside rounding have no sign: they are counted by themselves, and a body
 that only a foundation holds has such.
+
+Elements may have motions of their own that they do not resist, though the body would. Where eigenvalues are negative,
+they are counted again with what the elements leave out: those that are negative only without it are modes of elements,
+counted by themselves, and say nothing of the body.
 Sources: Hill, J. Mech. Phys. Solids 6 (1958) 236-249; Bazant, Cedolin, Stability of Structures (2010), chapters 4, 10.
 
 No algorithm, no path and no sentence of a scene may enter here.
@@ -15,15 +19,16 @@ No algorithm, no path and no sentence of a scene may enter here.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from contact.continuation.critical_points import spectrum
+from contact.continuation.critical_points import MODES, spectrum
 from contact.newton.held import Held, holdable
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactProblem, ContactSolution, Linearisation, Linearised, Overlooked
 from contact.solvers.sparse import SingularMatrixError, added, negative_pivots, symmetric
 
 ROUNDING = 1e-13  # of the diagonal: eigenvalues of the matrix with unit diagonal below this have no sign
@@ -37,8 +42,10 @@ class Stability:
     """The verdict on one state.
 
     negative: eigenvalues of the tangent below zero by more than rounding, None where they were not counted, and at
-    least so many where the tangent is not ``symmetric``.  rounding: those that rounding leaves without a sign.
-    why: they were not counted.  factorisations: that the count has taken.
+    least so many where the tangent is not ``symmetric``, without those of elements alone.  rounding: those that
+    rounding leaves without a sign.  why: they were not counted.  factorisations: that the count has taken.
+    element_modes: those of elements alone.  cuts: in how many parts along both coordinates elements have none.
+    aspect: of those that stress alone drives, see :class:`contact.problem.Overlooked`.
     """
 
     negative: int | None
@@ -46,12 +53,16 @@ class Stability:
     symmetric: bool = True
     why: str = ""
     factorisations: int = 0
+    element_modes: int = 0
+    cuts: tuple[int, int] = (1, 1)
+    aspect: float = 0.0
 
     @property
     def record(self) -> dict[str, Any]:
-        """Word, sentence and counts, as they stand in a certificate."""
+        """Word, sentence and counts, as they stand in a certificate; cuts: of elements, where these have modes."""
         counts = {"negative": self.negative, "rounding": self.rounding, "factorisations": self.factorisations}
-        return {"word": self.word, "sentence": self.sentence, **counts}
+        alone = {"element_modes": self.element_modes} | ({"cuts": list(self.cuts)} if self.element_modes else {})
+        return {"word": self.word, "sentence": self.sentence, **counts, **alone}
 
     @property
     def word(self) -> str:
@@ -62,11 +73,21 @@ class Stability:
     def sentence(self) -> str:
         """The word with what it rests on."""
         if self.negative is None:
-            return f"{self.word}: {self.why}"
+            return f"{self.word}: {self.why}{self._of_elements}"
         least = "" if self.symmetric or not self.negative else "at least "
         counted = f"{least}{self.negative} negative eigenvalue{'' if self.negative == 1 else 's'} of the tangent"
         unsigned = f", {self.rounding} within rounding" if self.rounding else ""
-        return f"{self.word}: {counted} on the motions that contact leaves free{unsigned}"
+        return f"{self.word}: {counted} on the motions that contact leaves free{unsigned}{self._of_elements}"
+
+    @property
+    def _of_elements(self) -> str:
+        """What is counted apart, and how it is avoided."""
+        if not self.element_modes:
+            return ""
+        modes = f"{self.element_modes} mode{'' if self.element_modes == 1 else 's'} of elements alone"
+        long = f" up to {self.aspect:.2g} times wider than long" if self.aspect > 1 else ""
+        cut = " and ".join(f"in {n} along a{axis}" for axis, n in enumerate(self.cuts, 1) if n > 1)
+        return f"; {modes}{long}, not of the body, which alternate: elements cut {cut} have none"
 
 
 def stability(problem: ContactProblem, state: ContactSolution, epsilon: float = np.inf) -> Stability:
@@ -75,20 +96,93 @@ def stability(problem: ContactProblem, state: ContactSolution, epsilon: float = 
         return Stability(None, why=CONSISTENT)
     K = problem.stiffness(problem.linearise(state.u, None), state.u, state.pressure)
     try:
-        M = Held.on(problem, state.u, np.flatnonzero(state.active), K, epsilon).matrix
+        found, overlooked = _counted(problem, state, K, epsilon), None
+        if found.negative and problem.element_modes is not None:
+            overlooked = problem.element_modes(state.u)
+            found = _apart(problem, state, K, epsilon, found, overlooked)
     except ValueError as error:  # a candidate without an unknown, or two that share one
         return Stability(None, why=str(error))
+    return found if found.symmetric or not found.negative else _divergent(problem, state, epsilon, found, overlooked)
+
+
+def _counted(problem: ContactProblem, state: ContactSolution, K: sparse.csc_matrix, epsilon: float) -> Stability:
+    """By the symmetric part of a tangent K (n, n)."""
+    M = Held.on(problem, state.u, np.flatnonzero(state.active), K, epsilon).matrix
     conservative = symmetric(K)
-    whole = M if conservative else sparse.csc_matrix((M + M.T) / 2)
-    negative, unsigned, spent = _signs(whole, ordered=problem.ordered)
-    if conservative or negative == 0:
-        return Stability(negative, unsigned, conservative, factorisations=spent)
+    part = M if conservative else sparse.csc_matrix((M + M.T) / 2)
+    negative, unsigned, spent = _signs(part, ordered=problem.ordered)
+    return Stability(negative, unsigned, conservative, factorisations=spent)
+
+
+def _apart(
+    problem: ContactProblem,
+    state: ContactSolution,
+    K: sparse.csc_matrix,
+    epsilon: float,
+    found: Stability,
+    overlooked: Overlooked,
+) -> Stability:
+    """What is ``found``, the modes of elements apart, by the coordinate along which they move."""
+    first, second = overlooked.stiffness
+    stiffened = added(K, first)
+    one = _counted(problem, state, stiffened, epsilon)
+    both = _counted(problem, state, added(stiffened, second), epsilon)
+    spent = found.factorisations + one.factorisations + both.factorisations
+    counts = [count.negative or 0 for count in (found, one, both)]
+    alone = [max(before - after, 0) for before, after in pairwise(counts)]
+    if any(alone) and found.symmetric and counts[0] <= MODES:  # near its critical points a body is as soft
+        spent += 1
+        excess = sum(alone) - _alternating(problem, state, epsilon, counts[0], overlooked)
+        for axis in np.argsort(alone):
+            alone[axis], excess = max(alone[axis] - max(excess, 0), 0), excess - alone[axis]
+    if not any(alone):
+        return replace(found, factorisations=spent)
+    cuts = [max(n, 2) if count else 1 for n, count in zip(overlooked.cuts, alone, strict=True)]
+    return replace(
+        both,
+        negative=counts[0] - sum(alone),
+        factorisations=spent,
+        element_modes=sum(alone),
+        cuts=(cuts[0], cuts[1]),
+        aspect=overlooked.aspect,
+    )
+
+
+def _alternating(
+    problem: ContactProblem, state: ContactSolution, epsilon: float, negative: int, overlooked: Overlooked
+) -> int:
+    """How many of the negative eigenvalues have modes that alternate; none at a critical point itself."""
     try:
-        softest = spectrum(problem, state, epsilon).eigenvalues
+        found = spectrum(problem, state, epsilon, negative=negative)
+    except SingularMatrixError:
+        return 0
+    return overlooked.alternating(found.modes[:, found.eigenvalues < 0])
+
+
+def _divergent(
+    problem: ContactProblem, state: ContactSolution, epsilon: float, found: Stability, overlooked: Overlooked | None
+) -> Stability:
+    """By the softest eigenvalues of an unsymmetric tangent whose symmetric part has the signs ``found``."""
+    spent = found.factorisations + 1
+    try:
+        softest = spectrum(_stiffened(problem, overlooked if found.element_modes else None), state, epsilon).eigenvalues
     except SingularMatrixError as error:
-        return Stability(None, symmetric=False, why=f"the tangent is not symmetric: {error}", factorisations=spent + 1)
+        return replace(found, negative=None, why=f"the tangent is not symmetric: {error}", factorisations=spent)
     divergent = int(np.sum(softest < 0))
-    return Stability(divergent or None, unsigned, False, "" if divergent else WORK, spent + 1)
+    return replace(found, negative=divergent or None, why="" if divergent else WORK, factorisations=spent)
+
+
+def _stiffened(problem: ContactProblem, overlooked: Overlooked | None) -> ContactProblem:
+    """The problem with what its elements leave out of the tangent."""
+    if overlooked is None:
+        return problem
+    first, second = overlooked.stiffness
+
+    def linearise(u: np.ndarray, memory: object) -> Linearised:
+        lin = problem.linearise(u, memory)
+        return Linearisation(lin.residual, sparse.csc_matrix(lin.tangent + first + second), lin.scale, lin.remember)
+
+    return replace(problem, linearise=linearise)
 
 
 def _signs(M: sparse.csc_matrix, *, ordered: bool) -> tuple[int, int, int]:

@@ -21,7 +21,8 @@ def as_told(found: Result, answer: Answer) -> None:
         return
     with quiet():
         negative, unsigned = signs(answer, answer.state.active)
-    least, most = told["negative"], told["negative"] + told["rounding"]
+    least = told["negative"] + told["element_modes"]
+    most = least + told["rounding"]
     if negative > most or negative + unsigned < least:
         raise Broken(
             "stability", f"told {least} negative eigenvalues, {most - least} unsigned; dense {negative}, {unsigned}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import TypedDict, Unpack
 
@@ -13,6 +14,7 @@ from contact.continuation.arc_length import ArcLength
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
+from formulations.element_modes import ElementModes
 from formulations.geometry.grid import Grid
 from formulations.loads.lines import edge_lengths
 from formulations.loads.pressure import Couples, Pressure
@@ -105,12 +107,13 @@ def loaded_shell(
 
 
 def with_balances(problem: ContactProblem, shell: ShellModel) -> ContactProblem:
-    """The problem, with the balances of energy (of a conservative shell) and force for the judge."""
+    """The problem with what the judge sees of a shell: energy, where it has one, forces, and modes of elements."""
     return replace(
         problem,
         energy=shell.energy if shell.conservative else None,
         others=shell.left_to_foundation,
         residual=shell.residual,
+        element_modes=partial(ElementModes, shell),
     )
 
 

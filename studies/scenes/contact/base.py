@@ -7,13 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
 from contact.obstacles.foundation import Candidates, Foundation, against
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.discretisation import Discretisation
+from formulations.element_modes import ElementModes
 from formulations.shell import ShellModel
 from studies.scene import Begun, Observation, ShellSceneModel, Stage, Units, candidates_at
 
@@ -87,7 +88,8 @@ class ContactModel(ShellSceneModel):
     def problem_at(self, t: float) -> ContactProblem:
         """The shell and the foundation at a point of the path."""
         body = (self.body_at or self.shell.scaled)(t)
-        return replace(against(body.linearise, self.candidates, self.plane_at(t)), ordered=body.ordered)
+        problem = against(body.linearise, self.candidates, self.plane_at(t))
+        return replace(problem, ordered=body.ordered, element_modes=partial(ElementModes, body))
 
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)

@@ -14,6 +14,7 @@ import numpy as np
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.conditions.boundary import Supports
 from formulations.discretisation import Discretisation
+from formulations.element_modes import ElementModes
 from formulations.loads.lines import Traction, edge_force
 from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
@@ -97,7 +98,8 @@ class ManufacturedModel(ShellSceneModel):
         """
         shell = carrying(self.shell, self.exact_at(t), self.loaded)
         problem = without_contact(shell.linearise, self.n_unknowns, ordered=shell.ordered)
-        return replace(problem, others=shell.left_to_foundation, residual=shell.residual)
+        seen = replace(problem, others=shell.left_to_foundation, residual=shell.residual)
+        return replace(seen, element_modes=partial(ElementModes, shell))
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
         u = unknowns_at(self.shell.discretisation, self.exact_at(1.0))

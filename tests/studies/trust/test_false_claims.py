@@ -163,9 +163,9 @@ def grow(told: dict[str, Any]) -> None:
 HARD: dict[str, tuple[str, Plant, str]] = {
     "displacements off by 1e-6": (TYRE, scaled(TYRE, 1e-6), "equilibrium"),
     "a pressed node dropped": (TYRE, pressed(TYRE, drop_one), "equilibrium"),
-    "stable": (
+    "unstable": (
         TYRE,
-        record(TYRE, lambda t: (t.update({"class": "converged"}), t["steps"][-1]["stability"].update(word="stable"))),
+        record(TYRE, lambda t: (t.update({"class": "unstable"}), t["steps"][-1]["stability"].update(word="unstable"))),
         "stability",
     ),
     "an inflation": (TYRE, record(TYRE, grow), "inflated_equator_outer_mm"),

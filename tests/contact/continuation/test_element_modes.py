@@ -1,0 +1,224 @@
+"""Motions of elements alone are counted apart, with the grid that has none; what the body does is still counted."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import pytest
+
+from contact.catalogue import ALGORITHMS
+from contact.continuation.stability import STABLE, UNSTABLE, Stability, stability
+from contact.problem import ContactSolution, without_contact
+from formulations.conditions.boundary import Supports
+from formulations.discretisation import Discretisation
+from formulations.element_modes import ElementModes, neighbours
+from formulations.geometry.grid import Grid
+from formulations.geometry.surfaces import Plate, Surface, cylinder
+from formulations.loads.lines import edge_lengths
+from formulations.loads.pressure import Pressure
+from formulations.section.laminate import Laminate, Ply
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import MEASURES
+from studies.complete import complete
+from studies.result import CONVERGED
+from studies.solving import solve
+from support.problems.differences import rotation
+
+E, H, L = 1000.0, 0.1, 10.0  # of strips, with nu = 0
+EI = E * H**3 / 12  # per width
+CLOSED_FORM = 1e-3  # of a critical load
+
+
+def shell(
+    surface: Surface, ends: tuple[float, float], mesh: tuple[int, int], h: float, *edges: str, **loads
+) -> ShellModel:
+    """A piece 0 <= a <= ends of a surface on an even mesh; edges: as for Supports."""
+    grid = Grid.tensor(*(np.linspace(0, end, n + 1) for end, n in zip(ends, mesh, strict=True)))
+    laminate = Laminate((Ply.isotropic(E, 0.0, h),), d_minus=-h / 2)
+    masks = Supports.of_edges(grid, *edges).masks
+    discretisation = Discretisation.build(surface, grid, laminate, *masks, ordered=True)
+    return ShellModel(discretisation, MEASURES["exact"], newton="plain", **loads)
+
+
+def pushed(model: ShellModel, force: np.ndarray) -> ShellModel:
+    """Under dead forces (N,) along a1, half on each face."""
+    nodal = np.zeros((len(force), 6))
+    nodal[:, :2] = force[:, None] / 2
+    return replace(model, forces=model.discretisation.reduce(nodal))
+
+
+def verdict(model: ShellModel) -> Stability:
+    """On the equilibrium that Newton finds from rest."""
+    n = model.discretisation.n_free
+    problem = without_contact(model.linearise, n, ordered=True)
+    state = ALGORITHMS["semismooth"]().solve(problem, ContactSolution.at_rest(n, 0))
+    assert state.outcome.converged
+    return stability(replace(problem, element_modes=partial(ElementModes, model)), state)
+
+
+def critical(at: Callable[[float], ShellModel], guess: float) -> float:
+    """The load at which the first eigenvalue that is counted turns negative, to a tenth of CLOSED_FORM."""
+    low, high = 0.9 * guess, 1.1 * guess
+    assert (verdict(at(low)).negative, verdict(at(high)).negative) == (0, 1)
+    while high - low > CLOSED_FORM / 10 * guess:
+        middle = (low + high) / 2
+        low, high = (low, middle) if verdict(at(middle)).negative else (middle, high)
+    return (low + high) / 2
+
+
+def column(width: float, mesh: tuple[int, int], h: float = H) -> ShellModel:
+    """A strip that stands on a clamp."""
+    return shell(Plate(), (L, width), mesh, h, "clamped", "free", "free", "free")
+
+
+def euler(model: ShellModel, P: float) -> ShellModel:
+    """The column under P [N/mm] at its top."""
+    nodes, lengths = edge_lengths(model.discretisation, 0, L)
+    force = np.zeros(model.discretisation.grid.n_nodes)
+    force[nodes] = -P * lengths
+    return pushed(model, force)
+
+
+def greenhill(model: ShellModel, q: float) -> ShellModel:
+    """The column under its own weight q [MPa]."""
+    return pushed(model, -q * model.discretisation.nodal_areas("mid"))
+
+
+def ring(mesh: tuple[int, int], p: float) -> ShellModel:
+    """A quarter of a ring of the radius L under the pressure p [MPa] on its inner face."""
+    edges, follows = ("symmetric", "free", "symmetric", "symmetric"), Pressure(-p, follower=True)
+    return shell(cylinder(L), (1.0, math.pi / 2), mesh, H, *edges, pressure=follows)
+
+
+@pytest.mark.parametrize(("width", "mesh"), [(1.0, (128, 1)), (5.0, (64, 1))])
+def test_columns_buckle_where_euler_and_greenhill_say(width: float, mesh: tuple[int, int]) -> None:
+    P, q = math.pi**2 * EI / (4 * L**2), 7.8373 * EI / L**3
+    assert critical(partial(euler, column(width, mesh)), P) == pytest.approx(P, rel=CLOSED_FORM)
+    assert critical(partial(greenhill, column(width, mesh)), q) == pytest.approx(q, rel=CLOSED_FORM)
+
+
+def test_a_ring_under_pressure_buckles_at_3_EI() -> None:
+    """3 EI/R^3 of the whole load, of which the inner face adds p h/2 times the curvature that it is stretched by."""
+    p = 3 * EI / L**3 / (1 + H / (2 * L))
+    assert critical(partial(ring, (1, 128)), p) == pytest.approx(p, rel=CLOSED_FORM)
+
+
+def test_a_column_still_buckles_where_its_elements_have_modes() -> None:
+    """A thick one whose elements are 130, 32 and 16 times wider than long: the last are not driven."""
+    P = math.pi**2 * E * 0.5**3 / 12 / (4 * L**2)
+    wide, less, square = (partial(euler, column(20.0, (64, n), 0.5)) for n in (1, 4, 8))
+    found = critical(wide, P)
+    assert [critical(at, P) for at in (less, square)] == pytest.approx([found, found], rel=CLOSED_FORM)
+    counts = [verdict(at(1.01 * found)) for at in (wide, less, square)]
+    assert [count.negative for count in counts] == [1, 1, 1]
+    assert [count.word for count in counts] == [UNSTABLE] * 3
+    assert counts[0].element_modes > counts[1].element_modes > counts[2].element_modes == 0
+
+
+@pytest.mark.parametrize(("n", "modes"), [(116, 0), (128, 2), (140, 6), (256, 68)])
+def test_modes_of_elements_of_a_cantilever_are_no_instability(n: int, modes: int) -> None:
+    """At 1.34 % of compression at its clamp, from about 120 elements of its length and one of its width on."""
+    scene, request = complete("cantilever", {"load_fraction": "1"}, (n, 1))
+    found = solve(scene, request)
+    told = found.loads[-1].certificate["stability"]
+    assert (told["word"], told["negative"], told["element_modes"]) == (STABLE, 0, modes)
+    assert (found.verdict, found.unstable) == (CONVERGED, [])
+    if not modes:
+        assert found.notes == []
+        return
+    assert told["cuts"][0] == 1
+    mesh = (n, told["cuts"][1])
+    assert found.notes[0].endswith(f"of elements alone, not of the shell: {n}x{mesh[1]} removes them")
+    cut = solve(*complete("cantilever", {"load_fraction": "1"}, mesh)).loads[-1].certificate["stability"]
+    assert (cut["negative"], cut["element_modes"]) == (0, 0)
+
+
+@pytest.mark.slow
+def test_a_strip_that_a_couple_rolls_up_buckles_sideways_and_its_elements_have_modes_beside_that() -> None:
+    """The couple follows the director: a rod of these stiffnesses leaves its plane at 0.796 of a full circle."""
+    loads = {"load_fraction": "0.785,0.81,1"}
+    whole, long = (solve(*complete("sze-moment", loads, mesh)) for mesh in ((24, 1), (128, 1)))
+    counts = [[step["stability"]["negative"] for step in found.steps] for found in (whole, long)]
+    assert counts == [[0, 1, 1], [0, 1, 1]]
+    alone = [found.steps[-1]["stability"]["element_modes"] for found in (whole, long)]
+    assert alone == [0, 40]
+    assert long.verdict == UNSTABLE
+
+
+LONG = ("32x2", "16x4", "4x16", "2x32")
+STABLE_ONES = (
+    [("cantilever", mesh) for mesh in ("64x1", "128x1", *LONG)]
+    + [("hemisphere", mesh) for mesh in ("1x16", *LONG)]
+    + [("tyre", mesh) for mesh in ("8x8", "24x8", "8x24")]
+    + [(scene, mesh) for scene in ("sze-annulus", "strip-contact", "ring", "panel") for mesh in LONG]
+    + [("semicylinder-90-0-90", "16x4"), ("crushed-ring", "8x8"), ("pressurised-cylinder", "16x4")]
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("scene", "mesh"), STABLE_ONES)
+def test_no_state_is_unstable_because_its_elements_are_long(scene: str, mesh: str) -> None:
+    """Up to 16 times longer than on an even grid, both ways; on finer grids all of these are stable."""
+    settings = {"tyre": {"delta_mm": "5,10"}, "hemisphere": {"load_fraction": "0.2"}}.get(scene, {})
+    found = solve(*complete(scene, settings, mesh))
+    assert found.verdict == CONVERGED
+    assert found.unstable == []
+
+
+@pytest.mark.parametrize("turned", [0.0, 1.1])
+def test_the_drive_of_a_compressed_element_is_its_strain_over_its_ratio(turned: float) -> None:
+    """rho = 3 eps (b/l)^2 in membrane compression, eps (b/l)^2/sqrt(3) in bending; however turned."""
+    eps, length, width = 1e-3, 0.2, 2.0
+    model = shell(Plate(), (5 * length, width), (5, 1), H, "free", "free", "free", "free")
+    R = rotation(np.array([0.3, -0.7, 0.5]), turned)
+    for bent, factor in ((False, 3.0), (True, 1 / math.sqrt(3))):
+        faces = (-eps, eps) if bent else (-eps, -eps)
+        v = np.zeros((model.discretisation.grid.n_nodes, 6))
+        for face, strain in enumerate(faces):
+            x = model.discretisation.positions()[face]
+            there = x + strain * (x - 2.5 * length) * (1, 0, 0)
+            v[:, face::2] = there @ R.T - x
+        rho = ElementModes(model, model.discretisation.map.restrict(v)).drive
+        assert rho[2, 1] == pytest.approx(eps * (width / length) ** 2 * factor, rel=10 * eps)  # in the middle
+        assert rho[:, 0].max() < 5 * eps
+
+
+def test_smooth_motions_have_no_alternating_shear() -> None:
+    """Where the shear on xi2 is the same in all elements it costs nothing; where it alternates, all of it."""
+    n, length, width = 6, 0.5, 2.0
+    model = shell(Plate(), (n * length, width), (n, 1), H, "free", "free", "free", "free")
+    nodes = model.discretisation.grid.nodes
+    modes, overlooked = [], ElementModes(model, np.zeros(model.discretisation.n_free))
+    for along in (nodes[:, 0], (-1.0) ** np.round(nodes[:, 0] / length)):
+        v = np.zeros((len(nodes), 6))
+        v[:, 2] = v[:, 3] = (nodes[:, 1] - width / 2) * along  # v2 of both faces
+        modes.append(model.discretisation.map.restrict(v))
+    first, second = overlooked.stiffness
+    smooth, alternating = (float(mode @ second @ mode) / 2 for mode in modes)
+    G, slope = E / 2, width / length  # v2,1 from one node to the next at a2 = 0 and width
+    assert alternating == pytest.approx((n - 1) * 0.5 * G * H * slope**2 / 3 * length * width)
+    assert smooth == pytest.approx(0, abs=1e-9 * alternating)
+    assert max(abs(first @ mode).max() for mode in modes) < 1e-9 * alternating
+    assert [overlooked.alternating(mode[:, None]) for mode in modes] == [0, 1]
+    assert overlooked.alternating(np.stack(modes, axis=1)) == 1
+
+
+@pytest.mark.slow
+def test_a_roof_that_has_snapped_is_unstable_by_itself_however_near_its_limit_point() -> None:
+    """Between its limit points one eigenvalue is negative, and as small as one likes: none is of elements."""
+    found = solve(*complete("roof-a", {}, (8, 8)))
+    counts = [step["stability"]["negative"] + step["stability"]["element_modes"] for step in found.steps]
+    assert max(counts) == 1
+    assert [step["stability"]["element_modes"] for step in found.steps] == [0] * len(counts)
+    assert found.notes == []
+
+
+def test_neighbours_share_a_side_and_close_around_a_seam() -> None:
+    grid = Grid.tensor(np.linspace(0, 1, 4), np.linspace(0, 1, 5), periodic=True)
+    pairs = [{tuple(pair) for pair in neighbours(grid, axis).tolist()} for axis in (0, 1)]
+    assert pairs[0] == {(4 * i + j, 4 * i + 4 + j) for i in range(2) for j in range(4)}
+    assert pairs[1] == {(4 * i + j, 4 * i + (j + 1) % 4) for i in range(3) for j in range(4)}
