@@ -66,7 +66,7 @@ class Surface:
 
 @dataclass(frozen=True, eq=False)
 class Coulomb:
-    """Coefficient mu in (0, inf] [-], and how the foundation has slid along itself: its motion in its shifted frame."""
+    """Coefficient mu in [0, inf] [-], and how the foundation has slid along itself: its motion in its shifted frame."""
 
     mu: float
     motion: Motion

@@ -188,7 +188,8 @@ class Stage:
     begin(previous) -> (problem_at(t), starting solution); targets: the values of t to report, the path starts at 0;
     observe(problem, state, t) -> Observation.  whole(u): the unknowns of the model from those of the stage, when it
     solves a smaller problem on the way.  see_mode(state, mode): what is seen of a mode (n,) at the end of the path.
-    units: of the problem; what is observed is in mm, MPa and N.
+    units: of the problem; what is observed is in mm, MPa and N.  rubs(t): the share in [0, 1] of the coefficient of
+    friction that acts at t.
     """
 
     name: str
@@ -198,6 +199,7 @@ class Stage:
     whole: Callable[[np.ndarray], np.ndarray] | None = field(default=None, kw_only=True)
     see_mode: Callable[[ContactSolution, np.ndarray], Observation] | None = field(default=None, kw_only=True)
     units: Units = field(default=Units(), kw_only=True)
+    rubs: Callable[[float], float] = field(default=lambda t: 1.0, kw_only=True)
 
     def lifted(self, solution: ContactSolution) -> ContactSolution:
         """The solution in the unknowns of the model."""

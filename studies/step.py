@@ -8,6 +8,7 @@ from itertools import islice
 from typing import Any
 
 CERTIFICATE = ("failures", "exceeded", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
+UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in
 OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm counts
 
 
@@ -41,3 +42,8 @@ class Step:
     def flat(self) -> dict[str, Any]:
         """The entry of ``steps``."""
         return {**self.seen, **self.certificate, **self.counters}
+
+
+def unit_of(quantity: str) -> str:
+    """What the name of a quantity ends in; where that is no unit, the name."""
+    return next((unit for unit in UNITS if quantity.endswith(unit)), quantity)

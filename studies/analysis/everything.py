@@ -15,6 +15,7 @@ from studies.analysis.cells.collect import collect
 from studies.analysis.cells.machines import machines
 from studies.analysis.cells.published import published
 from studies.analysis.cells.rows import reference_rows
+from studies.analysis.comparisons.disagreements import disagreements
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
@@ -161,6 +162,7 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         "flips": flips,
         "solved": solved(scenes),
         "unsolved": unsolved(table),
+        "disagreements": disagreements(table),
         "attribution": attribution(table, scenes),
         "advice": advice_table(table, split),
         "held_out": cases,

@@ -24,13 +24,13 @@ from studies.certificate import certificate
 from studies.friction.stages import Stages
 from studies.result import SOLVED, Result
 from studies.scene import Observation, Stage
+from studies.step import unit_of
 from studies.store.tables import Table
 from studies.walk import Visited, walk
 
 TABLE = "load_steps"
 SAFETY = 3.0  # of an estimate by two grids, whose order nobody has observed: Roache, J. Fluids Eng. 116 (1994) 405-413
 COUNTS = ("contact_nodes", "sticking", "slipping")  # which no smaller step changes by a smaller amount
-UNITS = ("_N_mm", "_N", "_MPa", "_mm")
 NOISE = 10.0  # times the tolerance of the largest in a unit: what is smaller is no difference
 SHOWN, IN_A_TURN = "friction_N", "moment_N_mm"  # beside the first quantity
 REMARK = (
@@ -96,13 +96,8 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
 def compared(mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float) -> list[StepError]:
     """The quantities of a load that are no counts, beside those of the path of half steps."""
     values = {key: value for key, value in mine.items() if key not in COUNTS and isinstance(value, float)}
-    largest = {unit: max(abs(v) for k, v in values.items() if _unit(k) == unit) for unit in map(_unit, values)}
-    return [StepError(k, v, float(other[k]), NOISE * tolerance * largest[_unit(k)]) for k, v in values.items()]
-
-
-def _unit(quantity: str) -> str:
-    """What its name ends in, or the name."""
-    return next((unit for unit in UNITS if quantity.endswith(unit)), quantity)
+    largest = {unit: max(abs(v) for k, v in values.items() if unit_of(k) == unit) for unit in map(unit_of, values)}
+    return [StepError(k, v, float(other[k]), NOISE * tolerance * largest[unit_of(k)]) for k, v in values.items()]
 
 
 def _halved(result: Result, tell: Callable[[str], None]) -> Iterator[tuple[Visited, int]]:

@@ -106,7 +106,8 @@ class Stages:
             return problem_at, start
 
         def rubbed(t: float) -> ContactProblem:
-            return with_friction(problem_at(t), self._mu, Motion.none())
+            share = stage.rubs(t)
+            return with_friction(problem_at(t), share * self._mu if share else 0.0, Motion.none())
 
         self._pressed = Pressed(stage, problem_at(stage.targets[-1]), start.u)
         return rubbed, start

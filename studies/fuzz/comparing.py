@@ -1,18 +1,21 @@
 """Two answers to one problem: the same, or why not, by what can be computed of each alone.
 
-Explanations are checked, not guessed: the error of a state is that of one more Newton step in dense algebra, stability
-is counted by the eigenvalues of the dense tangent on what the set leaves free, and of two different stable equilibria
-each must be confirmed by the way of solving that has found the other.
+Explanations are checked, not guessed, and begin with a class of :mod:`studies.analysis.comparisons.disagreements`: the
+error of a state is that of one more Newton step in dense algebra, stability is counted by the eigenvalues of the dense
+tangent on what the set leaves free, and of two different stable equilibria each must be confirmed by the way of solving
+that has found the other; so must two states with friction whose paths were cut alike.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import null_space
 
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
+from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
 MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order
@@ -22,11 +25,15 @@ AGREES = "agrees"
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """A converged state of a problem, and the algorithm that has found it."""
+    """A converged state of a problem, and the algorithm that has found it.
+
+    ways: the stages of its path and the parameters that were accepted on them.
+    """
 
     problem: ContactProblem
     state: ContactSolution
     algorithm: ContactAlgorithm
+    ways: Sequence[tuple[str, tuple[float, ...]]] = ()
 
 
 def compared(one: Answer, other: Answer) -> str:
@@ -34,14 +41,27 @@ def compared(one: Answer, other: Answer) -> str:
     apart = difference(one, other)
     if apart <= ALIKE:
         return AGREES
+    if one.problem.coulomb is not None:
+        return _with_friction(one, other, apart)
     errors = [error_of(each) for each in (one, other)]
     if apart <= MARGIN * max(errors):
         return f"within what the tolerance leaves: apart by {apart:.1e}, one more step moves them by {max(errors):.1e}"
     counts = [unstable(each) for each in (one, other)]
     if any(counts):
-        return f"not both are stable: {counts[0]} and {counts[1]} eigenvalues are negative, apart by {apart:.1e}"
+        return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, apart by {apart:.1e}"
     if confirms(one, other.state) and confirms(other, one.state):
-        return f"two stable equilibria, each confirmed by the other way of solving: apart by {apart:.1e}"
+        return f"{BRANCHES}, each confirmed by the other way of solving: apart by {apart:.1e}"
+    return ""
+
+
+def _with_friction(one: Answer, other: Answer, apart: float) -> str:
+    """What explains a difference with friction, or nothing: other steps, or a state that both ways of solving keep."""
+    cause = why(*(Facts(friction=True, steps=list(each.ways), stable=True) for each in (one, other)))
+    if cause == LOAD_STEPS:
+        steps = [sum(len(way) for _, way in each.ways) for each in (one, other)]
+        return f"{cause}: {steps[0]} and {steps[1]} on the path, apart by {apart:.1e}"
+    if confirms(one, other.state) and confirms(other, one.state):
+        return f"{cause}, each confirmed by the other way of solving: apart by {apart:.1e}"
     return ""
 
 
@@ -51,10 +71,21 @@ def difference(one: Answer, other: Answer) -> float:
     A candidate that touches without pressure may be in the set or not.
     """
     u, v = one.state.u, other.state.u
-    f, g = (each.problem.contact_force(each.state.u, each.state.pressure) for each in (one, other))
+    f, g = (_force(each) for each in (one, other))
     scale = max(one.problem.linearise(u, None).scale, float(np.linalg.norm(f))) or 1.0
     size = max(float(np.max(np.abs(u), initial=0.0)), float(np.max(np.abs(v), initial=0.0))) or 1.0
     return max(float(np.max(np.abs(u - v), initial=0.0)) / size, float(np.linalg.norm(f - g)) / scale)
+
+
+def _force(answer: Answer) -> np.ndarray:
+    """That of the foundation on the unknowns (n,), friction included."""
+    problem, state = answer.problem, answer.state
+    if problem.coulomb is None or state.friction is None:
+        return problem.contact_force(state.u, state.pressure)
+    from contact.friction.posed import posed  # nothing of friction is imported without it
+
+    rubbing = posed(problem, state.friction.since)
+    return rubbing.force(state.u, problem.nodal_forces(state.pressure), state.friction.force)
 
 
 def tangent(answer: Answer, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -117,6 +148,11 @@ def signs(answer: Answer, held: np.ndarray) -> tuple[int, int]:
 
 
 def confirms(answer: Answer, state: ContactSolution) -> bool:
-    """Whether the algorithm of an answer, on its problem, stays at another state when it sets out from there."""
+    """Whether the algorithm of an answer, on its problem, stays at another state when it sets out from there.
+
+    With friction it counts the slip from where the other state has.
+    """
+    if state.friction is not None:
+        state = replace(state, friction=replace(state.friction, anchors=state.friction.since))
     found = answer.algorithm.solve(answer.problem, state)
     return found.outcome.converged and difference(replace(answer, state=found), replace(answer, state=state)) <= ALIKE

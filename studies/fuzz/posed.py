@@ -13,6 +13,7 @@ from contact.catalogue import ALGORITHMS
 from contact.problem import ContactAlgorithm
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.strains.catalogue import MEASURES
+from studies.analysis.comparisons.disagreements import UNSTABLE
 from studies.experiments.conformance import claims_objectivity
 from studies.experiments.invariance.problems import FIRST, Motion, Panel, Posed, Way, X, Z, renumbered
 from studies.experiments.invariance.symmetry import ACCIDENT, against, solved
@@ -148,7 +149,7 @@ def _said(
     second = Answer(other.problem_at(1.0), other.solved(algorithm)[0], other.algorithm(algorithm))
     counts = [unstable(each) for each in (one, second)]
     if any(counts):
-        return f"not both are stable: {counts[0]} and {counts[1]} eigenvalues are negative"
+        return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, apart by {deviation:.1e}"
     raise Broken("one answer", f"{case.how}: apart by {deviation:.1e}, rounding {row['rounding']:.1e}")
 
 

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from contact.parameters import STIFFNESS
 from studies.algorithm_settings import configured, settings_of
+from studies.analysis.comparisons.disagreements import ASYMMETRIES, SYMMETRY, UNSTABLE, Facts, why
 from studies.friction.observed import FORCES
 from studies.friction.settings import MU, SLIDING
 from studies.fuzz import rubbed, stable
@@ -129,7 +131,8 @@ def _answer(one: Attempt) -> Answer:
     """The last state."""
     end = one.found.end
     assert end is not None
-    return Answer(end.problem, end.point.solution, configured(one.found.request.contact, one.found.request.settings))
+    algorithm = configured(one.found.request.contact, one.found.request.settings)
+    return Answer(end.problem, end.point.solution, algorithm, one.found.ways)
 
 
 def _differences(one: Attempt, seed: int) -> None:
@@ -199,8 +202,18 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
     if apart[worst] <= MARGIN * max(errors):
         return f"within what the tolerance leaves: {worst} apart by {apart[worst]:.1e}"
     if any(counts):
-        return f"not both are stable: {counts[0]} and {counts[1]} eigenvalues are negative"
+        return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, {worst} apart by {apart[worst]:.1e}"
+    facts = [
+        Facts(False, each.found.ways, True, each.found.request.model, _asymmetry(each.found.loads[-1].quantities))
+        for each in (one, other)
+    ]
+    if why(*facts) == SYMMETRY:
+        return f"{SYMMETRY}: {facts[0].model} and {facts[1].model} model, {worst} apart by {apart[worst]:.1e}"
     raise Broken("one answer", f"{worst} apart by {apart[worst]:.1e}, unlike {asked.command}")
+
+
+def _asymmetry(quantities: Mapping[str, Any]) -> tuple[float, ...]:
+    return tuple(float(quantities.get(f"{name}_asymmetry", 0.0)) for name in ASYMMETRIES)
 
 
 def _apart(mine: Mapping[str, float], theirs: Mapping[str, float], key: str, length: float, stress: float) -> float:

@@ -38,6 +38,7 @@ algorithm. A finite ε solves other equations, and its difference is that of the
         _finite(found),
         refusals(refused) if refused else "No algorithm refuses any of the cases.",
         _elsewhere(store),
+        _answers(store),
         commands(entry.cell.command for entry in found),
     )
 
@@ -101,6 +102,25 @@ Agreement is shown above for solves that end; not all do. Over all scenes with c
 in {len(own)} of {int(((found["axis"] == "contact") & (found["scene"] != "")).sum())} pairs of algorithm and scene;
 [solved and failed](tradeoff.md#solved-and-failed) has all of them, with paths that end.""")
     return joined(text, listing("Algorithms and scenes with failures", own, heads, line, words=3) if len(own) else "")
+
+
+def _answers(store: Store) -> Part:
+    """Problems of the whole campaign to which it has more than one certified answer."""
+    if not store.has_analysis("disagreements"):
+        return Part("")
+    found = store.analysis("disagreements")
+    text = prose(f"""## Problems with more than one answer
+
+A certified state is one answer, not the only one. Over all cells of the campaign that ask the same problem, solved to
+the default tolerance, {len(found)} further answers differ from that of most cells by more than the certificates leave.
+Why is said from facts alone: with friction, whether the path was followed in other load steps; without it, whether both
+states are stable, and whether a model of a part is symmetric where that of the whole is not.""")
+    heads = "scene | mesh | quantity | most cells | by | steps | other cells | by | steps | apart | why"
+    line = (
+        "{scene:code} | {mesh} | {quantity} | {value:.6g} | {contact:code}, {model} | {substeps:.0f} | "
+        "{other_value:.6g} | {other_contact:code}, {other_model} | {other_substeps:.0f} | {difference:.1e} | {why}"
+    )
+    return joined(text, listing("Further answers", found, heads, line, words=3) if len(found) else "")
 
 
 def _finite(found: list[Entry]) -> str:

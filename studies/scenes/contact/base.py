@@ -35,7 +35,7 @@ class Touch:
     """What a scene may read off a state; everything but u is (m,) over the candidates.
 
     at (m, 2): their coordinates a1, a2.  u (n,): the free displacements.  force [N]: nodal, positive when it pushes.
-    gap [mm]: positive when open.
+    gap [mm]: positive when open.  friction (m, 3) [N]: of the foundation on the candidates, in space; none without.
     """
 
     candidates: Candidates
@@ -45,6 +45,7 @@ class Touch:
     pressure: np.ndarray
     gap: np.ndarray
     active: np.ndarray
+    friction: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,7 @@ class ContactModel(ShellSceneModel):
 
     plane_at(t): the foundation.  measure_at(t, touch): what is read, {name_unit: value}.  body_at(t): the shell under
     its loads, t times those it has unless given.  lying: everything touches without pressure at rest.  units: of the
-    problem.
+    problem.  rubs(t): the share of the coefficient of friction that acts at t, as 0 until the body is wrapped.
     """
 
     shell: ShellModel
@@ -65,6 +66,7 @@ class ContactModel(ShellSceneModel):
     body_at: Callable[[float], ShellModel] | None = None
     lying: bool = False
     units: Units = Units()  # noqa: RUF009  frozen
+    rubs: Callable[[float], float] = lambda t: 1.0
 
     @cached_property
     def nodes(self) -> np.ndarray:
@@ -78,7 +80,7 @@ class ContactModel(ShellSceneModel):
 
     def stages(self) -> Iterator[Stage]:
         """The path from rest."""
-        yield Stage("load", self._begin, tuple(self.targets), self._observe, units=self.units)
+        yield Stage("load", self._begin, tuple(self.targets), self._observe, units=self.units, rubs=self.rubs)
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
         m = len(self.nodes)
@@ -94,7 +96,7 @@ class ContactModel(ShellSceneModel):
     def _observe(self, problem: ContactProblem, state: ContactSolution, t: float) -> Observation:
         force, gap = problem.nodal_forces(state.pressure), problem.gap(state.u)
         at = self.shell.discretisation.grid.nodes[self.nodes]
-        touch = Touch(self.candidates, at, state.u, force, state.pressure, gap, state.active)
+        touch = Touch(self.candidates, at, state.u, force, state.pressure, gap, state.active, _friction(problem, state))
         quantities = self.measure_at(t, touch)
         return Observation({self.key: t, **quantities, "contact_nodes": int(state.active.sum())}, quantities)
 
@@ -102,3 +104,12 @@ class ContactModel(ShellSceneModel):
     def candidate_of_node(self) -> np.ndarray:
         """(N,) the contact candidate that each node of the grid is, -1 for none."""
         return candidates_at(self.nodes, self.shell.discretisation.grid.n_nodes)
+
+
+def _friction(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
+    """Of the foundation on the candidates (m, 3) [N]."""
+    if problem.coulomb is None or state.friction is None:
+        return np.zeros((len(problem.weights), 3))
+    from studies.friction.observed import in_space  # nothing of friction is imported without it
+
+    return in_space(problem, state)

@@ -497,7 +497,7 @@ def test_all_tables_of_the_analysis() -> None:
     tables = analysed(several_scenes())
     assert set(tables) == {
         *("verified", "flags", "fronts", "family_fronts", "profiles", "pairs", "flips", "solved", "attribution"),
-        *("advice", "held_out", "held_out_summary", "unsolved", "advice_cells", "advice_questions"),
+        *("advice", "held_out", "held_out_summary", "unsolved", "advice_cells", "advice_questions", "disagreements"),
     }
     for name, found in tables.items():  # whole prices alone
         prices = {str(column).partition(".")[2] for column in found if str(column).startswith(("cost.", "front."))}

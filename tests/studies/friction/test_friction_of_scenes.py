@@ -12,6 +12,7 @@ import pytest
 from contact.friction.interchange.oracle import Confirmation
 from contact.friction.problem import State
 from contact.problem import ContactProblem
+from studies.algorithm_settings import configured
 from studies.arena.replay import algorithm_of, read_step
 from studies.branching import branches_of
 from studies.certificate import certificate
@@ -19,9 +20,13 @@ from studies.complete import complete
 from studies.exchange.of_scene import problem_of
 from studies.friction.observed import FRICTION, in_space
 from studies.friction.replay import has_friction, resolve_with_friction
+from studies.friction.stages import Stages
 from studies.request import UsageError
 from studies.result import Result
+from studies.scenes import SCENES
+from studies.scenes.contact.base import ContactModel, Touch
 from studies.solving import solve
+from studies.walk import walk
 
 MESH = "14x12"
 TURN = 10  # deg, of a step
@@ -255,3 +260,31 @@ def test_friction_is_neither_exported_nor_branched(dragged: Result) -> None:
         problem_of("tyre", {"mu": 0.5})
     with pytest.raises(UsageError, match="friction has none"):
         branches_of(dragged)
+
+
+def test_friction_is_switched_on_along_a_path_and_read_off() -> None:
+    """A scene from outside wraps a body without friction, then has it; it sees the forces of friction in space."""
+    _, request = complete("panel", {"shape": "plate", "mu": 0.3, "delta_mm": 0.5}, "6x6")
+    model, seen = SCENES["panel"].build(request), list[Touch]()
+    assert isinstance(model, ContactModel)
+
+    def measured(t: float, touch: Touch) -> dict[str, float]:
+        seen.append(touch)
+        return {"force_N": float(touch.force.sum())}
+
+    rubbed = replace(model, targets=(0.5, 1.0), rubs=lambda t: float(t > 0.5), measure_at=measured)
+    algorithm = configured(request.contact, request.settings)
+    free, held = walk(Stages(rubbed.stages(), request.settings), algorithm)
+    for visited in (free, held):
+        visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
+    without, touch = seen
+    plain = next(iter(walk(replace(rubbed, targets=(0.5,)).stages(), configured("semismooth", {}))))
+    assert without.u == pytest.approx(plain.point.solution.u, abs=1e-9)
+    assert np.all(without.friction == 0)
+    assert free.point.solution.friction is not None
+    assert free.point.solution.friction.dissipation == 0
+    size = np.linalg.norm(touch.friction, axis=1)
+    assert 0 < size.max() <= 0.3 * touch.force.max() * (1 + 1e-9)
+    assert np.all(size <= 0.3 * np.maximum(touch.force, 0.0) + 1e-9 * touch.force.max())
+    judged = certificate(held.problem, held.point.solution, math.inf, 1e-9, held.passed, held.last_accepted)
+    assert not judged["failures"]

@@ -40,6 +40,26 @@ def row(text: str, *words: str) -> list[str]:
     return [word.strip() for word in found[0].split("|")[1:-1]]
 
 
+def test_further_answers_to_a_problem_are_on_the_page_with_their_reason(own_store: Path) -> None:
+    """Which, by how much and why; without a table there is no section, with an empty one no list."""
+    assert "more than one answer" not in agreement_page(load_store(own_store)).text
+    told = {"label": "a", "contact": "qp", "model": "half", "steps": 1, "substeps": 1, "outcome": "converged"}
+    told |= {"value": 10.0, "cells": 5, "command": "solve a"}
+    other = {f"other_{name}": value for name, value in {**told, "value": 11.5, "substeps": 7, "contact": "lcp"}.items()}
+    row_ = {"scene": "plate-contact", "mesh": "64x1", "quantity": "force_N", "difference": 0.13, "why": "load steps"}
+    table = pd.DataFrame([{**row_, **told, **other}])
+    written(own_store, "report", {"disagreements": table})
+    text = agreement_page(load_store(own_store)).text
+    written(own_store, "report", {"disagreements": table.iloc[:0]})
+    without = agreement_page(load_store(own_store)).text
+    assert "1 further answers differ" in text
+    assert row(text, "`plate-contact`", "`lcp`")[3:] == [
+        *("10", "`qp`, half", "1", "11.5", "`lcp`, half", "7", "1.3e-01", "load steps")
+    ]
+    assert "0 further answers differ" in without
+    assert "`plate-contact`" not in without
+
+
 # --- cells ------------------------------------------------------------------------------------------------------
 
 

@@ -1,0 +1,146 @@
+"""Cells that were asked the same problem and end in different certified states: which, how far apart, and why.
+
+The same problem is all that was asked but how it is solved: the algorithm with its own parameters, Newton's iteration,
+the linear solver, load steps, and the part of the body that is modelled. Why is said by facts of both states alone,
+:func:`why`. Cells that were allowed a looser tolerance than the default are left out: what they are off by is an error
+of the solver (:mod:`studies.analysis.verify`), and curves by arc length end where their steps do.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from contact.newton.step import RESIDUAL_TOLERANCE
+from studies.analysis.cells.rows import keys
+from studies.analysis.suspicious import ALIKE
+from studies.analysis.verify import headline
+from studies.friction.settings import MU
+from studies.request import Request
+from studies.result import CONVERGED, SOLVED
+from studies.scene import EPSILON
+from studies.step import unit_of
+
+LOAD_STEPS, BEYOND = "load steps", "beyond uniqueness"
+UNSTABLE, SYMMETRY, BRANCHES = "not both are stable", "broken symmetry", "two stable branches"
+MEANINGS = {
+    LOAD_STEPS: "with friction the path decides, and it was followed in other steps",
+    BEYOND: "with friction and in as many steps: its law alone does not leave one answer",
+    UNSTABLE: "without friction, and one is an equilibrium that nothing can stand in",
+    SYMMETRY: "without friction, both stable, and a part by symmetry cannot leave the symmetry that the whole has left",
+    BRANCHES: "without friction, both stable, both by the same model",
+}
+APART = 1e-6  # of the largest in a unit: more than certificates at the default tolerance leave
+ASYMMETRIES = ("central", "mirror")
+SYMMETRIC = 1e-6  # of the largest pressure: less is no broken symmetry
+HOW = sorted(ALIKE - {"scene"})
+PAIR = ("label", "contact", "model", "steps", "substeps", "outcome", "value", "cells", "command")
+COLUMNS = ("scene", "mesh", "quantity", "difference", "why", *PAIR, *(f"other_{name}" for name in PAIR))
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known of a state.
+
+    steps: equal where two paths are cut alike.  asymmetry: of its pressure, by the ASYMMETRIES.
+    """
+
+    friction: bool
+    steps: object
+    stable: bool
+    model: str = "full"
+    asymmetry: tuple[float, ...] = ()
+
+
+def why(one: Facts, other: Facts) -> str:
+    """A key of MEANINGS: why two certified states of one problem differ."""
+    if one.friction:
+        return BEYOND if one.steps == other.steps else LOAD_STEPS
+    if not (one.stable and other.stable):
+        return UNSTABLE
+    both = zip(one.asymmetry, other.asymmetry, strict=False)
+    broken = any((mine <= SYMMETRIC) != (theirs <= SYMMETRIC) for mine, theirs in both)
+    return SYMMETRY if one.model != other.model and broken else BRANCHES
+
+
+def disagreements(table: pd.DataFrame) -> pd.DataFrame:
+    """COLUMNS, a row for each further answer to a problem, beside that of most cells; table: of collect.
+
+    cells: how many have an answer; of each the cell is named that is most like the other in how it was solved.
+    difference: the largest of a quantity, relative to the largest value in its unit.
+    """
+    solved = table[table["outcome"].isin(SOLVED) & (table["tolerance"] <= RESIDUAL_TOLERANCE)]
+    solved = solved[solved["request"].map(_compares).astype(bool)]
+    rows: list[dict[str, Any]] = []
+    for scene, own in solved.groupby("scene", sort=False):
+        names = _quantities(table, str(scene))
+        for _, cells in own.groupby(keys(own, *HOW), sort=False):
+            rows += _further(cells.to_dict("records"), names)
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def _compares(request: Request) -> bool:
+    """Whether something may touch, and the path is not a curve by arc length."""
+    return EPSILON.key in request.settings and request.settings.get("path") != "arc"
+
+
+def _quantities(table: pd.DataFrame, scene: str) -> list[str]:
+    """Those that are continuous in the state: forces, pressures, and what the scene is judged by."""
+    names = [str(name).removeprefix("q.") for name in table if str(name).startswith("q.")]
+    return [name for name in names if name.endswith(("_N", "_MPa")) or name == headline(table, scene)]
+
+
+def _further(cells: Sequence[dict[Any, Any]], names: Sequence[str]) -> Iterator[dict[str, Any]]:
+    """A row for each answer but that of the most cells."""
+    answers: list[list[dict[Any, Any]]] = []
+    for cell in cells:
+        same = next((answer for answer in answers if _apart(answer[0], cell, names)[0] <= APART), None)
+        if same is None:
+            answers.append([cell])
+        else:
+            same.append(cell)
+    answers.sort(key=len, reverse=True)
+    for answer in answers[1:]:
+        pairs = [(one, other) for one in answers[0] for other in answer]
+        one, other = max(pairs, key=lambda pair: _alike(*pair))
+        difference, name = _apart(one, other, names)
+        told = [_told(cell, name, len(those)) for cell, those in ((one, answers[0]), (other, answer))]
+        yield {
+            **{key: one[key] for key in ("scene", "mesh")},
+            **{"quantity": name, "difference": difference, "why": why(*map(_facts, (one, other)))},
+            **told[0],
+            **{f"other_{key}": value for key, value in told[1].items()},
+        }
+
+
+def _apart(one: dict[Any, Any], other: dict[Any, Any], names: Sequence[str]) -> tuple[float, str]:
+    """The largest difference of what both have, over the largest value in its unit, and its name."""
+    found = {name: (float(one[f"q.{name}"]), float(other[f"q.{name}"])) for name in names}
+    both = {name: pair for name, pair in found.items() if not any(map(math.isnan, pair))}
+    size: dict[str, float] = {}
+    for name, pair in both.items():
+        size[unit_of(name)] = max(size.get(unit_of(name), 0.0), *map(abs, pair))
+    apart = ((abs(a - b) / (size[unit_of(name)] or 1.0), name) for name, (a, b) in both.items())
+    return max(apart, default=(0.0, ""))
+
+
+def _alike(one: dict[Any, Any], other: dict[Any, Any]) -> tuple[bool, ...]:
+    """In how much two cells were solved alike, what tells the most first."""
+    facts = [_facts(each) for each in (one, other)]
+    return (facts[0].steps == facts[1].steps, facts[0].stable == facts[1].stable, facts[0].model == facts[1].model)
+
+
+def _facts(cell: dict[Any, Any]) -> Facts:
+    asymmetry = tuple(float(cell.get(f"q.{name}_asymmetry", 0.0)) for name in ASYMMETRIES)
+    stable, friction = cell["outcome"] == CONVERGED, MU.key in cell["request"].settings
+    return Facts(friction, (cell["request"].steps, cell.get("c.substeps")), stable, cell["model"], asymmetry)
+
+
+def _told(cell: dict[Any, Any], quantity: str, cells: int) -> dict[str, Any]:
+    named = {name: cell[name] for name in ("label", "contact", "model", "outcome", "command")}
+    counted = {"steps": cell["request"].steps, "substeps": cell.get("c.substeps"), "cells": cells}
+    return {**named, **counted, "value": float(cell[f"q.{quantity}"])}
