@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.answered import answered
+from contact.coulomb import Friction
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 
@@ -28,6 +29,7 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
     depth = max(-float(np.min(gap, initial=0.0)), _slid(problem, start))
     if problem.only is None or depth <= 0:
         return answered(algorithm, problem, start)
+    start = _laid(problem, start)
     chosen = (gap <= REACH * depth) | start.active
     before: ContactSolution | None = None
     while True:
@@ -44,6 +46,17 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
         event = Event(EventKind.TAKEN_IN, told)
         before = replace(found, history=(*rows, {**last, "event": event}))
         chosen |= missed
+
+
+def _laid(problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+    """The start with its places on the foundation, from which all slip is counted, whoever is taken in later.
+
+    Who is in contact and has never rubbed sticks.
+    """
+    if problem.coulomb is None or problem.surface is None or start.friction is not None:
+        return start
+    places = problem.coulomb.places(problem.surface, start.u)
+    return replace(start, friction=Friction(np.zeros((len(places), 2)), start.active.astype(np.int8), places, places))
 
 
 def _slid(problem: ContactProblem, start: ContactSolution) -> float:

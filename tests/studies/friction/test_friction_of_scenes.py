@@ -211,6 +211,13 @@ def test_few_candidates_give_the_answer_of_all(monkeypatch: pytest.MonkeyPatch) 
         assert few.steps[-1][name] == pytest.approx(whole.steps[-1][name], rel=1e-9)
 
 
+def test_who_is_taken_in_on_the_first_step_slips_from_where_it_was() -> None:
+    """Not from where the attempt without it has brought it: the judge counts from the start of the step."""
+    result = solve(*complete("manufactured-contact", {"mu": 0.3, "radius": 0.3}, "4x4"))
+    assert any("taken in" in str(row.get("event", "")) for row in result.history)
+    assert [step["failures"] for step in result.steps] == [[]]
+
+
 @pytest.mark.parametrize("spoil", ["sign", "twice", "open", "since", "untold", "short"])
 def test_the_judge_of_a_scene_sees_a_spoilt_answer(dragged: Result, spoil: str) -> None:
     assert dragged.end is not None
