@@ -15,6 +15,7 @@ from contact.friction.posed import WithFriction
 from contact.friction.problem import State
 from contact.problem import ContactProblem, ContactSolution
 from studies import solving
+from studies.certificate import certificate
 from studies.experiments.planting import Fault, swapped
 from studies.friction.settings import DRAG
 from studies.friction.stages import Stages
@@ -67,12 +68,11 @@ def _gained(found: ContactSolution, start: ContactSolution) -> ContactSolution:
 @contextmanager
 def _unjudged() -> Iterator[None]:
     """Friction along the slip, and a judge that nobody asks."""
-    sound = solving.certificate
 
-    def certificate(*arguments: Any) -> dict[str, Any]:
-        return {**sound(*arguments), "failures": [], "diagnosis": []}
+    def unasked(*arguments: Any) -> dict[str, Any]:
+        return {**certificate(*arguments), "failures": [], "diagnosis": []}
 
-    with swapped(solving, "certificate", certificate), _answers(_along):
+    with swapped(solving, "certificate", unasked), _answers(_along):
         yield
 
 
