@@ -112,13 +112,17 @@ class Line(Formatter):
         return self.vformat(text, (record,), record if isinstance(record, Mapping) else {})
 
     def get_field(self, field_name: str, args: Sequence[Any], kwargs: Mapping[str, Any]) -> Any:
-        """A value by its name, which may have a dot in it."""
+        """A value by its name, which may have a dot in it; raises KeyError for what only Python means."""
+        if "__" in field_name:
+            raise KeyError(field_name)
         if field_name in kwargs:
             return kwargs[field_name], field_name
         return super().get_field(field_name if kwargs else f"0.{field_name}", args, kwargs)
 
     def format_field(self, value: Any, format_spec: str) -> str:
-        """A value as text."""
+        """A value as text; raises ValueError for a form that would fill pages."""
+        if re.search(r"\d{3}", format_spec):
+            raise ValueError(f"the form {format_spec[:40]!r} is too wide")
         if format_spec in self.named:
             return self.named[format_spec](value)
         return formatted(value, format_spec) if format_spec else str(value)

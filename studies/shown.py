@@ -16,7 +16,7 @@ LINKED = r"(?<=[a-z]):(?=//)|(?<=www)\.|(?<=\w)@(?=\w)|(?<!\w)@(?=\w)"  # what G
 NAMED = r"&(?=#?\w+;)"  # characters by their names
 LIVE = re.compile(
     rf"{HTML}|{LINKED}|{NAMED}"
-    r"|[|`$~\\*]|(?<!\w)_|_(?!\w)"  # columns, code, formulas, fences, escapes, emphasis
+    r"|[|`$~\\*]|(?<![^\W_])_|_(?![^\W_])"  # columns, code, formulas, fences, escapes, emphasis
     r"|^\s*[#>]"  # headings, quotes
 )
 LIVE_IN_PROSE = re.compile(rf"{HTML}|{LINKED}|{NAMED}|[|$~]")

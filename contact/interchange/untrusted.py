@@ -9,12 +9,14 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import stat
 import struct
 import tomllib
 import zipfile
 import zlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
 
@@ -30,20 +32,29 @@ LARGEST_INDEX = MB // 4  # of a zip: names and places of its members
 MOST = 4_000_000  # values of a text: each takes up to 250 bytes
 DEEPEST = 40
 LARGEST_WHOLE = 2**63
+DOTTED = re.compile(  # a key of TOML with more names than that: to read it takes their number squared
+    rf"(?<![\w-])(?:(?:[\w-]++|\"[^\"\n]*+\"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST}}}"
+)
 KINDS = "fiuU"  # of arrays: numbers and text
 END, END_64 = b"PK\x05\x06", b"PK\x06\x07"  # of a zip, and of one that counts beyond 32 bits
 
 
 def read_bytes(path: Path, largest: int = LARGEST) -> bytes:
     """A regular file of at most so many bytes; raises ValueError, and OSError where it cannot be opened."""
-    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)  # a pipe must not hold us up
-    with os.fdopen(descriptor, "rb") as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise ValueError("it is no regular file")
+    with _opened(path) as file:
         data = file.read(largest + 1)
     if len(data) > largest:
         raise ValueError(f"it has more than the {largest} bytes that it may have")
     return data
+
+
+@contextmanager
+def _opened(path: Path) -> Iterator[IO[bytes]]:
+    """A regular file; raises ValueError for anything else: a pipe must not hold us up."""
+    with os.fdopen(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise ValueError("it is no regular file")
+        yield file
 
 
 def parsed_json(data: bytes | str) -> Any:
@@ -66,6 +77,8 @@ def read_json(path: Path, largest: int = LARGEST) -> Any:
 def read_toml(path: Path) -> dict[str, Any]:
     """The table in a file of TOML; raises ValueError, and OSError where it cannot be opened."""
     text = read_bytes(path, LARGEST_TOML).decode("utf-8")
+    if DOTTED.search(text):
+        raise ValueError(f"it nests deeper than {DEEPEST} levels")
     try:
         return dict(_shallow(tomllib.loads(text)))
     except RecursionError:
@@ -101,7 +114,7 @@ def read_arrays(path: Path, wanted: Iterable[str], optional: Iterable[str] = ())
 
     Raises ValueError naming what is missing or wrong, KeyError's text included, and OSError where it cannot be opened.
     """
-    with path.open("rb") as file:
+    with _opened(path) as file:
         _check_container(file)
         try:
             with zipfile.ZipFile(file) as archive:

@@ -53,7 +53,7 @@ class Ply:
         check_positive(thickness=self.thickness, E_L=self.E_L, E_T=self.E_T, G_LT=self.G_LT, G_TT=self.G_TT)
         if not abs(self.nu_TT) < 1:
             raise ValueError(f"ply nu_TT = {self.nu_TT:g} must lie in (-1, 1)")
-        determinant = 1 - self.nu_TT - 2 * self.nu_LT**2 * self.E_T / self.E_L
+        determinant = 1 - self.nu_TT - 2 * self.nu_LT * self.nu_LT * self.E_T / self.E_L
         if not determinant > 0:
             raise ValueError(
                 f"ply is not positive definite: 1 - nu_TT - 2 nu_LT^2 E_T/E_L = {determinant:.4g} must be > 0 "

@@ -67,10 +67,10 @@ def _csv(path: Path, text: str, problem: Problem) -> Iterator[Found]:
     try:
         table = pd.read_csv(io.StringIO(text)).rename(columns=str.strip)
         values = table.astype(float)
-    except (ValueError, pd.errors.ParserError) as error:
+    except (ValueError, OverflowError, pd.errors.ParserError) as error:
         raise UsageError(f"{path} is no table of numbers: {str(error).splitlines()[0]}") from None
     if problem.key not in values:
-        raise UsageError(f"{path} has no column {problem.key!r}; it has {', '.join(map(str, values.columns))}")
+        raise UsageError(f"{path} has no column {problem.key!r}; it has {', '.join(map(str, values.columns))[:200]}")
     if not np.all(np.isfinite(values[problem.key])):
         raise UsageError(f"{path}: {problem.key} must be finite numbers")
     for load, rows in values.groupby(problem.key):
