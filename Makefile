@@ -1,9 +1,12 @@
-# make report     set everything up, solve the quick campaign, write reports/pages/quick
+# make report     set everything up, solve the quick campaign, write its pages into .footprint/pages/quick
 # make standard   the same for the standard campaign (within the hour), and all of reports/pages
 # make test       set everything up, run the tests one waits for; make slow: the others
 PYTHON ?= python3
 VENV   ?= .venv
 STORE  ?= .footprint/store
+# of the quick campaign: every page says when and where it was solved, so the committed ones (reports/pages/quick) are
+# made anew on purpose, by PAGES=reports/pages
+PAGES  ?= .footprint/pages
 BIN    := $(VENV)/bin
 ADVICE := studies/analysis/advice
 READY  := $(VENV)/.ready
@@ -20,7 +23,7 @@ unexport PYTHONDONTWRITEBYTECODE
 report: $(READY)
 	$(BIN)/footprint run quick --store $(STORE) --engine $(ENGINE)
 	$(BIN)/footprint analyse quick --store $(STORE)
-	$(BIN)/footprint report --store $(STORE) --campaign quick
+	$(BIN)/footprint report --store $(STORE) --campaign quick --out $(PAGES)/quick
 
 standard: $(READY)
 	$(BIN)/footprint run standard --store $(STORE) --engine $(ENGINE)

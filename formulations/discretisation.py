@@ -128,9 +128,9 @@ class Discretisation:
         full = sparse.coo_matrix((frame.ravel(), (rows.ravel(), columns.ravel())), shape=shape)
         return sparse.csr_matrix(full.tocsr() @ self.map.matrix())
 
-    def cartesian(self, u: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Cartesian displacements (N, 3) of the inner and of the outer face."""
-        v = self.expand(u)
+    def cartesian(self, u: np.ndarray, prescribed: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Cartesian displacements (N, 3) of the inner and of the outer face; ``prescribed`` as in :meth:`expand`."""
+        v = self.expand(u, prescribed)
         frame = self.surface.frame(self.grid.nodes[:, 0], self.grid.nodes[:, 1])
         inner, outer = (np.einsum("...i,...ij->...j", v[:, face::2], frame) for face in (0, 1))
         return inner, outer

@@ -16,6 +16,7 @@ from studies.certificate import certificate
 from studies.friction.settings import rubbing
 from studies.request import UsageError
 from studies.result import Result
+from studies.scene import moved
 from studies.store.atomic import write_by
 
 FORCE = "force_N"
@@ -78,7 +79,7 @@ def write(result: Result, directory: Path) -> list[str]:
     found = {f"branch_{number}.vtu": branch for number, branch in enumerate(result.beside, 1) if branch.found}
     for name, branch in found.items():
         state = visited.stage.lifted(branch.solution)
-        write_by(directory / name, partial(model.write_fields, state=state))
+        write_by(directory / name, partial(moved(model, visited.point.reached).write_fields, state=state))
     return list(found)
 
 

@@ -45,7 +45,7 @@ def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndar
         np.concatenate([inner, outer]),
         np.hstack([corners, corners + n]),
         point_data={
-            "displacement": np.concatenate(discretisation.cartesian(u)),
+            "displacement": np.concatenate(discretisation.cartesian(u, shell.prescribed)),
             "pressure": np.concatenate([np.zeros(n), pressure]),
             "face": np.repeat([0.0, 1.0], n),
         },

@@ -19,7 +19,7 @@ from contact.events import EventKind, events
 from contact.problem import ContactSolution, Outcome
 from contact.swept import between_nodes
 from studies.request import Request
-from studies.scene import SceneModel
+from studies.scene import SceneModel, moved
 from studies.step import Step
 from studies.store.atomic import write_by, write_json
 from studies.store.provenance import provenance
@@ -171,8 +171,9 @@ class Result:
         for name, table in {**tables, "history": Table.of_rows(self.history, HISTORY)}.items():
             table.write(directory / f"{name}.csv")
         assert self.model is not None  # what was refused has no artefacts
-        state, write_fields = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0), self.model.write_fields
-        write_by(directory / "fields.vtu", lambda path: write_fields(path, state))
+        state = self.last or ContactSolution.at_rest(self.model.n_unknowns, 0)
+        model = self.model if self.end is None or self.last is None else moved(self.model, self.end.point.reached)
+        write_by(directory / "fields.vtu", lambda path: model.write_fields(path, state))
         return [*(f"{name}.csv" for name in tables), "history.csv", "fields.vtu"]
 
 

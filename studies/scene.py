@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -311,9 +311,18 @@ class ShellSceneModel:
         """Contact pressure (N,) at the grid's nodes; zero where nothing is touched, and before the first contact."""
         return self.shell.discretisation.grid.carried(nodal_pressure(solution, self.candidate_of_node))
 
+    def moved(self, t: float) -> Self:
+        """With its supports where they are at the parameter t of its last stage."""
+        return self
+
     def write_fields(self, path: Path, state: ContactSolution) -> None:
         """One layer of hexahedra between the two faces."""
         write_fields(path, self.shell, state.u, self.outer_pressure(state))
+
+
+def moved(model: SceneModel, t: float) -> SceneModel:
+    """The model whose fields are those at the parameter t of its last stage."""
+    return model.moved(t) if isinstance(model, ShellSceneModel) else model
 
 
 class Scene(Protocol):

@@ -22,15 +22,18 @@ _INNER = np.array([[6 * r + displacement_index(i, 0) for i in range(3)] for r in
 class Pressure:
     """Pressure [MPa] on the inner face.
 
-    area "mid" weights it with mubar (the paper's), "face" with the true area of the inner face.
     follower=False: the force keeps its reference components (dead); True: p n dA of the deformed inner face.
+    area "mid" weights it with mubar (the paper's), "face" with the true area of the inner face; by default "face" for a
+    follower, which is no p n dA of the inner face on another area, and "mid" for a dead load.
     """
 
     value: float
     follower: bool = False
-    area: str = "mid"
+    area: str = ""
 
     def __post_init__(self) -> None:
+        if not self.area:
+            object.__setattr__(self, "area", "face" if self.follower else "mid")
         if self.area not in PRESSURE_AREAS:
             raise ValueError(f"pressure area {self.area!r} is not one of {', '.join(PRESSURE_AREAS)}")
 

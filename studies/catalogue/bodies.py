@@ -24,13 +24,9 @@ DIGITS = 6
 Mark = tuple[str, np.ndarray]  # kind, and a point with a direction (6,)
 
 
-def drawn_bodies(answers: Answers, built: Sequence[Built]) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """POINTS of the skin [mm, MPa], and QUADS of their numbers, of all cells of the sheets that have fields.
-
-    built: their models; fields do not hold the given displacements of held nodes, which are added.
-    """
+def drawn_bodies(answers: Answers) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """POINTS of the skin [mm, MPa], and QUADS of their numbers, of all cells of the sheets that have fields."""
     points, quads = [], []
-    given = {each.cell.label: _given(each.body) for each in built if isinstance(each.body, ShellModel)}
     for label, row in answers.planned.items():
         answer = answers.get(label) if row.get("group") == GROUP else None
         if answer is None or not (answer.files / "fields.vtu").exists():
@@ -38,21 +34,11 @@ def drawn_bodies(answers: Answers, built: Sequence[Built]) -> tuple[pd.DataFrame
         fields = read_fields(answer.files / "fields.vtu")
         faces = skin(fields.cells)
         used, numbers = np.unique(faces, return_inverse=True)
-        u = fields.data["displacement"] + given.get(label, 0.0)
-        values = np.column_stack([fields.points, u, fields.data["pressure"]])[used]
+        values = np.column_stack([fields.points, fields.data["displacement"], fields.data["pressure"]])[used]
         body = pd.DataFrame(rounded(values), columns=POINTS[3:])
         points.append(body.assign(label=label, scene=row["scene"], point=np.arange(len(used)))[list(POINTS)])
         quads.append(pd.DataFrame(numbers.reshape(-1, 4), columns=QUADS[1:]).assign(label=label)[list(QUADS)])
     return _table(points, POINTS), _table(quads, QUADS)
-
-
-def _given(shell: ShellModel) -> np.ndarray | float:
-    """Cartesian displacements (2N, 3) of the held nodes of the inner, then of the outer face; 0 where none is given."""
-    if shell.prescribed is None:
-        return 0.0
-    body = shell.discretisation
-    frame = body.surface.frame(*body.grid.nodes.T)
-    return np.concatenate([np.einsum("ni,nix->nx", shell.prescribed[:, face::2], frame) for face in (0, 1)])
 
 
 def marks(built: Sequence[Built]) -> pd.DataFrame:

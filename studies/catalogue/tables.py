@@ -23,7 +23,7 @@ def catalogue_tables(
     if not any(row.get("group") == GROUP for row in answers.planned.values()):
         return {}
     built = list(built_models() if models is None else models)
-    points, quads = drawn_bodies(answers, built)
+    points, quads = drawn_bodies(answers)
     return {
         "sheet_parts": parts(),
         "sheet_settings": settings(),

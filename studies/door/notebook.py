@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 
 from studies import solving
@@ -54,8 +55,21 @@ class Run:
 
     @property
     def steps(self) -> pd.DataFrame:
-        """A row for each requested load: the load, what is read off, and the counts of its solution."""
-        return pd.DataFrame([{**step.seen, **step.counters} for step in self.result.loads])
+        """A row for each requested load: the load, what is read off, and the counts of its solution.
+
+        Where no load was reached there is no row; the columns of what is read off are there all the same.
+        """
+        rows = [{**step.seen, **step.counters} for step in self.result.loads]
+        return pd.DataFrame(rows, columns=None if rows else self._columns())
+
+    def _columns(self) -> list[str]:
+        """What the stage that ended would have read off, as it reads it where its path begins."""
+        end = self.result.end
+        if end is None:
+            return []
+        with np.errstate(all="ignore"):
+            seen = end.stage.observe(end.problem_at(end.point.reached), end.before, end.point.reached).step
+        return list(seen or ())
 
     @property
     def certificate(self) -> pd.DataFrame:

@@ -16,7 +16,7 @@ from contact.continuation.stability import UNSTABLE as UNSTABLE_WORD
 from contact.problem import ContactSolution
 from studies.request import Request
 from studies.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG
-from studies.scene import CurveStage, Stage
+from studies.scene import CurveStage, Stage, moved
 from studies.step import Step
 from studies.store.atomic import plain
 from studies.store.tables import Table
@@ -78,7 +78,7 @@ def verify(record: Mapping[str, Any], request: Request, foreign: Foreign) -> Ver
     _counters(record, found)
     for name, table in found.seen.tables().items():
         check_table(name, table, foreign.table(record["id"], f"{name}.csv"))
-    return Verified(as_written(opened.model, found.state)[0], claimed)
+    return Verified(as_written(moved(opened.model, load), found.state)[0], claimed)
 
 
 def _load(steps: Sequence[Mapping[str, Any]], stage: Stage) -> float:

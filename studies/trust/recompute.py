@@ -19,7 +19,7 @@ from contact.verify import Verdict, claim, gap_residuals, judge
 from studies.algorithm_settings import configured
 from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
-from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage
+from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage, moved
 from studies.scenes import SCENES
 from studies.trust.field import Arrays, state_of
 from studies.trust.foreign import ClaimError
@@ -112,7 +112,7 @@ class Opened:
         problem = self.begun[0](load)
         if isinstance(self.stage, CurveStage):
             problem = replace(problem, energy=None)
-        state = state_of(self.model, arrays, len(problem.weights))
+        state = state_of(moved(self.model, load), arrays, len(problem.weights))
         epsilon, n = self.algorithm.epsilon, len(state.u)
         verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
         shares = {"penetration": BEFORE, "complementarity": BEFORE} if len(self.stages) > 1 else {}

@@ -37,7 +37,7 @@ ELEMENTS = {
 LOADS = {
     "none": {},
     "dead": {"pressure": Pressure(0.7)},
-    "follower-mid": {"pressure": Pressure(0.7, follower=True)},
+    "follower-mid": {"pressure": Pressure(0.7, follower=True, area="mid")},
     "follower-face": {"pressure": Pressure(0.7, follower=True, area="face")},
     "initial": {"initial": INITIAL},
     "all": {"pressure": Pressure(-0.4, follower=True, area="face"), "initial": INITIAL},

@@ -145,3 +145,25 @@ def test_an_interrupted_solve_writes_the_loads_that_were_finished(
 
 def _whole() -> dict[str, Any]:
     return dict(json.loads(as_text(solve(*resolve("ring", {"delta_mm": "5"}, "1x16")).as_json())))
+
+
+@dataclass(frozen=True)
+class Never(Semismooth):
+    """It says of no load that it converges."""
+
+    name: ClassVar[str] = "never"
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        return replace(super().solve(problem, start), outcome=Outcome.DIVERGED)
+
+
+@pytest.mark.parametrize(("scene", "mesh"), [("ring", "1x8"), ("panel", "4x4"), ("cantilever", "4x1")])
+def test_steps_have_their_columns_where_no_load_was_reached(
+    scene: str, mesh: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(ALGORITHMS, "never", Never)
+    none, some = (studies.solve(scene, mesh=mesh, contact=contact) for contact in ("never", "semismooth"))
+    assert (none.outcome, len(none.steps)) == ("step-limit", 0)
+    seen = list(some.result.loads[0].seen)
+    assert list(none.steps.columns) == seen == list(some.steps.columns)[: len(seen)]
+    assert none.steps[seen[0]].tolist() == []

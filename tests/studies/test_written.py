@@ -5,9 +5,14 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import meshio
+import numpy as np
 import pytest
 
 from studies.cli import main
+from studies.scenes.contact.heavy_strip import LIFT
+from studies.scenes.manufactured.scene import carrying
+from studies.solving import resolve, solve
 
 RING = ["solve", "ring", "--mesh", "1x8", "--set", "delta_mm=5,10"]
 
@@ -65,3 +70,30 @@ def test_a_step_is_frozen_into_the_directory_of_its_result(tmp_path: Path) -> No
     out = tmp_path / "out"
     assert main([*RING, "--out", str(out), "--freeze", str(out / "step.npz")]) == 0
     assert (out / "step.npz").exists()
+
+
+def test_fields_hold_the_displacements_given_to_supports(tmp_path: Path) -> None:
+    """Of the lifted end; and resultants are those of the lifted strip, not of one whose end stays."""
+    found = solve(*resolve("heavy-strip", {"load_fraction": "0.25,0.5"}, "8x1"))
+    found.write(tmp_path)
+    fields = meshio.read(tmp_path / "fields.vtu")
+    end = fields.points[:, 0] == 0.0
+    up = fields.point_data["displacement"][end, 2]
+    assert up[fields.point_data["face"][end] == 1.0] == pytest.approx([-0.5 * LIFT] * 2, rel=1e-12)
+    lifted, u = found.model.body_at(0.5), found.last.u
+    told = np.array([values[0] for name, values in fields.cell_data.items() if name.startswith("H_")]).T
+    assert told == pytest.approx(lifted.resultants(u)[:, : told.shape[1]], rel=1e-12, abs=1e-15)
+    assert abs(told - found.model.shell.resultants(u)[:, : told.shape[1]]).max() > 1e-3 * abs(told).max()
+
+
+def test_fields_of_a_manufactured_solution_are_the_solution_at_its_held_edges(tmp_path: Path) -> None:
+    found = solve(*resolve("manufactured", {}, "4x4"))
+    found.write(tmp_path)
+    model = found.model
+    body = carrying(model.shell, model.exact_at(1.0), model.loaded)
+    told = meshio.read(tmp_path / "fields.vtu").point_data["displacement"]
+    assert told == pytest.approx(
+        np.concatenate(body.discretisation.cartesian(found.last.u, body.prescribed)), abs=1e-12
+    )
+    held = np.tile(body.discretisation.map.held.any(axis=1), 2)
+    assert np.linalg.norm(told[held], axis=1).max() > 1.0

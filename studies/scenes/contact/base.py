@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
+from typing import Self
 
 import numpy as np
 
@@ -86,6 +87,10 @@ class ContactModel(ShellSceneModel):
         m = len(self.nodes)
         touching = np.full(m, self.lying)
         return self.problem_at, ContactSolution(np.zeros(self.n_unknowns), np.zeros(m), touching, Outcome.CONVERGED)
+
+    def moved(self, t: float) -> Self:
+        """With its supports where they are at t."""
+        return self if self.body_at is None else replace(self, shell=self.body_at(t))
 
     def problem_at(self, t: float) -> ContactProblem:
         """The shell and the foundation at a point of the path."""

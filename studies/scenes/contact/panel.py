@@ -81,7 +81,7 @@ class Panel:
         h = RADIUS * request.number("h_over_R") * unit
         discretisation = discretise(request, surface, grid, _wall(request, h, stress), *supports.masks)
         p = request.number("inflation") * E * stress * h / (RADIUS * unit)
-        shell = loaded_shell(discretisation, request, pressure=Pressure(p, request.choice("load") == "follower"))
+        shell = loaded_shell(discretisation, request, pressure=Pressure(p, request.choice("load") == "follower", "mid"))
         outer = np.delete(discretisation.positions()[OUTER], edge, axis=0)
         normal = np.array([0.0, 0.0, 1.0]) if request.choice("shape") == "plate" else np.array([1.0, 0.0, 0.0])
         front, delta = float(np.max(outer @ normal)), request.number("delta_mm") * unit

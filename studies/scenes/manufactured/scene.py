@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from typing import Self
 
 import numpy as np
 
@@ -100,6 +101,10 @@ class ManufacturedModel(ShellSceneModel):
         problem = without_contact(shell.linearise, self.n_unknowns, ordered=shell.ordered)
         seen = replace(problem, others=shell.left_to_foundation, residual=shell.residual)
         return replace(seen, element_modes=partial(ElementModes, shell))
+
+    def moved(self, t: float) -> Self:
+        """With its held edges where they are at t."""
+        return replace(self, shell=carrying(self.shell, self.exact_at(t), self.loaded))
 
     def _begin(self, previous: ContactSolution | None) -> Begun:
         u = unknowns_at(self.shell.discretisation, self.exact_at(1.0))

@@ -141,6 +141,12 @@ def test_unknown_area_is_refused_with_the_choices() -> None:
         Pressure(1.0, area="inner")
 
 
+def test_a_follower_acts_on_the_inner_face_unless_it_is_told_otherwise() -> None:
+    assert (Pressure(1.0).area, Pressure(1.0, follower=True).area) == ("mid", "face")
+    assert Pressure(1.0, follower=True, area="mid").scaled(2.0) == Pressure(2.0, follower=True, area="mid")
+    assert Pressure(1.0, follower=True).scaled(2.0) == Pressure(2.0, follower=True)
+
+
 # --- inflation ----------------------------------------------------------------------------------------------------
 
 SHAPES = {"sphere": sphere, "cylinder": cylinder, "open cylinder": cylinder}
@@ -194,7 +200,7 @@ def test_nonlinear_inflation_of_saint_venant_kirchhoff_membranes(shape, factor, 
     ratios, errors = np.array([0.04, 0.02, 0.01]), []
     for ratio in ratios:
         h = ratio * R
-        pressure = Pressure(E * ratio * factor(stretch), follower=True)
+        pressure = Pressure(E * ratio * factor(stretch), follower=True, area="mid")  # of thin walls
         w = inflate(shape, Ply.isotropic(E, NU, h), -h / 2, R, (16, 2), pressure=pressure)
         errors.append(np.max(np.abs((1 + w.mean(axis=1) / R) / stretch - 1)))
     assert errors[-1] <= THIN
