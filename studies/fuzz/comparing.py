@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import null_space
 
+from contact.friction.posed import slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
@@ -98,7 +99,7 @@ def tangent(answer: Answer, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, n
     lin = problem.linearise(u, None)
     K = problem.stiffness(lin, u, p).toarray()
     G = problem.gap_jacobian(u).toarray()
-    residual = lin.residual - problem.contact_force(u, p)
+    residual = lin.residual - problem.contact_force(u, p) - _pull(answer)
     if np.isfinite(epsilon):
         W = problem.weight_matrix.toarray()[:, held]
         return K + epsilon * G.T @ W @ G[held], np.zeros((0, len(u))), residual
@@ -156,3 +157,12 @@ def confirms(answer: Answer, state: ContactSolution) -> bool:
         state = replace(state, friction=replace(state.friction, anchors=state.friction.since))
     found = answer.algorithm.solve(answer.problem, state)
     return found.outcome.converged and difference(replace(answer, state=found), replace(answer, state=state)) <= ALIKE
+
+
+def _pull(answer: Answer) -> np.ndarray:
+    """Force of friction on the unknowns (n,), none without it."""
+    problem, state = answer.problem, answer.state
+    if problem.coulomb is None or state.friction is None:
+        return np.zeros_like(state.u)
+    slips = slip_of(problem, state.friction.since).jacobian(state.u)
+    return np.asarray(slips.T @ state.friction.force.ravel())

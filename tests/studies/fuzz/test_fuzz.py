@@ -18,9 +18,9 @@ from contact.problem import Linearisation
 from studies.algorithm_settings import parameters_of
 from studies.cli import main
 from studies.fuzz import campaign, matrices, near, posed
-from studies.fuzz.attempt import Broken
-from studies.fuzz.cases import FRICTION, KINDS, asked_of, kind_of
-from studies.fuzz.comparing import AGREES, Answer, compared, unstable
+from studies.fuzz.attempt import Broken, attempt
+from studies.fuzz.cases import FRICTION, KINDS, Asked, asked_of, kind_of
+from studies.fuzz.comparing import AGREES, Answer, compared, error_of, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.examine import BROKEN, examine
 from studies.fuzz.hard import COMMANDS
@@ -103,6 +103,13 @@ def test_a_difference_is_explained_only_where_it_is() -> None:
     assert compared(one, Answer(other, found, Semismooth())) == ""
     loose = replace(one, state=replace(answer, u=answer.u * (1 + 1e-4)))
     assert "tolerance" in compared(one, loose)
+
+
+def test_friction_is_no_error_of_a_state() -> None:
+    """One more step of a dragged panel moves it by rounding alone; its friction is among the forces in balance."""
+    one = attempt(Asked("panel", {"mesh": "4x4"}, {"shape": "sphere", "mu": "0.5", "drag_mm": "0.5"}), 0)
+    assert one.found.end is not None
+    assert error_of(Answer(one.found.end.problem, one.found.end.point.solution, Semismooth())) < 1e-9
 
 
 def test_a_wrong_derivative_is_seen() -> None:
