@@ -11,15 +11,16 @@ from typing import Any, TextIO
 
 # all control characters but the ends of lines and tabs; marks that turn the direction of text or are not seen; halves
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
-HTML = r"<(?=[A-Za-z/!?])|!(?=\[)|\](?=[(\[:])"  # with links and pictures
+HTML = r"<(?=[A-Za-z/!?])|!(?=\[)|\](?=[(\[])"  # with links and pictures
+PLACES = r"(?m:^[\s>*+\-\d.)]*\[)(?=[^\]]*\]:)"  # of links, by name
 LINKED = r"(?<=[a-z]):(?=//)|(?<=www)\.|(?<=\w)@(?=\w)|(?<!\w)@(?=\w)"  # what GitHub makes links of by itself
 NAMED = r"&(?=#?\w+;)"  # characters by their names
 LIVE = re.compile(
-    rf"{HTML}|{LINKED}|{NAMED}"
+    rf"{HTML}|{PLACES}|{LINKED}|{NAMED}"
     r"|[|`$~\\*]|(?<![^\W_])_|_(?![^\W_])"  # columns, code, formulas, fences, escapes, emphasis
     r"|^\s*[#>]"  # headings, quotes
 )
-LIVE_IN_PROSE = re.compile(rf"{HTML}|{LINKED}|{NAMED}|[|$~]")
+LIVE_IN_PROSE = re.compile(rf"{HTML}|{PLACES}|{LINKED}|{NAMED}|[$~]")
 
 
 def printable(text: str) -> str:
@@ -37,7 +38,7 @@ def as_words(text: str) -> str:
 
 
 def as_prose(text: str) -> str:
-    """A text whose code, emphasis and paragraphs stay; links, pictures, HTML and columns of tables are written out."""
+    """A text whose code, emphasis and paragraphs stay; links, pictures, formulas and HTML are written out."""
     return LIVE_IN_PROSE.sub(_numbered, printable(text))
 
 
