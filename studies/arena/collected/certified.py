@@ -83,7 +83,8 @@ def confirm(step: FrozenStep, answer: Certified, condition: float = 1.0) -> Cert
     du, forces = exact_on(step, answer.pressure > 0)
     _compare(step, answer, du, forces, same, "the equations")
     gap = step.gap + step.G @ du
-    if np.any(forces < -same * np.max(forces, initial=0.0)) or np.any(gap < -same * _large(step, gap)):
+    least = max(same * _large(step, gap), _digit(step, du))
+    if np.any(forces < -same * np.max(forces, initial=0.0)) or np.any(gap < -least):
         raise NotCertifiedError(f"a force or a gap on the set of {answer.found_by} has the wrong sign")
     told = ["equations on the set in extended precision"]
     if refusal(step) is None:
@@ -129,6 +130,12 @@ def _states(step: FrozenStep, forces: np.ndarray, gap: np.ndarray) -> tuple[np.n
 def _large(step: FrozenStep, gap: np.ndarray) -> float:
     """A large gap: before or after the step."""
     return float(max(np.max(np.abs(step.gap), initial=0.0), np.max(np.abs(gap), initial=0.0)))
+
+
+def _digit(step: FrozenStep, du: np.ndarray) -> float:
+    """The last digit of a gap that displacements (n,) close, where it is zero before and after the step, too."""
+    reach = float(np.max(np.abs(step.G.data), initial=0.0) * np.max(np.abs(du), initial=0.0))
+    return ROUNDED * float(np.finfo(float).eps) * reach
 
 
 def exact_on(step: FrozenStep, pressed: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

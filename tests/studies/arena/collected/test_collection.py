@@ -75,6 +75,21 @@ def test_who_touches_without_force_is_in_any_set(which: str, agree: bool, monkey
             confirm(step, right)
 
 
+def test_a_gap_that_is_closed_before_and_after_is_closed_to_the_last_digit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One node on the ground, pushed down, beside one that moves: no gap says how large a gap is."""
+    K, G = sparse.csc_matrix([[2.0, -1.0], [-1.0, 2.0]]), sparse.csr_matrix([[1.0, 0.0]])
+    step = FrozenStep(K, np.array([3.0, -1.0]), G, np.zeros(1), np.ones(1), 3.0)
+    right, last = find(step), np.array([-1e-18, 0.0])
+    for below, agree in ((1.0, True), (1e9, False)):
+        du, forces = exact_on(step, right.pressed)
+        monkeypatch.setattr(certified, "exact_on", lambda *_, du=du + below * last, forces=forces: (du, forces))
+        if agree:
+            assert confirm(step, right).confirmed_by
+        else:
+            with pytest.raises(NotCertifiedError, match="wrong sign"):
+                confirm(step, right)
+
+
 def test_kinds() -> None:
     step, _, _ = known_step()
     assert [kind(s) for s in (step, indefinite(step), lopsided(step))] == ["definite", "indefinite", "not symmetric"]
