@@ -212,16 +212,12 @@ def _tangent(change: Callable[[sparse.csc_matrix], sparse.csc_matrix]) -> Iterat
         yield
 
 
-@contextmanager
-def _two_too_many() -> Iterator[None]:
-    sound = stability.stability
-
+def _two_too_many() -> Any:
     def counted(*arguments: Any) -> Any:
-        found = sound(*arguments)
+        found = stability.stability(*arguments)
         return found if found.negative is None else replace(found, negative=found.negative + 2)
 
-    with swapped(certificate, "stability", counted):
-        yield
+    return swapped(certificate, "stability", counted)
 
 
 FAULTS = (
