@@ -13,6 +13,7 @@ from itertools import pairwise
 from typing import Any
 
 from contact.continuation.arc_length import Trace
+from contact.continuation.critical_points import PathEnd
 from contact.interchange.linearised_step import freeze
 from contact.problem import ContactAlgorithm, Outcome
 from contact.swept import crossings
@@ -24,7 +25,7 @@ from studies.operations import counted
 from studies.outside import blamed
 from studies.request import Request
 from studies.result import UNSTABLE, Frozen, Result
-from studies.scene import CurveStage, Observation, Scene, SceneModel, Stage, UsageError
+from studies.scene import CurveStage, Observation, Scene, SceneModel, ShellSceneModel, Stage, UsageError
 from studies.step import Step
 from studies.store.atomic import plain
 from studies.store.tables import Table
@@ -141,8 +142,15 @@ def _record_end(visited: Visited, result: Result) -> None:
         seen = visited.stage.see_mode(point.solution, point.end.mode)
         _record(result, seen, {}, {})
         said += f"; {seen.said}"
+    if point.end is not None and point.end.kind is not PathEnd.NEITHER and isinstance(result.model, ShellSceneModel):
+        said += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
     where = f"{stage} at {point.requested:g}: {said}" if visited.trace is None else f"{stage}: {visited.trace.reason}"
     result.reason = f"{where}; last converged at {point.reached:g}"
+
+
+def _grid(request: Request) -> str:
+    n1, n2 = request.mesh
+    return f"{n1}x{n2}, refined" if request.leaves else f"{n1}x{n2}"
 
 
 def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:

@@ -246,5 +246,6 @@ def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.nda
     if left > REFUSED * size:
         raise SingularMatrixError(f"the linear solver left a backward error of {left / size:.1e}")
     if left > LOST * load:
-        raise SingularMatrixError("the matrix is singular to working precision: not one digit of the load is met")
+        cancel = f"forces of {norm * _largest(x) / load:.1e} times the load cancel in it"
+        raise SingularMatrixError(f"the matrix is singular to working precision: not one digit is met, {cancel}")
     return x

@@ -61,7 +61,7 @@ class Quadtree:
         sides = np.array([[1, *side] for side in product(*(range(1 + cut) for cut in self.cut))])
         first = self.leaves[marked] * (1, *(1 + np.array(self.cut)))
         children = (first[:, None] + sides).reshape(-1, 3)
-        finer = replace(self, leaves=self._sorted(np.concatenate([self.leaves[~marked], children])))
+        finer = replace(self, leaves=self.sorted(np.concatenate([self.leaves[~marked], children])))
         coarse = finer._too_coarse()
         return finer.refined(coarse) if coarse.any() else finer
 
@@ -143,7 +143,7 @@ class Quadtree:
         """Extent (E, 2) of each leaf along a1 and a2, in cells of the finest level."""
         return 1 << (finest - self.leaves[:, :1]) * np.array(self.cut)
 
-    def _sorted(self, leaves: np.ndarray) -> np.ndarray:
+    def sorted(self, leaves: np.ndarray) -> np.ndarray:
         """Leaves in the order of their low corners, along a1, then a2."""
         first, second = (leaves[:, 1:] << (DEEPEST - leaves[:, :1]) * np.array(self.cut)).T
         return leaves[np.lexsort((second, first))]

@@ -85,7 +85,7 @@ def _run(options: argparse.Namespace) -> int:
         result.name(options.out, [*files, *_drawn(options.out)])
     if not result.outcome.converged:
         return _say_why(result)
-    if wanted is not None:
+    if wanted is not None and "refinement" in result.tables:
         _print_rounds(result)
     return OK if enough else NOT_CONVERGED
 
@@ -202,6 +202,11 @@ def _print_rounds(result: Result) -> None:
     """The rounds of refinement, the limit, and what the value on the last grid is off."""
     seen, rounds = result.quantities, result.table("refinement")
     _print_columns(rounds)
+    if "uncertainty" not in seen:
+        print(result.reason)
+        return
+    if "loads" in result.tables:
+        _print_columns(result.table("loads"))
     name = str(rounds.columns["quantity"][0])
     print(f"{name} = {seen[f'extrapolated_{name}']:.6g} +- {100 * seen['uncertainty']:.2g} %")
     low, high = (100 * seen[key] for key in ("error_low", "error_high"))

@@ -15,7 +15,8 @@ from itertools import pairwise
 import pandas as pd
 
 from studies.analysis.richardson import correction
-from studies.refinement.error_control import FEWEST, Round, coarsest, estimate, solve_to_error
+from studies.refinement.error_control import FEWEST, coarsest, solve_to_error
+from studies.refinement.rounds import Round, estimate
 from studies.solving import solve
 
 ERRORS = (0.05, 0.01, 0.002)

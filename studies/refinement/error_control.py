@@ -1,89 +1,36 @@
 """A quantity to an error: grids refined where it is decided, until its limit is known well enough.
 
-Each round solves on a grid and on the one with all its elements cut, T and T'. Bilinear elements converge with the
-square of their size, so that a round says of the limit::
-
-    L = J' + (J' - J)/3
-
-and two rounds with different grids say how well: L is within ::
-
-    u = max(SAFETY |L - L_before|, |J' - J|/3, rim/2)
-
-of the limit. The second term is all that Richardson's law adds: with nodes that hang on coarse elements T may be off by
-more than four times what T' is. The third is half of what the rim of a patch of contact, which jumps from node to node,
-has done from T to T'. A first round alone knows |J' - J|. Where u is too large, the difference between T and T' shows
-which elements to cut (:mod:`studies.refinement.indicators`), and the next round begins.
+Each round solves on a grid and on the one with all its elements cut, and says what the limit is and how well it is
+known (:mod:`studies.refinement.rounds`). Where that is not well enough, the difference between the two shows which
+elements to cut (:mod:`studies.refinement.indicators`), and the next round begins. A grid whose elements have modes by
+themselves is none: its mesh is made finer across them, and the round begins again.
 """
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from contact.problem import Outcome
-from studies.analysis.richardson import correction
 from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import indicators
+from studies.refinement.point_loads import growth
+from studies.refinement.records import at_loads, record, record_loads, record_rounds
+from studies.refinement.rounds import Round, estimate
 from studies.refinement.trees import Family
 from studies.request import Request
 from studies.result import Result
 from studies.scene import RefinedScene, Scene, ShellSceneModel, UsageError
 from studies.scenes import SCENES
 from studies.solving import solve
-from studies.store.tables import Table
 
-SAFETY = 1.5
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
 COARSER = 4  # the default mesh over the coarsest one
-TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load is cut everywhere
-
-
-@dataclass(frozen=True)
-class Round:
-    """A quantity on a grid and on the one with all elements cut, and their unknowns.
-
-    seconds: CPU time of the round; finer_seconds, own_seconds: of the finer grid and of the other alone, which may be
-    that of the round before.  rim: what the rim of a patch of contact adds to the indicators.
-    """
-
-    value: float
-    finer: float
-    unknowns: int
-    finer_unknowns: int
-    seconds: float
-    finer_seconds: float
-    rim: float = 0.0
-    own_seconds: float = 0.0
-
-    @property
-    def limit(self) -> float:
-        """Richardson's for the order 2."""
-        return self.finer + correction((2.0, 1.0), (self.value, self.finer))
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """limit: within +-uncertainty; error: of the last grid's value, in [low, high]. All but the limit are relative."""
-
-    limit: float
-    uncertainty: float
-    error: float
-
-    @property
-    def low(self) -> float:
-        """The least that the error of the last grid's value may be."""
-        return max(self.error - self.uncertainty, 0.0)
-
-    @property
-    def high(self) -> float:
-        """The most that it may be."""
-        return self.error + self.uncertainty
+TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
+HALVINGS = 10  # of the elements at a point load, whose growth has to stay within the error that is asked for
 
 
 def parse_error(text: str) -> float:
@@ -95,15 +42,6 @@ def parse_error(text: str) -> float:
     if not 1e-4 <= value <= 0.5:
         raise UsageError(f"error {text!r} must be a part of the quantity in [0.01%, 50%], as 1% or 0.01")
     return value
-
-
-def estimate(rounds: Sequence[Round]) -> Estimate:
-    """What all rounds so far say of the limit."""
-    last = rounds[-1]
-    step = abs(last.finer - last.value)
-    within = step if len(rounds) == 1 else max(SAFETY * abs(last.limit - rounds[-2].limit), step / 3, last.rim / 2)
-    scale = abs(last.limit) or np.finfo(float).tiny
-    return Estimate(last.limit, within / scale, abs(last.finer - last.limit) / scale)
 
 
 def coarsest(
@@ -143,8 +81,9 @@ def solve_to_error(
     request: on the coarsest mesh.  quantity: by default the force, or the first that the scene has references for. The
     quantities hold the estimate, the table ``refinement`` the rounds. A path that ends before its last load ends the
     refinement: its result is returned. Raises UsageError for a quantity that the scene does not have.
+    The table ``loads`` states every load. No limit is stated for what has none under a point load.
     """
-    family, rounds = Family.of(scene, request), list[Round]()
+    family, rounds, seen_at = Family.of(scene, request), list[Round](), list[list[Round]]()
     known, too_coarse = None, 0
     for _ in range(MOST_ROUNDS):
         start = time.process_time()
@@ -157,20 +96,38 @@ def solve_to_error(
             family, too_coarse = family.everywhere(), too_coarse + 1
             continue
         quantity = quantity or default_quantity(scene, coarse)
-        if quantity not in coarse.quantities:
-            raise UsageError(f"{scene.name} has no quantity {quantity!r}; it has {', '.join(coarse.quantities)}")
         finer = family.everywhere()
+        if quantity not in coarse.quantities:
+            if too_coarse == TOO_COARSE or not _may_come(scene, quantity):
+                raise UsageError(f"{scene.name} has no quantity {quantity!r}; it has {', '.join(coarse.quantities)}")
+            family, too_coarse = finer, too_coarse + 1
+            continue
         fine = solve(scene, finer.asked, progress)
         if not fine.outcome.converged:
             return fine, False
+        if quantity not in fine.quantities:
+            fine.reason = f"the grid of {fine.counters['dofs']} unknowns has no {quantity}, though a coarser one has it"
+            return fine, False
+        shorter = family.shortened(scene, fine)
+        if shorter is not family:
+            family, known = shorter, None
+            continue
         unknowns, most_unknowns = (int(each.counters["dofs"]) for each in (coarse, fine))
         value, finer_value = coarse.quantities[quantity], fine.quantities[quantity]
         following, rim = _next(family, finer, coarse, fine, quantity)
         seconds = time.process_time() - start, fine.timing["cpu"]
         rounds.append(Round(value, finer_value, unknowns, most_unknowns, *seconds, rim, coarse.timing["cpu"]))
+        seen_at.append(at_loads(coarse, fine, quantity, rounds[-1]))
+        grows = growth(fine, quantity)
+        if HALVINGS * grows > error * abs(finer_value):
+            record_rounds(fine, quantity, rounds)
+            grown = f"it grows by {100 * grows / abs(finer_value):.2g} % with every halving of the elements"
+            fine.reason = f"{quantity} has no limit in a theory with shear under a point load: {grown}"
+            return fine, False
         found = estimate(rounds)
         progress(f"{quantity} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
-        _record(fine, quantity, rounds, found, error)
+        record(fine, quantity, rounds, found, error)
+        record_loads(fine, quantity, seen_at)
         if len(rounds) >= FEWEST and found.uncertainty <= error:
             return fine, True
         if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
@@ -208,26 +165,6 @@ def _on_grid(result: Result, quantity: str) -> OnGrid:
     return on_grid(result.end, quantity, result.model.shell, result.model.candidate_of_node)
 
 
-def _record(result: Result, quantity: str, rounds: Sequence[Round], found: Estimate, error: float) -> None:
-    """The estimate as quantities, and the rounds as a table."""
-    rows = [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds]
-    result.tables["refinement"] = [Table.of_rows(rows)]
-    if isinstance(result.model, ShellSceneModel):
-        result.tables["grid"] = [_elements(result.model, result.request)]
-    result.quantities |= {
-        "error_asked": error,
-        f"extrapolated_{quantity}": found.limit,
-        "uncertainty": found.uncertainty,
-        "error_estimate": found.error,
-        "error_low": found.low,
-        "error_high": found.high,
-    }
-
-
-def _elements(model: ShellSceneModel, request: Request) -> Table:
-    """The elements of the last grid: their ends along a1 and a2, and how often they were cut."""
-    grid = model.shell.discretisation.grid
-    low, high = grid.centre - grid.half, grid.centre + grid.half
-    levels = [level for level, _, _ in request.leaves] or np.zeros(len(low), int)
-    ends = {f"a{axis + 1}_{name}": each[:, axis] for axis in (0, 1) for name, each in (("low", low), ("high", high))}
-    return Table.of({**ends, "level": levels})
+def _may_come(scene: Scene, quantity: str) -> bool:
+    """Whether a quantity that a grid lacks may come with finer ones: of a limit point, or with a reference."""
+    return "limit_" in quantity or quantity in {reference.quantity for reference in scene.references}

@@ -1,10 +1,12 @@
 """The trees of a request: the coarsest one, what is refined next, and the requests that have their leaves.
 
-A scene whose grid takes no leaves is refined everywhere, by its mesh.
+A scene whose grid takes no leaves is refined everywhere, by its mesh. A coordinate with one element is not cut, for
+nothing varies along it, until the stress drives elements that would be too long for it.
 """
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,8 +15,9 @@ from formulations.geometry.grid import TensorGrid
 from formulations.geometry.quadtree import DEEPEST, Quadtree
 from formulations.shell import ShellModel
 from studies.refinement.indicators import dorfler
-from studies.request import Request
-from studies.scene import Scene
+from studies.request import Leaves, Request
+from studies.result import Result
+from studies.scene import Scene, UsageError
 from studies.scenes.element import tree_over
 
 SHARE = 0.5  # of the sum of all indicators, marked at a time
@@ -67,6 +70,33 @@ class Family:
             return replace(self, times=self.times + 1)
         return replace(self, tree=self.tree.everywhere())
 
+    def shortened(self, scene: Scene, result: Result) -> Family:
+        """The same grid, its mesh finer along a coordinate where elements of a result have modes by themselves.
+
+        result: on this grid, or on that with all elements cut. It stays where the scene takes no such mesh.
+        """
+        parts = _parts(result)
+        if max(parts) == 1:
+            return self
+        n1, n2 = self.request.mesh
+        with suppress(UsageError):
+            finer = Family.of(scene, replace(self.request, mesh=(n1 * parts[0], n2 * parts[1])))
+            if self.tree is None or finer.tree is None or not np.any(self.tree.leaves[:, 0]):
+                return replace(finer, times=self.times)
+            leaves = self._leaves_in(parts, finer.tree.cut)
+            return replace(finer, tree=replace(finer.tree, leaves=finer.tree.sorted(leaves)))
+        return self
+
+    def _leaves_in(self, parts: tuple[int, int], cut: tuple[bool, bool]) -> np.ndarray:
+        """The leaves with so many more cells along a1 and a2, these cut as told."""
+        assert self.tree is not None
+        found: list[Leaves] = []
+        for level, *corner in self.tree.leaves.tolist():
+            times = [n << level * (now - was) for n, now, was in zip(parts, cut, self.tree.cut, strict=True)]
+            first, second = (range(k * n, (k + 1) * n) for k, n in zip(corner, times, strict=True))
+            found.append(tuple((level, i, j) for i in first for j in second))
+        return np.concatenate([np.array(each, np.intp) for each in found])
+
     def refined(self, eta: np.ndarray) -> Family:
         """Elements cut by Dörfler's criterion for the indicators eta (E,), foreseen for the parts, up to GROWTH.
 
@@ -100,6 +130,19 @@ class Family:
         geometry = surface.geometry(*grid.centre.T)
         bent = np.abs(geometry.k) * (2 * grid.half * geometry.A) ** 2 / laminate.thickness
         return np.any((bent > FLAT) & np.array(tree.cut) & (np.sum(tree.cut) > 1), axis=1)
+
+
+def _parts(result: Result) -> tuple[int, int]:
+    """In how many parts elements are to be cut along a1 and a2; (1, 1) where cuts do not help.
+
+    So that the stress of the last state drives none, and none have modes of their own at any load.
+    """
+    if result.end is None or result.end.problem.element_modes is None:
+        return 1, 1
+    overlooked = result.end.problem.element_modes(result.end.point.solution.u)
+    counted = [step.certificate.get("stability", {}).get("cuts", (1, 1)) for step in result.loads]
+    one, other = (max(each) for each in zip(overlooked.cuts, *counted, strict=True))
+    return (1, 1) if min(one, other) > 1 else (one, other)
 
 
 def _mirror(tree: Quadtree) -> np.ndarray:

@@ -8,14 +8,18 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.complete import complete
 from studies.experiments.error_coverage import CASES, Case, error_coverage
-from studies.refinement.error_control import Round, coarsest, estimate, parse_error, solve_to_error
+from studies.refinement.error_control import coarsest, parse_error, solve_to_error
+from studies.refinement.point_loads import growth
+from studies.refinement.rounds import Round, estimate
 from studies.scene import UsageError
 from studies.scenes import SCENES
+from studies.solving import solve
 
 
 def rounds(*values: tuple[float, float]) -> list[Round]:
@@ -82,13 +86,79 @@ def test_a_statement_holds(scene: str, settings: dict[str, str], quantity: str) 
 @pytest.mark.slow
 def test_elements_are_cut_where_the_quantity_is_decided() -> None:
     """The load of a pinched cylinder is at one corner: the finest elements are there, and the others stay coarse."""
-    scene, request = complete("pinched-cylinder", {}, (8, 8))
-    result, _ = solve_to_error(scene, request, 0.01)
+    scene, request = complete("pinched-cylinder", {"shear_correction": "1000"}, (8, 8))
+    result, _ = solve_to_error(scene, request, 0.003)
     leaves = np.array(result.request.leaves)
     level = leaves[:, 0]
     assert level.max() >= level.min() + 2
     finest = leaves[level == level.max()]
     assert np.all(finest[:, 1:].mean(axis=0) / 2.0 ** level.max() < (4, 4))
+
+
+def test_elements_that_are_too_long_for_the_stress_are_cut_both_ways() -> None:
+    """One element across a cantilever has modes by itself before 0.05 % are reached; two have none."""
+    result, enough = solve_to_error(*coarsest("cantilever", {"load_fraction": "1"}), 0.0005)
+    assert enough
+    told = result.loads[-1].certificate["stability"]
+    assert (result.verdict, told["negative"], told["element_modes"]) == ("converged", 0, 0)
+    assert result.request.mesh[1] > 1
+    assert result.quantities["extrapolated_tip_shortening_mm"] == pytest.approx(3.29040, rel=1e-4)
+
+
+@pytest.mark.parametrize(("error", "stated"), [("1%", False), ("5%", True)])
+def test_what_has_no_limit_under_a_point_load_is_given_none(error, stated, tmp_path: Path, capsys) -> None:
+    """It grows by ln 2/(2 pi S), 0.2 %, with every halving: 1.8410, 1.8466, 1.8505e-5 at 64, 128 and 256 elements."""
+    arguments = ["solve", "pinched-cylinder", "--error", error, "--mesh", "8x8", "--out", str(tmp_path)]
+    assert main(arguments) == (OK if stated else NOT_CONVERGED)
+    printed = capsys.readouterr().out
+    assert ("has no limit in a theory with shear under a point load" in printed) != stated
+    assert ("+-" in printed) == stated
+    seen = json.loads((tmp_path / "result.json").read_text())["quantities"]
+    assert ("uncertainty" in seen) == stated
+
+
+@pytest.mark.slow
+def test_the_growth_under_a_point_load_is_that_of_the_grids() -> None:
+    results = [solve(*complete("pinched-cylinder", {}, (n, n))) for n in (64, 128)]
+    values = [result.quantities["deflection_mm"] for result in results]
+    bending = solve(*complete("pinched-cylinder", {"shear_correction": "1000"}, (64, 64)))
+    finer = solve(*complete("pinched-cylinder", {"shear_correction": "1000"}, (128, 128)))
+    smooth = finer.quantities["deflection_mm"] - bending.quantities["deflection_mm"]
+    assert growth(results[1], "deflection_mm") == pytest.approx(values[1] - values[0] - smooth, rel=0.1)
+    assert growth(solve(*complete("scordelis-lo", {}, (4, 4))), "edge_deflection_mm") == 0.0
+
+
+def test_every_load_has_its_own_interval(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "cantilever", "--error", "1%", "--out", str(tmp_path)]) == OK
+    assert "load_fraction  tip_shortening_mm     limit  uncertainty" in capsys.readouterr().out
+    table = pd.read_csv(tmp_path / "loads.csv")
+    assert table["load_fraction"].tolist() == [0.25, 0.5, 0.75, 1.0]
+    seen = json.loads((tmp_path / "result.json").read_text())["quantities"]
+    last = table.iloc[-1]
+    assert last["limit"] == pytest.approx(seen["extrapolated_tip_shortening_mm"])
+    assert last["uncertainty"] == pytest.approx(seen["uncertainty"])
+    for load in (0.25, 0.75):
+        fine = solve(*complete("cantilever", {"load_fraction": str(load)}, (128, 2)))
+        (row,) = table[table["load_fraction"] == load].to_dict("records")
+        assert row["limit"] == pytest.approx(fine.quantities["tip_shortening_mm"], rel=row["uncertainty"])
+
+
+def test_a_grid_without_the_quantity_is_too_coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As a limit point that only finer ones have: the next grid is asked, and nothing is refused."""
+    taken = []
+
+    def without(scene, request, progress):
+        result = solve(scene, request, progress)
+        taken.append(request)
+        if len(taken) == 1:
+            del result.quantities["edge_deflection_mm"]
+        return result
+
+    monkeypatch.setattr("studies.refinement.error_control.solve", without)
+    _, enough = solve_to_error(*coarsest("scordelis-lo", {}), 0.02, "edge_deflection_mm")
+    assert enough
+    assert taken[0].leaves == ()
+    assert taken[1].leaves != ()
 
 
 def test_the_command_refines_and_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

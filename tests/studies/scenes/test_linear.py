@@ -17,6 +17,7 @@ from formulations.geometry.surfaces import cylinder, torus
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.strains.catalogue import MEASURES
+from studies.request import UsageError
 from studies.scenes import SCENES
 from studies.scenes.benchmarks import pagano as linear_pagano
 from studies.scenes.benchmarks import pinched_cylinder as linear_cylinder
@@ -350,3 +351,12 @@ def test_shear_correction_scales_the_shear_force_alone() -> None:
         assert difference @ corrected @ difference == pytest.approx(difference @ plain @ difference)
     others = [*range(6), 10]
     np.testing.assert_array_equal(corrected[np.ix_(others, others)], plain[np.ix_(others, others)])
+
+
+@pytest.mark.parametrize(("ratio", "correction"), [("0.001", "10000"), ("0.0001", "1")])
+def test_a_hyperboloid_too_thin_for_its_shear_stiffness_is_refused(ratio: str, correction: str) -> None:
+    """Rounding in what resists shear and squeeze would exceed what resists bending."""
+    scene, request = resolve("free-hyperboloid", {"t_over_R": ratio, "shear_correction": correction}, (8, 8))
+    with pytest.raises(UsageError, match=rf"shear_correction = {correction} at t_over_R = {ratio} must be at most"):
+        scene.build(request)
+    assert run("free-hyperboloid", 24, "w_waist_mm", t_over_R="0.001", shear_correction="10") > 0
