@@ -76,8 +76,10 @@ def test_consistent_coupling_keeps_every_candidate() -> None:
 def test_the_failure_of_the_few_is_that_of_the_step() -> None:
     """Nothing resists the first point: singular with or without the second."""
     problem = seesaw(0.0)
-    loose = replace(problem, linearise=linear_mechanics(np.zeros((2, 2)), np.array([0.0, 1.0])))
-    found = solve_within_reach(Semismooth(), replace(loose, only=lambda chosen: loose), ContactSolution.at_rest(2, 2))
+    assert problem.only is not None
+    only, nothing = problem.only, linear_mechanics(np.zeros((2, 2)), np.array([0.0, 1.0]))
+    loose = replace(problem, linearise=nothing, only=lambda chosen: replace(only(chosen), linearise=nothing))
+    found = solve_within_reach(Semismooth(), loose, ContactSolution.at_rest(2, 2))
     assert not found.outcome.converged
 
 

@@ -119,7 +119,7 @@ def lane(store: Path, factors: dict[str, float], seed: int, canary: float = 0.03
     labels = [f"small cantilever {measure} {n}x1" for measure in ("exact", "linear") for n in (4, 8, 16)]
     cells = [
         {
-            "id": label,
+            "id": label.replace(" ", "-"),
             "label": label,
             "warm": [factors.get(label, 1.0) * math.exp(0.005 * rng.normal()) for _ in range(12)],
         }
