@@ -32,6 +32,7 @@ from contact.problem import ContactProblem, ContactSolution, Linearisation, Line
 from contact.solvers.sparse import SingularMatrixError, added, negative_pivots, symmetric
 
 ROUNDING = 1e-13  # of the diagonal: eigenvalues of the matrix with unit diagonal below this have no sign
+CRITICAL = 1e-3  # of the least positive eigenvalue: a negative one below this is that of the critical point of a body
 STABLE, UNSTABLE, NOT_COUNTED = "stable", "unstable", "not counted"
 CONSISTENT = "the pressures of a consistent coupling act on candidates outside the set: there is no potential"
 WORK = "second-order work is negative on some motions, but none of the softest eigenvalues is"
@@ -131,7 +132,7 @@ def _apart(
     counts = [count.negative or 0 for count in (found, one, both)]
     alone = [max(before - after, 0) for before, after in pairwise(counts)]
     if any(alone) and found.symmetric and counts[0] <= MODES:  # near its critical points a body is as soft
-        spent += 1
+        spent += 2
         excess = sum(alone) - _alternating(problem, state, epsilon, counts[0], overlooked)
         for axis in np.argsort(alone):
             alone[axis], excess = max(alone[axis] - max(excess, 0), 0), excess - alone[axis]
@@ -151,12 +152,14 @@ def _apart(
 def _alternating(
     problem: ContactProblem, state: ContactSolution, epsilon: float, negative: int, overlooked: Overlooked
 ) -> int:
-    """How many of the negative eigenvalues have modes that alternate; none at a critical point itself."""
+    """How many of the negative eigenvalues have modes that alternate; at a critical point the body's has no size."""
     try:
         found = spectrum(problem, state, epsilon, negative=negative)
+        softest = spectrum(problem, state, epsilon).eigenvalues
     except SingularMatrixError:
         return 0
-    return overlooked.alternating(found.modes[:, found.eigenvalues < 0])
+    critical = CRITICAL * float(np.min(softest[softest > 0], initial=np.inf)) if np.any(softest > 0) else 0.0
+    return overlooked.alternating(found.modes[:, found.eigenvalues < -critical])
 
 
 def _divergent(
