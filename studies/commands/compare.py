@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 from studies.commands import FAILED, OK
+from studies.commands.options import reading
 from studies.guard.check import compare_stores
 from studies.guard.compare import NothingComparedError
 
@@ -20,9 +21,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print the comparison; 1 where there is nothing to compare."""
-    try:
-        print(compare_stores(options.before, options.now, options.campaign), end="")
-    except NothingComparedError as error:
-        print(f"footprint: {error}", file=sys.stderr)
-        return FAILED
+    with reading(options.now):
+        try:
+            print(compare_stores(options.before, options.now, options.campaign), end="")
+        except NothingComparedError as error:
+            print(f"footprint: {error}", file=sys.stderr)
+            return FAILED
     return OK

@@ -56,6 +56,18 @@ def count(name: str, value: int) -> int:
 
 
 @contextmanager
+def reading(store: Path) -> Iterator[None]:
+    """Cells that have what their types allow, and lack what is computed with, as those of others may: one line."""
+    try:
+        yield
+    except UsageError:
+        raise
+    except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+        said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise UsageError(f"{store}: its cells are not what a campaign leaves: {said}") from error
+
+
+@contextmanager
 def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
     """Bar, count and remaining time on stderr if that is a terminal; the function takes (done, planned, label)."""
     from rich.console import Console

@@ -171,7 +171,7 @@ REFERENCE: Mapping[str, Kind] = {
 
 TIMES: Mapping[str, Kind] = {
     **{"canaries": Each(canary), "rounds": whole, "provenance": RECORD["provenance"]},
-    "cells": Each({"label": word, "id": identity, **dict.fromkeys(("warm", "cold", "discarded"), Each(count))}),
+    "cells": Each({"label": word, "id": file_name, **dict.fromkeys(("warm", "cold", "discarded"), Each(count))}),
 }
 
 

@@ -11,7 +11,7 @@ from studies.analysis.advice.shipped import shipped_question, worth
 from studies.analysis.shell_limits.beyond import beyond, known_limits
 from studies.analysis.verify import verified
 from studies.commands import FAILED, OK
-from studies.commands.options import STORE, add_settings, pairs
+from studies.commands.options import STORE, add_settings, pairs, reading
 from studies.complete import complete
 from studies.refinement.error_control import parse_error
 from studies.request import Settings
@@ -64,8 +64,9 @@ def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | Non
         return shipped_question(options.scene, options.quantity, given, options.cost)
     from studies.analysis.cells.collect import collect  # takes as long to load as all else
 
-    table = collect(store, options.campaign)
-    return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+    with reading(store):
+        table = collect(store, options.campaign)
+        return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
 
 
 def _say_limit(options: argparse.Namespace, settings: Settings, tolerance: float) -> None:

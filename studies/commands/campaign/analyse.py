@@ -6,7 +6,7 @@ import argparse
 
 from studies.analysis.everything import analyse
 from studies.commands import OK
-from studies.commands.options import add_store
+from studies.commands.options import add_store, reading
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -17,6 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the tables and print their paths."""
-    for path in analyse(options.store, options.campaign):
+    with reading(options.store):
+        paths = analyse(options.store, options.campaign)
+    for path in paths:
         print(path)
     return OK

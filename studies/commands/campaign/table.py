@@ -7,7 +7,7 @@ from pathlib import Path
 
 from studies.analysis.cells.collect import collect
 from studies.commands import OK
-from studies.commands.options import add_store
+from studies.commands.options import add_store, reading
 from studies.scene import UsageError
 from studies.store.atomic import write_table
 
@@ -22,7 +22,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Print outcome, label and reason of each cell, and how many of each outcome there are."""
-    table = collect(options.store, options.campaign)
+    with reading(options.store):
+        table = collect(options.store, options.campaign)
     for pair in options.where:
         column, separator, value = pair.partition("=")
         if not separator or column not in table:

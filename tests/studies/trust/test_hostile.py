@@ -29,6 +29,7 @@ from support.stores.hostile import (
     CAMPAIGNS,
     ESCAPE,
     LCPS,
+    ODD,
     PLANS,
     PROBLEMS,
     RECORDS,
@@ -228,6 +229,18 @@ def test_records_of_a_store_that_is_read(
     _read(command, there, tmp_path, says, capsys)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ODD)
+def test_odd_records_of_a_store_end_in_a_line_or_are_shown(
+    name: str, there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed(there.archive.record_path(there.ids[CELL]), ODD[name])
+    for words in READERS:
+        code = main(_words(words, there, tmp_path))
+        told = capsys.readouterr()
+        assert code == 0 or (code in (1, 2) and told.err.count("\n") == 1), (words, told.err)
+
+
 @pytest.mark.parametrize("command", READERS, ids=lambda words: words[0])
 @pytest.mark.parametrize("name", PLANS)
 def test_plans_of_a_store_that_is_read(
@@ -239,11 +252,14 @@ def test_plans_of_a_store_that_is_read(
 
 
 def _read(command: list[str], there: Elsewhere, tmp_path: Path, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert re.search(says, said(_words(command, there, tmp_path), capsys))
+    assert not (tmp_path / "pages").exists()
+
+
+def _words(command: list[str], there: Elsewhere, tmp_path: Path) -> list[str]:
     words = [word.format(there.root) for word in command]
     words += [str(there.root)] if command[0] == "compare" else ["--store", str(there.root)]
-    words += ["--out", str(tmp_path / "pages")] if command[0] == "report" else []
-    assert re.search(says, said(words, capsys))
-    assert not (tmp_path / "pages").exists()
+    return words + (["--out", str(tmp_path / "pages")] if command[0] == "report" else [])
 
 
 @pytest.mark.slow

@@ -244,6 +244,19 @@ RECORDS: dict[str, tuple[Change | str, str]] = {
     "a path for an identity": (lambda r: r.update(id="../../x"), "id|is of"),
     "a number for provenance": (lambda r: r.update(provenance=1), "provenance"),
 }
+ODD: dict[str, Change] = {  # each value is of its type
+    "no outcome": lambda r: r.pop("outcome"),
+    "a mesh that is none": lambda r: r.update(mesh="x"),
+    "no settings": lambda r: r["settings"].clear(),
+    "no loads": lambda r: r["steps"].clear(),
+    "a load without anything": lambda r: r.update(steps=[{}]),
+    "no provenance": lambda r: r.update(provenance={}),
+    "no machine": lambda r: r["provenance"].clear(),
+    "quantities beyond all": lambda r: r["quantities"].update(dict.fromkeys(r["quantities"], 1e308)),
+    "words for quantities": lambda r: r["steps"][-1].update(tip_deflection_mm="far"),
+    "merged from nowhere": lambda r: r.update(merged={}),
+    "another scene": lambda r: r.update(scene="nowhere"),
+}
 PLANS: dict[str, tuple[Change | str, str]] = {
     "a deep plan": (DEEP, "nests deeper"),
     "a number for cells": (lambda p: p.update(cells=1), "cells|none of schema"),
