@@ -185,8 +185,8 @@ def attempt(asked: Asked, seed: int) -> Attempt:
             raise Broken("no traceback", place(error)) from error
     if result.unsupported:
         return Attempt(asked, REFUSED, one_line(result.unsupported), result)
-    if result.verdict == WRONG:  # whether it is called converged, or says so itself
-        raise Broken("certified" if result.outcome.converged else "solved right", _failed(result))
+    if result.verdict == WRONG:
+        raise Broken("certified", _failed(result))
     if not result.outcome.converged:
         return Attempt(asked, ENDED, one_line(result.reason), result)
     return Attempt(asked, CONVERGED, "", result)

@@ -7,7 +7,7 @@ import os
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from functools import cache, partial
+from functools import cache
 from itertools import product
 from pathlib import Path
 from typing import Any
@@ -489,7 +489,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def unasked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages are written with pictures that nobody draws."""
-    monkeypatch.setattr("reports.site.rendered", partial(rendered, draw=False))
+    monkeypatch.setattr("reports.site.rendered", lambda store, draw: rendered(store, draw=False))
 
 
 @pytest.fixture
