@@ -46,10 +46,10 @@ def place_of(store: Path, campaign: str | None = None) -> tuple[str, str]:
     return "" if loaded.pages == ALL else loaded.campaign, completeness_line(loaded)
 
 
-def _rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
+def _rendered(store: Store, **options: bool) -> dict[str, str]:
     """As rendered; raises StoreError for what no page can show, and names that lead out, as tables of others have."""
     try:
-        files = rendered(store, draw=draw)
+        files = rendered(store, **options)
     except StoreError:
         raise
     except (LookupError, TypeError, ValueError, AttributeError, ArithmeticError) as error:

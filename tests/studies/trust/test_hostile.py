@@ -183,6 +183,7 @@ def merged(there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str])
     return line
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RECORDS)
 def test_records_of_a_store_that_is_merged(
     name: str, there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -192,6 +193,7 @@ def test_records_of_a_store_that_is_merged(
     assert re.search(says, merged(there, tmp_path, capsys))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", PLANS)
 def test_plans_of_a_store_that_is_merged(
     name: str, there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -201,6 +203,7 @@ def test_plans_of_a_store_that_is_merged(
     assert re.search(says, merged(there, tmp_path, capsys))
 
 
+@pytest.mark.slow
 def test_a_mesh_beyond_use_is_refused_before_it_is_built(
     there: Elsewhere, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -219,6 +222,7 @@ def test_a_mesh_beyond_use_is_refused_before_it_is_built(
 READERS = (["table", "tiny"], ["analyse", "tiny"], ["report"], ["compare", "{}", "--campaign", "tiny"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", READERS, ids=lambda words: words[0])
 @pytest.mark.parametrize("name", RECORDS)
 def test_records_of_a_store_that_is_read(
@@ -241,6 +245,7 @@ def test_odd_records_of_a_store_end_in_a_line_or_are_shown(
         assert code == 0 or (code in (1, 2) and told.err.count("\n") == 1), (words, told.err)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", READERS, ids=lambda words: words[0])
 @pytest.mark.parametrize("name", PLANS)
 def test_plans_of_a_store_that_is_read(
