@@ -20,7 +20,7 @@ NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that
 
 
 def rounding_floor(lin: Linearised, u: np.ndarray, forces: float = 0.0) -> float:
-    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| |, and times ``forces`` [N].
+    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| | and ``forces`` [N].
 
     Thin shells reach it long before 1e-9 of the load (measured: residuals stagnate at 0.1 to 0.2 of this estimate). Of
     a few unknowns the last digit of the loads, the forces in balance, is as large.
