@@ -19,12 +19,13 @@ SLIGHT = 1e-5  # forces of the foundation below this share of those in balance m
 NEGLIGIBLE = 1e-9  # of all displacement: what a residual may still ask for that moves nothing
 
 
-def rounding_floor(lin: Linearised, u: np.ndarray) -> float:
-    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| |.
+def rounding_floor(lin: Linearised, u: np.ndarray, forces: float = 0.0) -> float:
+    """Size [N] that rounding alone gives the residual at u: machine epsilon times | |K| |u| | and ``forces`` [N].
 
-    Thin shells reach it long before 1e-9 of the load (measured: residuals stagnate at 0.1 to 0.2 of this estimate).
+    Thin shells reach it long before 1e-9 of the load (measured: residuals stagnate at 0.1 to 0.2 of this estimate). Of
+    a few unknowns the last digit of the loads, the forces in balance, is as large.
     """
-    return float(np.finfo(float).eps * np.linalg.norm(abs(lin.tangent) @ np.abs(u)))
+    return float(np.finfo(float).eps * (np.linalg.norm(abs(lin.tangent) @ np.abs(u)) + forces))
 
 
 def excused(residual: float, rounding: float, correction: float) -> bool:

@@ -142,7 +142,7 @@ def judge(
     forces = max(lin.scale, float(np.linalg.norm(contact)))
     scale, sprung = forces or 1.0, pressure / epsilon
     large = length(problem, Stiffness.of(problem, lin, u), u, forces)
-    imbalance, rounding = lin.residual - contact, rounding_floor(lin, u) / scale
+    imbalance, rounding = lin.residual - contact, rounding_floor(lin, u, forces) / scale
     equilibrium = float(np.linalg.norm(imbalance)) / scale
     energy, energy_rounding = _energy_balance(problem, np.zeros_like(u) if since is None else since, u, contact, lin)
     force, force_rounding = _force_balance(problem, lin, u, pressure)

@@ -78,7 +78,7 @@ def _condensed(method: str, run: NewtonRun, at: Iterate) -> Step:
         return _full(method, run, at)
     events: list[Event | None] = []
 
-    def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
+    def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray, left: np.ndarray) -> np.ndarray:
         back = base if method == "nnls" else np.zeros_like(base)  # the forces of all: a symmetric matrix
         size = unit(M)
         with run.tally.timed("contact_s"):

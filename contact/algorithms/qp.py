@@ -79,7 +79,7 @@ class Qp(NewtonAlgorithm):
             return self._full(run, at)
         words, shifts = dict[str, None](), [0.0]
 
-        def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
+        def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray, left: np.ndarray) -> np.ndarray:
             with run.tally.timed("contact_s"):
                 programme, shift = _dual(M, q, base)
                 answer = ask(self.backend, programme, self.eps, self.polish)

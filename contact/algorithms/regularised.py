@@ -21,6 +21,8 @@ class Regularised(NewtonAlgorithm):
     epsilon [MPa/mm]: stiffness of the foundation, the paper's 1e4; the penetration is p/epsilon. The pressure of an
     iterate comes from its linear step, not from epsilon times a rounded gap: no digit is lost at 1e14.
     A set that comes back after another one is a cycle: the linearised problem is settled there, see semismooth.
+    On a stiff foundation the rim moves by one row of elements an iteration: their number grows with the mesh
+    (plate-contact: 97 on 64 elements, 1251 on 256, with load cuts); semismooth, lcp and qp do not have that.
     Source: Grigolyuk et al. (2004), eqs 14-16; Simo, Wriggers, Taylor, Comput. Methods Appl. Mech. Eng. 50 (1985)
     163-180.
     """

@@ -26,6 +26,8 @@ class TrialAndError(NewtonAlgorithm):
     the problem linearised at its equilibrium is solved by principal pivots, and its set is the next guess. With linear
     mechanics, and a P-matrix, that is the answer; else, where a set comes back again, the first violator alone is
     swapped (Murty's least index), until one comes back to that, too. The history says so.
+    At the rim of a beam, plate or membrane one row of elements is let go at a time: the number of sets grows with the
+    mesh (plate-contact: 209 iterations on 64 elements, 551 on 256); semismooth, lcp and qp do not have that.
     max_sets: those that only release nodes do not count; between two others there are no more of them than candidates.
     Sources: Grigolyuk et al. (2004), eqs 14-16; Murty, Linear Algebra Appl. 5 (1972) 65-108.
     """

@@ -46,6 +46,7 @@ class Condensed:
             self._held = Held.on(run.problem, self._u, np.flatnonzero(base), self._tangent, run.epsilon)
             self._matrix = self._held.matrix
         self.base, self._factor = base.copy(), run.factorise(self._matrix)
+        self._flops: float | None = None
         self._free = self._solution(nothing)
         self.q = self._violation(nothing, *self._free)
         self._known, self._columns = np.zeros(0, int), np.zeros((len(base), 0))
@@ -80,14 +81,20 @@ class Condensed:
     def _exchanged(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Candidates (c,) whose state is not that of the base set, and the z (m,) that makes their w zero.
 
-        The set becomes the base set where columns for it would cost more than a factorisation.
+        The set becomes the base set where it would cost more than a factorisation to solve for it.
         """
         nodes = np.flatnonzero(active)
         holding(self._acting[nodes], nodes)
-        new = np.setdiff1d(np.flatnonzero(active ^ self.base), self._known)
-        if len(new) and response_flops(self._factor, *self._sides(new)) > factor_flops(self._factor):
+        changed = np.flatnonzero(active ^ self.base)
+        new, cost = np.setdiff1d(changed, self._known), dense_solution(len(changed))
+        if len(new):
+            cost += response_flops(self._factor, *self._sides(new))
+        if len(changed) and self._flops is None:
+            self._flops = factor_flops(self._factor)
+        if self._flops and cost > self._flops:
             self._factorise(active)
-        z, changed = np.zeros(len(active)), np.flatnonzero(active ^ self.base)
+            changed = changed[:0]
+        z = np.zeros(len(active))
         if len(changed):
             M, q = self.block(changed)
             with self._run.tally.timed("contact_s"):

@@ -22,8 +22,9 @@ from contact.problem import ContactSolution, Linearised, Outcome
 from contact.solvers.lcp_pivoting import LcpError, active_set, lemke, unit
 from contact.solvers.sparse import SingularMatrixError
 
-FEW_UPDATES = 12  # of the set on one linearisation, a factorisation each, unless it is the last to decide
-MOST_UPDATES = 60  # on one linearisation, and beyond one an iteration in all of a solve; releases are not counted
+FEW_UPDATES = 12  # of the set on one linearisation, unless it is the last to decide; none counts that makes it smaller
+MOST_UPDATES = 60  # on the last one, and beyond one an iteration in all of a solve
+CREEPING = 2  # steps in succession that leave some of the set to settle, after which the next one leaves none
 LAST_ATTEMPTS = 4  # linearised problems solved to the end once so many updates have not settled the set
 CYCLE = Event(EventKind.CYCLE, "cycle detected: from here on only the first violating node is swapped")
 PIVOTS = Event(EventKind.CYCLE, "cycle detected, or no end in sight: the linearised problem was solved by pivots")
@@ -41,7 +42,8 @@ class StepError(ArithmeticError):
 class Step:
     """What solves the linearised problem: du (n,), pressure (m,), set (m,) bool; ``event`` goes into the history.
 
-    updates: of the set, after the first one, that did more than release nodes.
+    updates: of the set, after the first one, that have not made it smaller.  left: whether the linearised problem has
+    another set.
     """
 
     du: np.ndarray
@@ -49,6 +51,7 @@ class Step:
     active: np.ndarray
     event: Event | None = None
     updates: int = 0
+    left: bool = False
 
 
 StepSolver = Callable[[NewtonRun, Iterate], Step]
@@ -68,7 +71,7 @@ def iterate(
     ``max_iterations``. Between two others there are no more of them than candidates.  lin: of the start, where known.
     """
     at = run.at(lin or run.linearise(start.u, None), start.u, start.pressure, start.active)
-    noted, counted, updates, begun = at.active, 0, 0, set[bytes]()
+    noted, counted, updates, short, begun = at.active, 0, 0, 0, set[bytes]()
     released: np.ndarray | None = None  # what is left of the set since the last iteration that counts
     event: Event | None = None
     last: Iterate | None = None
@@ -94,12 +97,12 @@ def iterate(
         again = expected.tobytes() in begun
         begun.add(expected.tobytes())
         try:
-            step = solve_step(run, replace(at, active=expected, again=again, updates=updates))
+            step = solve_step(run, replace(at, active=expected, again=again, updates=updates, short=short))
         except (SingularMatrixError, StepError) as error:
             run.tally.tell(Event(EventKind.FAILED, str(error)))
             return run.finish(at, error.outcome if isinstance(error, StepError) else Outcome.SINGULAR)
         last, at = at, run.advance(at, step.du, step.pressure, step.active)
-        event, updates = step.event, updates + step.updates
+        event, updates, short = step.event, updates + step.updates, short + 1 if step.left else 0
 
 
 def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most: int = MOST_UPDATES) -> Step:
@@ -107,6 +110,9 @@ def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most
 
     Two iterations that begin with the same set are a cycle, or the end: what is left to settle is settled there. Where
     every set has a linearisation of its own (``settle`` 1) only a set that comes back after another one is a cycle.
+    A fraction allows the rim of a fine mesh one row of elements a linearisation, where a beam or a plate carries a line
+    force and lets go of no other: once steps have left some of the set CREEPING times in succession, the next one
+    leaves none. Only on a definite tangent: an indefinite one, far from equilibrium, may have sets that mean nothing.
     After ``most`` updates a few linearised problems are solved to the end. A path that has no next state would go on
     like that for hundreds of factorisations: it is given up then.
     Raises StepError, SingularMatrixError.
@@ -116,8 +122,12 @@ def settle_most(run: NewtonRun, at: Iterate, settle: float, c: float = 1.0, most
     if at.updates > most:
         step = settle_exactly(run, at, run.linear(at.lin, at.u, at.pressure, at.active), at.active, c)
         return replace(step, updates=step.updates + most // LAST_ATTEMPTS)
-    again = at.again and (settle < 1 or came_back(at))
-    return settle_set(run, at, at.active, 0.0 if again else settle, c, last=again)
+    if at.again and (settle < 1 or came_back(at)):
+        return settle_set(run, at, at.active, 0.0, c)
+    linear = run.linear(at.lin, at.u, at.pressure, at.active)
+    if settle < 1 and at.short >= CREEPING and isinstance(linear, Condensed) and not linear.negative_pivots():
+        return settle_set(run, at, at.active, 0.0, c, most=FEW_UPDATES, linear=linear)
+    return settle_set(run, at, at.active, settle, c, last=False, most=FEW_UPDATES, linear=linear)
 
 
 def came_back(at: Iterate) -> bool:
@@ -133,18 +143,19 @@ def settle_set(
     c: float = 1.0,
     *,
     last: bool = True,
+    most: int = MOST_UPDATES,
     linear: LinearStep | None = None,
 ) -> Step:
     """Update the set on one linearisation, from ``active`` (m,), until at most the fraction ``settle`` of it changes.
 
-    linear: the linearisation, where it is factorised already.
+    most: updates that do not make it smaller.  linear: the linearisation, where it is factorised already.
     If this is the ``last`` linearisation to decide the set, a cycle, or very many updates, are answered by solving its
     problem to the end (:func:`settle_exactly`). Otherwise, and where it has none, the step is returned as it is: a
     tangent far from equilibrium may have no consistent set, and another one is not far.
     Raises SingularMatrixError.
     """
     linear, seen = linear or run.linear(at.lin, at.u, at.pressure, active), set[bytes]()
-    most, updates = MOST_UPDATES if last else FEW_UPDATES, 0
+    updates = 0
     while True:
         wrong = _misplaced(run, at, linear, active, c)
         after = active ^ wrong
@@ -152,7 +163,7 @@ def settle_set(
         enough = wrong.sum() <= settle * (active | after).sum()
         cycling = after.tobytes() in seen or updates == most
         if enough or (cycling and not last):
-            return Step(*linear.step(active), active, updates=updates)
+            return Step(*linear.step(active), active, updates=updates, left=bool(wrong.any()))
         if cycling:
             try:
                 return replace(settle_exactly(run, at, linear, active, c), updates=updates)
@@ -160,7 +171,7 @@ def settle_set(
                 return Step(
                     *linear.step(active), active, Event(EventKind.CYCLE | EventKind.FAILED, str(error)), updates
                 )
-        updates += not only_released(active, after)
+        updates += after.sum() >= active.sum()
         active = after
 
 
@@ -196,12 +207,12 @@ def _one_at_a_time(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.n
         active = after
 
 
-def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
-    """Who leaves the state that it has in the base set; raises LcpError."""
+def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray, left: np.ndarray) -> np.ndarray:
+    """Who leaves the state that it has in the base set, from a guess of it; raises LcpError."""
     size = unit(M)
     M, q = size[:, None] * M * size, size * q
     try:
-        return np.asarray(active_set(M, q).z > 0)
+        return np.asarray(active_set(M, q, left).z > 0)
     except LcpError:
         spend(DENSE_PIVOTS, dense_solution(len(q), 0))
         if np.linalg.slogdet(M)[0] <= 0:  # no P-matrix: there may be no end to find
@@ -209,7 +220,8 @@ def _by_pivots(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
         return np.asarray(lemke(M, q).z > 0)
 
 
-Decide = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]  # M (c, c), q (c,), base (c,) -> (c,) bool
+# M (c, c), q (c,), and (c,) bool: in the base set, so far in another state than there -> in another state than there
+Decide = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 
 def decide_set(
@@ -228,7 +240,7 @@ def decide_set(
     while wrong.any():
         decided |= wrong
         nodes = np.flatnonzero(decided)
-        changed = decide(*linear.block(nodes), linear.base[nodes])
+        changed = decide(*linear.block(nodes), linear.base[nodes], (active ^ linear.base)[nodes])
         active = linear.base.copy()
         active[nodes[changed]] ^= True
         wrong = _misplaced(run, at, linear, active) & ~decided

@@ -29,6 +29,7 @@ class Iterate:
     stepped (m,): set of the last step, None before it.  moved, moved_before: |du| of the last step and of the one
     before it on the same set.
     again: whether an iterate before had this set.  updates: of the set on one linearisation, in all so far.
+    short: steps in succession, up to here, that have left some of the set to settle.
     """
 
     lin: Linearised
@@ -48,6 +49,7 @@ class Iterate:
     moved_before: float = np.inf
     again: bool = False
     updates: int = 0
+    short: int = 0
 
 
 @dataclass

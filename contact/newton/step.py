@@ -140,7 +140,7 @@ class NewtonRun:
         excess = np.where(at.active, 1.0, -1.0) * (at.pressure - c * at.gap)
         wrong = excess < 0
         if wrong.any() and (solved or at.residual <= ROUNDING_ALONE):
-            force = ROUNDING_MARGIN * (rounding_floor(at.lin, at.u) + np.finfo(float).eps * at.scale)
+            force = ROUNDING_MARGIN * rounding_floor(at.lin, at.u, at.scale)
             in_pressure, in_gap = force / self.problem.weights, c * self.gap_rounding(at)
             # a solved step leaves a pressure in the set and a gap out of it; rounding of the other is none of theirs
             wrong = excess < -(np.where(at.active, in_pressure, in_gap) if solved else in_pressure + in_gap)

@@ -110,7 +110,7 @@ class FrictionalRun:
 
     def margins(self, at: Point, moved: float = 0.0) -> Margins:
         """What rounding explains at a point; ``moved`` [mm]: how far a candidate has come since."""
-        force = ROUNDING_MARGIN * (rounding_floor(at.lin, at.newton.u) + EPS * at.newton.scale)
+        force = ROUNDING_MARGIN * rounding_floor(at.lin, at.newton.u, at.newton.scale)
         gap = self.newton.gap_rounding(at.newton, moved)
         return Margins(force, gap, self.slip_rounding(at.newton.u, max(at.newton.length, moved)))
 

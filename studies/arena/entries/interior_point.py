@@ -72,7 +72,7 @@ class InteriorPoint(Entry):
         linear, told = run.linear(at.lin, at.u, at.pressure, at.active), list[Event]()
         assert isinstance(linear, Condensed)  # as supports has seen to
 
-        def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray) -> np.ndarray:
+        def decide(M: np.ndarray, q: np.ndarray, base: np.ndarray, left: np.ndarray) -> np.ndarray:
             with run.tally.timed("contact_s"):
                 found = central_path(M, q, self.complementarity, self.boundary)
             run.tally.counters[SPENT] += found.iterations
@@ -111,7 +111,7 @@ def _with_neighbours(run: NewtonRun, at: Iterate, linear: Condensed, decide: Dec
             if np.any(wrong & side):
                 decided |= side & (margin <= -np.mean(margin[wrong & side]))
         nodes = np.flatnonzero(decided)
-        changed = decide(*linear.block(nodes), linear.base[nodes])
+        changed = decide(*linear.block(nodes), linear.base[nodes], (active ^ linear.base)[nodes])
         active = linear.base.copy()
         active[nodes[changed]] ^= True
 

@@ -140,7 +140,7 @@ def _answer(
     wrong = "" if not failures else f"the judge finds {', '.join(failures)}"
     wrong = refused or (wrong if outcome.converged else outcome.value)
     force = float(np.min(problem.weights)) * peak or math.nan
-    rounding = ROUNDING_MARGIN * (rounding_floor(lin, state.u) + float(np.finfo(float).eps) * lin.scale) / force
+    rounding = ROUNDING_MARGIN * rounding_floor(lin, state.u, lin.scale) / force
     tolerance = RESIDUAL_TOLERANCE * lin.scale / force
     spent = int(state.counters.get("newton_iterations", 0))
     nodes = int(np.sum(state.pressure > 0))

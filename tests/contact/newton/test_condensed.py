@@ -11,6 +11,7 @@ from scipy import sparse
 
 from contact.newton.condensed import Condensed
 from contact.newton.step import NewtonRun
+from contact.operations import dense_solution
 from contact.problem import ContactProblem
 from contact.solvers import lcp_pivoting
 from contact.solvers.sparse import AUTO, SingularMatrixError, factorise, response, response_flops
@@ -103,10 +104,14 @@ def test_a_set_that_leaves_a_mechanism_is_singular() -> None:
         linear.step(np.zeros(2, bool))
 
 
-def test_where_columns_cost_more_the_set_is_factorised_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("column", [1000, 0])
+def test_where_columns_or_their_system_cost_more_the_set_is_factorised_anew(
+    monkeypatch: pytest.MonkeyPatch, column: int
+) -> None:
     data, u, _ = example("definite", True, 0)
-    monkeypatch.setattr("contact.newton.condensed.response_flops", lambda factor, left, right: right.shape[1])
-    monkeypatch.setattr("contact.newton.condensed.factor_flops", lambda factor: 2)
+    monkeypatch.setattr("contact.newton.condensed.response_flops", lambda factor, left, right: column * right.shape[1])
+    enough = 2 * column + dense_solution(2)
+    monkeypatch.setattr("contact.newton.condensed.factor_flops", lambda factor: enough)
     linear = linearised(data.problem(), u, np.zeros(6, bool), math.inf, AUTO)
     few, many = np.arange(6) < 2, np.arange(6) < 5
     linear.step(few)

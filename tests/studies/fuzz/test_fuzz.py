@@ -18,7 +18,7 @@ from contact.problem import Linearisation
 from studies.algorithm_settings import parameters_of
 from studies.cli import main
 from studies.fuzz import campaign, matrices, near, posed
-from studies.fuzz.attempt import Broken, attempt
+from studies.fuzz.attempt import CONVERGED, Broken, attempt
 from studies.fuzz.cases import FRICTION, KINDS, Asked, asked_of, kind_of
 from studies.fuzz.comparing import AGREES, Answer, compared, error_of, unstable
 from studies.fuzz.derivatives import mismatches
@@ -37,6 +37,11 @@ MANY = range(10_000, 10_200)  # none of a campaign
 @given(SEEDS)
 def test_drawn_matrices_keep_their_laws(seed: int) -> None:
     matrices.check(seed)  # raises Broken
+
+
+def test_the_last_digit_of_loads_that_need_no_foundation_is_no_fault() -> None:
+    """A residual of 1.4 last digits of the loads, which the rounding of K u alone does not explain."""
+    assert matrices.check(1914).word == CONVERGED
 
 
 @pytest.mark.slow
