@@ -19,6 +19,7 @@ KKT = ("equilibrium", "penetration", "tension", "complementarity")
 BALANCES = ("energy", "force")
 _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
+UNRESOLVED = 0.5  # change of a mismatch with the panels, over it: of the rule then, and not of the answer
 EQUILIBRIUM, BALANCE = 1e-8, 1e-8
 GAP = 2e-12  # of a large gap: twice what an algorithm may leave
 POSITION = 10 * float(np.finfo(float).eps)  # of where the foundation is: the rounding of a gap
@@ -179,7 +180,8 @@ def _energy_balance(
 
     P(u) - P(a) = int r.du by Lobatto's rule with five points, the last of which is u: there the force is taken from the
     pressures, not from r. Exact up to the eighth degree of P; strains quadratic in u make the fourth. Others may need
-    more panels: a mismatch of the rule falls with them, one of the answer does not.
+    more panels: a mismatch of the rule changes with them, one of the answer does not. Where the rule resolves no way,
+    as through elements that turn inside out, there is no balance to tell.
     Relative to the largest part, but to no less than forces known to their last digit can tell: where nothing moves but
     by rounding, a frozen step at its own answer, there is no work to balance.
     """
@@ -199,6 +201,7 @@ def _energy_balance(
         at = since + t * du
         return problem.linearise(at, None).residual if problem.residual is None else problem.residual(at)
 
+    mismatches = []
     for panels in PANELS:
         works = [
             weight / panels * float(residual((panel + t) / panels) @ du)
@@ -206,10 +209,11 @@ def _energy_balance(
             for t, weight in LOBATTO
         ]
         size = max(sum(map(abs, works + ends)), last_digit / BALANCE) or 1.0
-        mismatch = abs(sum(ends) - sum(works) - told) / size
-        if mismatch <= BALANCE:
-            break
-    return mismatch, noise / size
+        mismatches.append(abs(sum(ends) - sum(works) - told) / size)
+        if mismatches[-1] <= BALANCE:
+            return mismatches[-1], noise / size
+    unresolved = np.ptp(mismatches[-3:]) >= UNRESOLVED * mismatches[-1]
+    return None if unresolved else mismatches[-1], noise / size
 
 
 def _force_balance(

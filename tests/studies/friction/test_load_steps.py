@@ -33,9 +33,7 @@ def path(case: str, steps: int = 1) -> Result:
     return result
 
 
-@pytest.mark.parametrize(
-    "case", ["plate", *(pytest.param(case, marks=pytest.mark.slow) for case in CASES if case != "plate")]
-)
+@pytest.mark.parametrize("case", [pytest.param(case, marks=pytest.mark.slow) for case in CASES])
 def test_the_limit_of_small_steps_is_in_every_interval(case: str) -> None:
     """The limit: of first order from 8 and 16 steps.  Where both paths agree there is no interval."""
     result, eight, sixteen = path(case), path(case, 8), path(case, 16)
@@ -51,6 +49,7 @@ def test_the_limit_of_small_steps_is_in_every_interval(case: str) -> None:
         assert row["low"] <= limits[loads.index(row["load"])][row["quantity"]] <= row["high"], row
 
 
+@pytest.mark.slow
 def test_the_error_is_of_first_order_once_steps_are_small() -> None:
     """Half the steps, half the estimate; and with so many steps it is the error itself within a fifth."""
     found = []
