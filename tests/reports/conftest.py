@@ -489,7 +489,7 @@ def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def unasked(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pages are written with pictures that nobody draws."""
-    monkeypatch.setattr("reports.site.rendered", lambda store, draw: rendered(store, draw=False))
+    monkeypatch.setattr("reports.site.rendered", lambda store, **asked: rendered(store, draw=False))
 
 
 @pytest.fixture
