@@ -24,6 +24,7 @@ from formulations.shell import ShellModel
 from studies import certificate
 from studies.experiments import planted_in_friction
 from studies.experiments.planting import Fault, swapped
+from studies.fuzz.cases import SCENE
 from studies.fuzz.examine import BROKEN, examine
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
@@ -220,6 +221,10 @@ def _two_too_many() -> Any:
     return swapped(certificate, "stability", counted)
 
 
+def _elements_with_the_body() -> Any:
+    return swapped(stability, "_apart", lambda problem, state, K, epsilon, found, overlooked: found)
+
+
 FAULTS = (
     *(left_out, glued, stale, too_large, loose, at_the_limit, endless, raises, exact, last_ignored, no_number, silent),
     Fault("the normal of one node of a ball or drum points inwards", _one_gradient_turned),
@@ -228,6 +233,7 @@ FAULTS = (
     Fault("a thickness stays in mm in other units", _thickness_in_mm),
     Fault("the tangent is a thousandth too stiff", lambda: _tangent(lambda K: sparse.csc_matrix(1.001 * K))),
     Fault("two negative eigenvalues too many are counted", _two_too_many),
+    Fault("modes of elements are counted as those of the body", _elements_with_the_body, SCENE),
     *planted_in_friction.FAULTS,
 )
 

@@ -18,7 +18,7 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.sparse import checked_solve, factorise, symmetric
-from studies.arena.collected.certified import Certified, exact_on
+from studies.arena.collected.certified import Certified, NotCertifiedError, exact_on
 from studies.arena.collected.newton_path import Met, newton_path
 from studies.arena.collected.paths import Path
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
@@ -149,8 +149,11 @@ def raised(answer: Certified) -> np.ndarray | None:
 def touching(step: FrozenStep, states: np.ndarray) -> FrozenStep:
     """The foundation raised to some candidates that an answer leaves open: they touch and carry nothing.
 
-    That answer, the one on the set PRESSED, stays one. Raises NotCertifiedError where the set has none.
+    That answer, the one on the set PRESSED, stays one. Raises NotCertifiedError where the set has none, or is of
+    another number of candidates.
     """
+    if len(states) != len(step.gap):
+        raise NotCertifiedError(f"{len(states)} states of {len(step.gap)} candidates")
     gap = step.gap + step.G @ exact_on(step, states == PRESSED)[0]
     return FrozenStep(**{**vars(step), "gap": np.where(states == RAISED, step.gap - gap, step.gap)})
 

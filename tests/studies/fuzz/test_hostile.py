@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+import sys
 from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
 from pathlib import Path
@@ -113,6 +114,14 @@ def test_spoilt_stores_are_taken_or_refused_in_a_line(seed: int, theirs: Path, t
 def test_what_is_written_into_a_page_lies_still() -> None:
     """Every text that a record could hold, in a table."""
     _lies_still([*hostile.MARKUP, *(text for text in hostile.CONTROL if text != "\ud800")])
+
+
+def test_what_is_not_written_out_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A fault that is planted: one text of a store reaches its page as it stands."""
+    monkeypatch.setattr(sys.modules[__name__], "as_words", str)
+    for text in (hostile.MARKUP[0], hostile.MARKUP[2], hostile.MARKUP[7]):
+        with pytest.raises(AssertionError):
+            _lies_still([text])
 
 
 @pytest.mark.parametrize("seed", DRAWS)
