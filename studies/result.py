@@ -50,7 +50,8 @@ class Result:
     model: None where the scene refuses to be built.  unsupported: why the algorithm does not apply to this problem, or
     the scene cannot be; nothing was solved beyond that.  outcome: WRONG where the judge refuses a load: the path ends
     there, and ``last`` is that state.  unstable: a sentence on each requested load whose equilibrium is not stable, but
-    for the points of a traced curve, which is followed through such states on purpose.
+    for the points of a traced curve, which is followed through such states on purpose.  on_the_way: the same of the
+    last state of a stage that no requested load belongs to.
     work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
     ways: stage and accepted parameters on the way to each requested load, that included.  remarks: further notes.
     errors: {quantity: {low, high}} of those whose error is estimated.
@@ -64,6 +65,7 @@ class Result:
     reason: str = ""
     unsupported: str = ""
     unstable: list[str] = field(default_factory=list)
+    on_the_way: list[str] = field(default_factory=list)
     branches: list[dict[str, Any]] = field(default_factory=list)
     beside: list[Branch] = field(default_factory=list)
     quantities: dict[str, float] = field(default_factory=dict)
@@ -106,13 +108,16 @@ class Result:
 
     @property
     def notes(self) -> list[str]:
-        """What an answer does not show by itself: remarks, a foundation finer than its elements, elements too long."""
+        """What an answer does not show by itself.
+
+        Remarks, a foundation finer than its elements, elements too long, and where the path has passed unstable states.
+        """
         if self.end is None:
             return self.remarks
         problem, state = self.end.problem, self.end.point.solution
         told = between_nodes(problem.standing, problem.weights, state.active)
         elements = _of_elements(self.request, self.loads)
-        return [*([told] if told else []), *elements, *self.remarks]
+        return [*([told] if told else []), *elements, *self.on_the_way, *self.remarks]
 
     @property
     def steps(self) -> list[dict[str, Any]]:

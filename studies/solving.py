@@ -32,6 +32,7 @@ from studies.store.tables import Table
 from studies.walk import Visited, walk
 
 resolve = complete
+ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
 
 
 class Interrupted(KeyboardInterrupt):
@@ -109,14 +110,17 @@ def _record_point(visited: Visited, result: Result, epsilon: float) -> None:
     point, stage, problem = visited.point, visited.stage, visited.problem
     seen = stage.observe(problem, point.solution, point.requested)
     counts = {k: int(v) for k, v in point.solution.counters.items() if not k.endswith("_s")}
-    judged: dict[str, Any] = {}
-    if seen.step is not None:  # what no step shows is not judged by itself: the next stage starts from it
-        tolerance = result.request.number("tolerance")
-        before = visited.last_accepted if problem.coulomb is not None else None
-        judged = certificate(problem, point.solution, epsilon, tolerance, visited.passed, before)
-        if judged["stability"]["word"] == UNSTABLE:
-            result.unstable.append(f"{stage.name} at {point.requested:g}: {judged['stability']['sentence']}")
-    _record(result, seen, judged, {**counts, "substeps": point.substeps})
+    tolerance = result.request.number("tolerance")
+    before = visited.last_accepted if problem.coulomb is not None else None
+    judged = certificate(problem, point.solution, epsilon, tolerance, visited.passed, before)
+    where = f"{stage.name} at {point.requested:g}"
+    if judged["stability"]["word"] == UNSTABLE:
+        sentence = f"{where}: {judged['stability']['sentence']}"
+        if seen.step is None:
+            result.on_the_way.append(f"{sentence}; {ON_THE_WAY}")
+        else:
+            result.unstable.append(sentence)
+    _record(result, seen, judged, {**counts, "substeps": point.substeps}, f"in {where}")
 
 
 def _stages(model: SceneModel, request: Request) -> Iterable[Stage]:
@@ -140,7 +144,7 @@ def _record_end(visited: Visited, result: Result) -> None:
         result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
     if point.end is not None and point.end.mode is not None and visited.stage.see_mode is not None:
         seen = visited.stage.see_mode(point.solution, point.end.mode)
-        _record(result, seen, {}, {})
+        _record(result, seen, {}, {}, f"in {stage}")
         said += f"; {seen.said}"
     if point.end is not None and point.end.kind is not PathEnd.NEITHER and isinstance(result.model, ShellSceneModel):
         said += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
@@ -190,7 +194,7 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
         standing = visited.problem_at(before.factor).standing
         passed = crossings(standing, before.u, problem.standing, state.u) if before.factor else []  # led there in steps
-        _record(result, seen, certificate(problem, state, epsilon, tolerance, passed), spent)
+        _record(result, seen, certificate(problem, state, epsilon, tolerance, passed), spent, f"in {stage.name}")
         if result.outcome is Outcome.WRONG:
             result.last = stage.lifted(state)
             break
@@ -200,17 +204,21 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
     result.tables["curve"] = [Table.of_rows(rows)]
 
 
-def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int]) -> None:
-    """What was seen of a state; one that the judge refuses is wrong, here and wherever an outcome is asked for."""
+def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int], where: str) -> None:
+    """What was seen of a state; one that the judge refuses is wrong, here and wherever an outcome is asked for.
+
+    where: stage and load, of a state that no step shows.
+    """
     for name, table in seen.tables().items():
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:
         result.loads.append(Step.of({**seen.step, **judged, **spent}, spent))
-        if judged.get("failures"):
-            load, value = next(iter(seen.step.items()))
-            result.outcome = result.cause = Outcome.WRONG
-            result.reason = f"{refusal(judged)} at {load} {value:g}"
+        load, value = next(iter(seen.step.items()))
+        where = f"at {load} {value:g}"
+    if judged.get("failures"):
+        result.outcome = result.cause = Outcome.WRONG
+        result.reason = f"{refusal(judged)} {where}"
 
 
 def _account(result: Result, stage: str, counters: Mapping[str, float], history: Sequence[Mapping[str, Any]]) -> None:

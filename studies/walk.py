@@ -45,8 +45,11 @@ class Visited:
 
     @property
     def last_accepted(self) -> tuple[ContactProblem, ContactSolution]:
-        """The state of the path before this one, and its problem: what friction counts its slip from."""
-        t, state = self.point.way[-2]
+        """The state of the path before this one, and its problem: what friction counts its slip from.
+
+        The state itself where nothing had to move: the requested point is where the path begins.
+        """
+        t, state = self.point.way[-2:][0]
         return self.problem_at(t), state
 
     @property

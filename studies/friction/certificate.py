@@ -13,7 +13,7 @@ from contact.problem import ContactProblem, ContactSolution
 from contact.verify import claim, gap_residuals
 
 NO_POTENTIAL = "friction has no potential whose second variation would be looked at"
-UNTOLD = "friction"  # the failure of an answer that says nothing of its friction
+UNTOLD = "friction"  # the failure of an answer that says nothing of its friction although candidates are pressed
 
 
 def certificate_of_friction(
@@ -37,7 +37,7 @@ def certificate_of_friction(
     found["kkt"] |= gap_residuals(problem, state.u, forces, np.inf)
     found["exceeded"] = verdict.exceeded(**claim(tolerance, len(state.u)))
     found["failures"] = list(found["exceeded"])
-    if told is None:
+    if told is None and forces.any():
         found["failures"].append(UNTOLD)
     values = {**verdict.kkt, **verdict.balances}
     found["diagnosis"] = [f"{name}: {values[name]:.2e}" for name in found["failures"] if name in values]

@@ -82,6 +82,11 @@ class Watched:
     scene: Scene
     left: list[int] = field(default_factory=lambda: [MOST])
 
+    @property
+    def name(self) -> str:
+        """Of the scene."""
+        return self.scene.name
+
     def build(self, request: Request) -> SceneModel:
         """The model, watched."""
         model: Any = _Model(self.scene.build(request), self._stage)

@@ -14,27 +14,31 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import null_space
 
-from contact.friction.posed import slip_of
+from contact.friction.posed import WithFriction, posed, slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
 MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order
 ZERO = 1e-9  # of the largest eigenvalue: less is neither positive nor negative
+TIGHT = 1e-10  # tolerance to which a state with friction is solved on
 AGREES = "agrees"
+TOLERANCE = "within what the tolerance leaves"
 
 
 @dataclass(frozen=True, eq=False)
 class Answer:
     """A converged state of a problem, and the algorithm that has found it.
 
-    ways: the stages of its path and the parameters that were accepted on them.
+    ways: the stages of its path and the parameters that were accepted on them.  steady: whether no state was unstable
+    that its path has led through.
     """
 
     problem: ContactProblem
     state: ContactSolution
     algorithm: ContactAlgorithm
     ways: Sequence[tuple[str, tuple[float, ...]]] = ()
+    steady: bool = True
 
 
 def compared(one: Answer, other: Answer) -> str:
@@ -46,10 +50,12 @@ def compared(one: Answer, other: Answer) -> str:
         return _with_friction(one, other, apart)
     errors = [error_of(each) for each in (one, other)]
     if apart <= MARGIN * max(errors):
-        return f"within what the tolerance leaves: apart by {apart:.1e}, one more step moves them by {max(errors):.1e}"
+        return f"{TOLERANCE}: apart by {apart:.1e}, one more step moves them by {max(errors):.1e}"
     counts = [unstable(each) for each in (one, other)]
     if any(counts):
         return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, apart by {apart:.1e}"
+    if not (one.steady and other.steady):
+        return f"{UNSTABLE}: on the way to them, apart by {apart:.1e}"
     if confirms(one, other.state) and confirms(other, one.state):
         return f"{BRANCHES}, each confirmed by the other way of solving: apart by {apart:.1e}"
     return ""
@@ -57,13 +63,29 @@ def compared(one: Answer, other: Answer) -> str:
 
 def _with_friction(one: Answer, other: Answer, apart: float) -> str:
     """What explains a difference with friction, or nothing: other steps, or a state that both ways of solving keep."""
-    cause = why(*(Facts(friction=True, steps=list(each.ways), stable=True) for each in (one, other)))
+    cause = why(*(Facts(friction=True, steps=list(each.ways), stable=each.steady) for each in (one, other)))
     if cause == LOAD_STEPS:
         steps = [sum(len(way) for _, way in each.ways) for each in (one, other)]
         return f"{cause}: {steps[0]} and {steps[1]} on the path, apart by {apart:.1e}"
+    if cause == UNSTABLE:
+        return f"{cause}: on the way to them, apart by {apart:.1e}"
+    errors = [_left(each) for each in (one, other)]
+    if apart <= MARGIN * max(errors):
+        return f"{TOLERANCE}: apart by {apart:.1e}, solved on they move by {max(errors):.1e}"
     if confirms(one, other.state) and confirms(other, one.state):
         return f"{cause}, each confirmed by the other way of solving: apart by {apart:.1e}"
     return ""
+
+
+def _left(answer: Answer) -> float:
+    """How far its own algorithm moves a state with friction that it solves on to a tight tolerance."""
+    state, algorithm = answer.state, answer.algorithm
+    assert state.friction is not None
+    assert isinstance(algorithm, WithFriction)
+    start = replace(state, friction=replace(state.friction, anchors=state.friction.since))
+    tight = replace(algorithm, rubbing=replace(algorithm.rubbing, tolerance=TIGHT))  # type: ignore[type-var]
+    found = tight.solve(answer.problem, start)
+    return difference(answer, replace(answer, state=found)) if found.outcome.converged else 0.0
 
 
 def difference(one: Answer, other: Answer) -> float:
@@ -83,8 +105,6 @@ def _force(answer: Answer) -> np.ndarray:
     problem, state = answer.problem, answer.state
     if problem.coulomb is None or state.friction is None:
         return problem.contact_force(state.u, state.pressure)
-    from contact.friction.posed import posed  # nothing of friction is imported without it
-
     rubbing = posed(problem, state.friction.since)
     return rubbing.force(state.u, problem.nodal_forces(state.pressure), state.friction.force)
 

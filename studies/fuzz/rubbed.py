@@ -31,6 +31,8 @@ def check(one: Attempt) -> None:
     _never_drives(one.found)
     end = one.found.end
     assert end is not None
+    if end.point.solution.friction is None:  # nothing has been moved
+        return
     if np.isinf(one.found.request.number("epsilon")):
         Slipped.between(end.last_accepted, (end.problem, end.point.solution)).check()
 

@@ -20,7 +20,7 @@ from studies.friction.settings import MU, SLIDING
 from studies.fuzz import rubbed, stable
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
-from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, Answer, compared, error_of, unstable
+from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, TOLERANCE, Answer, compared, error_of, unstable
 from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
 from studies.request import Request, text_of
@@ -132,7 +132,8 @@ def _answer(one: Attempt) -> Answer:
     end = one.found.end
     assert end is not None
     algorithm = configured(one.found.request.contact, one.found.request.settings)
-    return Answer(end.problem, end.point.solution, algorithm, one.found.ways)
+    steady = not (one.found.unstable or one.found.on_the_way)
+    return Answer(end.problem, end.point.solution, algorithm, one.found.ways, steady)
 
 
 def _differences(one: Attempt, seed: int) -> None:
@@ -200,9 +201,11 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
         errors = [error_of(each) for each in answers]
         counts = [unstable(each) for each in answers]
     if apart[worst] <= MARGIN * max(errors):
-        return f"within what the tolerance leaves: {worst} apart by {apart[worst]:.1e}"
+        return f"{TOLERANCE}: {worst} apart by {apart[worst]:.1e}"
     if any(counts):
         return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, {worst} apart by {apart[worst]:.1e}"
+    if not all(each.steady for each in answers):
+        return f"{UNSTABLE}: on the way to them, {worst} apart by {apart[worst]:.1e}"
     facts = [
         Facts(False, each.found.ways, True, each.found.request.model, _asymmetry(each.found.loads[-1].quantities))
         for each in (one, other)

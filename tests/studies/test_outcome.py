@@ -167,3 +167,35 @@ def test_steps_have_their_columns_where_no_load_was_reached(
     seen = list(some.result.loads[0].seen)
     assert list(none.steps.columns) == seen == list(some.steps.columns)[: len(seen)]
     assert none.steps[seen[0]].tolist() == []
+
+
+class Inflation(Semismooth):
+    """A claim that inflating moves nothing."""
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        found = super().solve(problem, start)
+        return found if len(problem.weights) else replace(found, u=np.zeros_like(found.u))
+
+
+def test_what_no_step_shows_is_judged_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(ALGORITHMS, "semismooth", Inflation)
+    found = solve(*resolve("tyre", {"delta_mm": "5"}, "8x8"))
+    assert (found.outcome, found.verdict) == (Outcome.WRONG, "wrong")
+    assert found.reason.startswith("equilibrium ")
+    assert found.reason.endswith(" in column at 1")
+    assert found.steps == []
+
+
+def test_a_path_through_an_unstable_state_says_so() -> None:
+    """Two ways of Newton reach two states, both stable once the tyre is pressed: inflated, neither was."""
+    asked = ("tyre", {"delta_mm": "13.6", "load": "follower", "nu_TT": "0.2889"}, "6x8")
+    ways = [
+        solve(*resolve(*asked, measure="moderate-rotation", model="full", newton=way)) for way in ("mixed", "plain")
+    ]
+    one, other = (way.quantities["force_N"] for way in ways)
+    assert abs(one - other) > 1
+    for way in ways:
+        assert way.verdict == "converged"
+        assert any(note.startswith("inflation at 1: unstable: ") for note in way.as_json()["notes"])
+    steady = solve(*resolve("tyre", {"delta_mm": "13.6"}, "20x20"))
+    assert steady.on_the_way == []

@@ -85,9 +85,11 @@ class FrictionalRun:
         contact = self.problem.contact
         c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
         give = self.give
-        gap, slip = contact.gap(u) + give * normal, self.problem.slip(u) + give[:, None] * friction
-        local = Local(gap, slip, normal, friction, c)
-        found = friction_of(local, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
+        gap, slip = contact.gap(u) + give * normal, self.problem.slip(u)
+        local = Local(gap, slip + give[:, None] * friction, normal, friction, c)
+        # a spring that slips is stretched along the whole slip, which no friction of the linear step turns
+        whole = replace(local, slip=slip)
+        found = friction_of(whole, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
         rubbed = np.asarray(self.problem.slip_jacobian(u).T @ found.ravel())
         scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
         loaded = Linearisation(lin.residual - rubbed, lin.tangent, scale, lin.remember)

@@ -30,7 +30,7 @@ UNSTABLE, SYMMETRY, BRANCHES = "not both are stable", "broken symmetry", "two st
 MEANINGS = {
     LOAD_STEPS: "with friction the path decides, and it was followed in other steps",
     BEYOND: "with friction and in as many steps: its law alone does not leave one answer",
-    UNSTABLE: "without friction, and one is an equilibrium that nothing can stand in",
+    UNSTABLE: "one is an equilibrium that nothing can stand in, or was reached through one",
     SYMMETRY: "without friction, both stable, and a part by symmetry cannot leave the symmetry that the whole has left",
     BRANCHES: "without friction, both stable, both by the same model",
 }
@@ -58,10 +58,12 @@ class Facts:
 
 def why(one: Facts, other: Facts) -> str:
     """A key of MEANINGS: why two certified states of one problem differ."""
-    if one.friction:
-        return BEYOND if one.steps == other.steps else LOAD_STEPS
+    if one.friction and one.steps != other.steps:
+        return LOAD_STEPS
     if not (one.stable and other.stable):
         return UNSTABLE
+    if one.friction:
+        return BEYOND
     both = zip(one.asymmetry, other.asymmetry, strict=False)
     broken = any((mine <= SYMMETRIC) != (theirs <= SYMMETRIC) for mine, theirs in both)
     return SYMMETRY if one.model != other.model and broken else BRANCHES

@@ -295,3 +295,23 @@ def test_friction_is_switched_on_along_a_path_and_read_off() -> None:
     assert np.all(size <= 0.3 * np.maximum(touch.force, 0.0) + 1e-9 * touch.force.max())
     judged = certificate(held.problem, held.point.solution, math.inf, 1e-9, held.passed, held.last_accepted)
     assert not judged["failures"]
+
+
+def test_a_path_may_begin_at_rest() -> None:
+    """The first load asked for is none: nothing has slipped there, and the next one is as without it."""
+    settings = {"mu": "0.3", "lam_over_a": "0.04"}
+    both, alone = (
+        solve(*complete("strip-contact", {**settings, "load_fraction": loads}, "16x1")) for loads in ("0,1", "1")
+    )
+    assert (both.verdict, alone.verdict) == ("converged", "converged")
+    rest, pressed = both.steps
+    assert (rest["load_fraction"], rest["failures"]) == (0, [])
+    assert pressed["bound_N"] == pytest.approx(alone.steps[-1]["bound_N"], rel=1e-12)
+
+
+@pytest.mark.parametrize("contact", ["trial-and-error", "semismooth", "regularised"])
+def test_a_loose_tolerance_leaves_friction_opposite_to_its_slip(contact: str) -> None:
+    """Springs, too, slip along the whole of their stretch, whatever friction the last linear step had."""
+    settings = {"mu": "0.131", "drag_mm": "-0.5315,0", "length_unit": "0.2825", "tolerance": "0.1"}
+    found = solve(*complete("panel", {**settings, "epsilon": "1e4"}, "3x2", contact=contact))
+    assert found.verdict == "converged", found.reason
