@@ -24,7 +24,7 @@ from formulations.shell import ShellModel
 from studies import certificate
 from studies.experiments import planted_in_friction
 from studies.experiments.planting import Fault, swapped
-from studies.fuzz.cases import SCENE
+from studies.fuzz.cases import SCENE, Asked, asked_of
 from studies.fuzz.examine import BROKEN, examine
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
@@ -238,12 +238,18 @@ FAULTS = (
 )
 
 
-def found_after(fault: Fault, most: int = MOST) -> dict[str, Any]:
-    """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has."""
+def found_after(fault: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> dict[str, Any]:
+    """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has.
+
+    among: requests that are examined, the others are passed over.
+    """
+    kind = fault.kind or ("" if among is None else SCENE)
     for seed in range(most):
+        if among is not None and not among(asked_of(seed)):
+            continue
         with fault.planted():
-            report = examine(seed, fault.kind)
-        if report.verdict == BROKEN and examine(seed, fault.kind).verdict != BROKEN:
+            report = examine(seed, kind)
+        if report.verdict == BROKEN and examine(seed, kind).verdict != BROKEN:
             return {"fault": fault.name, "cases": seed + 1, "law": report.law, "said": report.said}
     return {"fault": fault.name, "cases": 0, "law": "", "said": ""}
 

@@ -14,7 +14,7 @@ from contact.friction.problem import FrictionalSolution, State
 from contact.friction.verify import judge
 from studies.experiments.friction.public.random_steps import random_step
 
-FEW, MANY = 20, 300
+FEW, MANY = 20, 150
 TOLERANCE = 1e-12  # of the residual: what it leaves of forces is below the agreement with the oracle
 EXACT = [name for name, kind in FRICTIONAL.items() if np.isinf(kind().epsilon)]
 QUICK = ["semismooth", "trial-and-error"]

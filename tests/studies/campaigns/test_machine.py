@@ -31,7 +31,7 @@ from studies.store.atomic import PART
 from support.stores.small_campaign import again, content, small
 
 ROOT = Path(__file__).parents[3]
-KILLS, CELLS = 50, 6
+KILLS, CELLS = 20, 6
 LINUX = pytest.mark.skipif(sys.platform != "linux", reason="asks the kernel for what only Linux has")
 
 
@@ -181,7 +181,7 @@ def kill_scheduler(process: subprocess.Popen[bytes]) -> None:
 
 
 @pytest.mark.slow
-def test_killed_fifty_times_and_resumed_it_is_the_same_store(solved: Path, tmp_path: Path) -> None:
+def test_killed_twenty_times_and_resumed_it_is_the_same_store(solved: Path, tmp_path: Path) -> None:
     """From the first import to the last cell; whenever it gets to its end before, it begins again from nothing."""
     store, rng = tmp_path / "store", random.Random(2004)
     words = command(small(tmp_path), store, "--engine", "local:2")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from contact.algorithms.semismooth import Semismooth
@@ -13,6 +15,10 @@ from studies.fuzz.cases import Asked, asked_of, kind_of
 from studies.fuzz.examine import examine, minimised
 
 EARLY = 60  # of the faults that show in most cases
+RARE: dict[str, Callable[[Asked], bool]] = {  # requests that a fault can show in, where they are few
+    "nodes on the seam of half a tyre have twice their area": lambda asked: asked.scene == "tyre",
+    "modes of elements are counted as those of the body": lambda asked: asked.scene == "cantilever",
+}
 
 
 def test_a_fault_leaves_nothing_behind() -> None:
@@ -53,4 +59,4 @@ def _found(seed: int) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault.name)
 def test_every_fault_is_found(fault: Fault) -> None:
-    assert 0 < found_after(fault)["cases"] <= MOST
+    assert 0 < found_after(fault, among=RARE.get(fault.name))["cases"] <= MOST

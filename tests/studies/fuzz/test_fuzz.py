@@ -30,7 +30,7 @@ from studies.scene import has_contact
 from studies.scenes import SCENES
 
 SEEDS = st.integers(0, 2**32 - 1)
-MANY = range(10_000, 10_200)  # none of a campaign
+MANY = range(10_000, 10_080)  # none of a campaign
 
 
 @settings(derandomize=True, max_examples=40, deadline=None, database=None)
@@ -52,7 +52,7 @@ def test_drawn_panels_keep_their_laws(seed: int) -> None:
 
 
 @pytest.mark.slow
-def test_two_hundred_cases_keep_their_laws() -> None:
+def test_eighty_cases_keep_their_laws() -> None:
     broken = [report for report in map(examine, MANY) if report.verdict == BROKEN]
     assert [f"{report.command}: {report.law}: {report.said}" for report in broken] == []
 

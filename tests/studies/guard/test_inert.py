@@ -31,8 +31,9 @@ def test_settings_of_some_scenes_all_have_an_effect() -> None:
 
 
 @pytest.mark.slow
-def test_settings_of_all_scenes_have_an_effect_or_belong_to_curved_ones() -> None:
-    assert found(*SCENES) == {(name, "membrane") for name in FLAT}
+def test_settings_of_the_others_have_an_effect_or_belong_to_curved_ones() -> None:
+    others = set(SCENES) - set(QUICK)
+    assert found(*sorted(others)) == {(name, "membrane") for name in FLAT if name in others}
 
 
 @dataclass(frozen=True)

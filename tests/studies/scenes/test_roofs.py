@@ -254,9 +254,7 @@ class SolidRoof:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("scene", "meshes"), [("roof-a", (6, 8, 12)), ("roof-c", (4, 6, 8)), ("roof-d", (6, 8, 12)), ("roof-e", (4, 6, 8))]
-)
+@pytest.mark.parametrize(("scene", "meshes"), [("roof-c", (4, 6, 8)), ("roof-d", (6, 8, 12))])
 def test_solid_roofs_converge_to_the_computed_limits(scene: str, meshes: tuple[int, ...]) -> None:
     """Extrapolated by the order of the three meshes: a point load costs the quadratic hexahedra half of theirs."""
     roof, found = SCENES[scene], []

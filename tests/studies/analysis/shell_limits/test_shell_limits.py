@@ -163,8 +163,8 @@ def test_what_is_shipped_is_what_the_experiment_finds() -> None:
 
 
 @pytest.mark.slow
-def test_all_that_is_shipped_is_what_the_experiment_finds() -> None:
-    _compare(CASES)
+def test_every_second_wall_that_is_shipped_is_what_the_experiment_finds() -> None:
+    _compare(tuple(replace(case, ratios=case.ratios[1::2]) for case in CASES))
 
 
 def _compare(cases: tuple[Case, ...]) -> None:
