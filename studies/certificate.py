@@ -7,12 +7,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
+
+import numpy as np
 
 from contact.continuation.stability import Stability, stability
 from contact.diagnosis import diagnose
 from contact.newton.step import RESIDUAL_TOLERANCE
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.swept import Crossing
 from contact.verify import claim, gap_residuals, judge
 
@@ -64,6 +67,7 @@ def refusal(certificate: Mapping[str, Any]) -> str:
 
 
 def _judged(problem: ContactProblem, state: ContactSolution, epsilon: float, tolerance: float) -> dict[str, Any]:
+    problem = _linearised_once(problem, state.u)
     verdict = judge(problem, state.u, state.pressure, epsilon=epsilon)
     found = verdict.certificate
     found["kkt"] |= gap_residuals(problem, state.u, state.pressure, math.inf)
@@ -74,6 +78,20 @@ def _judged(problem: ContactProblem, state: ContactSolution, epsilon: float, tol
         Stability(None, why=NO_STATE) if found["failures"] else stability(problem, state, epsilon)
     ).record
     return found
+
+
+def _linearised_once(problem: ContactProblem, u: np.ndarray) -> ContactProblem:
+    """The problem, whose linearisation at ``u`` (n,) the judge and the count of eigenvalues share."""
+    linearise, kept = problem.linearise, list[Linearised]()
+
+    def once(at: np.ndarray, memory: object) -> Linearised:
+        if at is not u or memory is not None:
+            return linearise(at, memory)
+        if not kept:
+            kept.append(linearise(at, None))
+        return kept[0]
+
+    return replace(problem, linearise=once)
 
 
 def _rubbed(
