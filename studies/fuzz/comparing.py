@@ -21,7 +21,7 @@ from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNS
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
 MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order
 ZERO = 1e-9  # of the largest eigenvalue: less is neither positive nor negative
-TIGHT = 1e-10  # tolerance to which a state with friction is solved on
+LOOSE, TIGHT = 1e-6, 1e-10  # tolerance of a state with friction, and that to which it is solved on
 AGREES = "agrees"
 TOLERANCE = "within what the tolerance leaves"
 
@@ -78,10 +78,12 @@ def _with_friction(one: Answer, other: Answer, apart: float) -> str:
 
 
 def _left(answer: Answer) -> float:
-    """How far its own algorithm moves a state with friction that it solves on to a tight tolerance."""
+    """How far its own algorithm moves a state with friction from LOOSE on to a tight tolerance; 0 for a tighter one."""
     state, algorithm = answer.state, answer.algorithm
     assert state.friction is not None
     assert isinstance(algorithm, WithFriction)
+    if algorithm.plain.tolerance < LOOSE:  # type: ignore[attr-defined]
+        return 0.0
     start = replace(state, friction=replace(state.friction, anchors=state.friction.since))
     tight = replace(algorithm, rubbing=replace(algorithm.rubbing, tolerance=TIGHT))  # type: ignore[type-var]
     found = tight.solve(answer.problem, start)

@@ -14,9 +14,9 @@ import numpy as np
 
 from contact.parameters import STIFFNESS
 from studies.algorithm_settings import configured, settings_of
-from studies.analysis.comparisons.disagreements import ASYMMETRIES, SYMMETRY, UNSTABLE, Facts, why
+from studies.analysis.comparisons.disagreements import ASYMMETRIES, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
 from studies.friction.observed import FORCES
-from studies.friction.settings import MU, SLIDING
+from studies.friction.settings import MU, SLIDING, rubbing
 from studies.fuzz import rubbed, stable
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
@@ -207,10 +207,19 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
     if not all(each.steady for each in answers):
         return f"{UNSTABLE}: on the way to them, {worst} apart by {apart[worst]:.1e}"
     facts = [
-        Facts(False, each.found.ways, True, each.found.request.model, _asymmetry(each.found.loads[-1].quantities))
+        Facts(
+            friction=rubbing(each.found.request.settings),
+            steps=each.found.ways,
+            stable=True,
+            model=each.found.request.model,
+            asymmetry=_asymmetry(each.found.loads[-1].quantities),
+        )
         for each in (one, other)
     ]
-    if why(*facts) == SYMMETRY:
+    cause = why(*facts)
+    if cause == LOAD_STEPS:
+        return f"{cause}: {worst} apart by {apart[worst]:.1e}"
+    if cause == SYMMETRY:
         return f"{SYMMETRY}: {facts[0].model} and {facts[1].model} model, {worst} apart by {apart[worst]:.1e}"
     raise Broken("one answer", f"{worst} apart by {apart[worst]:.1e}, unlike {asked.command}")
 

@@ -31,7 +31,7 @@ MEANINGS = {
     LOAD_STEPS: "with friction the path decides, and it was followed in other steps",
     BEYOND: "with friction and in as many steps: its law alone does not leave one answer",
     UNSTABLE: "one is an equilibrium that nothing can stand in, or was reached through one",
-    SYMMETRY: "without friction, both stable, and a part by symmetry cannot leave the symmetry that the whole has left",
+    SYMMETRY: "a part by symmetry cannot leave the symmetry that the whole has left",
     BRANCHES: "without friction, both stable, both by the same model",
 }
 APART = 1e-6  # of the largest in a unit: more than certificates at the default tolerance leave
@@ -62,11 +62,11 @@ def why(one: Facts, other: Facts) -> str:
         return LOAD_STEPS
     if not (one.stable and other.stable):
         return UNSTABLE
-    if one.friction:
-        return BEYOND
     both = zip(one.asymmetry, other.asymmetry, strict=False)
     broken = any((mine <= SYMMETRIC) != (theirs <= SYMMETRIC) for mine, theirs in both)
-    return SYMMETRY if one.model != other.model and broken else BRANCHES
+    if one.model != other.model and broken:
+        return SYMMETRY
+    return BEYOND if one.friction else BRANCHES
 
 
 def disagreements(table: pd.DataFrame) -> pd.DataFrame:

@@ -50,7 +50,7 @@ def test_what_solves_a_cell_decides_its_identity_and_nothing_else(copied: Path, 
     assert before == sources_hash(TYRE, ROOT, without=CATALOGUE)  # of the sources, not of where they lie
     path = copied / file
     path.write_text(path.read_text(encoding="utf-8") + "\nEDITED = True\n", encoding="utf-8")
-    second = Path(shutil.move(copied, copied.with_name("edited")))  # sources are read once from a place
+    second = copied.rename(copied.with_name(f"{copied.name}-edited"))  # sources are read once from a place
     assert (sources_hash(TYRE, second, without=CATALOGUE) != before) == matters
 
 
