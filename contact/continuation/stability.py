@@ -11,8 +11,7 @@ that only a foundation holds has such.
 
 Elements may have motions of their own that they do not resist, though the body would. Where eigenvalues are negative,
 they are counted again with what the elements leave out: those that are negative only without it are modes of elements,
-counted by themselves, and say nothing of the body. Where their shapes are looked at, so are those that alternate and
-that elements of half the size would not have.
+counted by themselves, and say nothing of the body.
 Sources: Hill, J. Mech. Phys. Solids 6 (1958) 236-249; Bazant, Cedolin, Stability of Structures (2010), chapters 4, 10.
 
 No algorithm, no path and no sentence of a scene may enter here.
@@ -33,7 +32,6 @@ from contact.problem import ContactProblem, ContactSolution, Linearisation, Line
 from contact.solvers.sparse import SingularMatrixError, added, negative_pivots, symmetric
 
 ROUNDING = 1e-13  # of the diagonal: eigenvalues of the matrix with unit diagonal below this have no sign
-HALVED = 4.0  # times what elements leave out: what those of half the size resist with
 CRITICAL = 1e-3  # of the least positive eigenvalue: a negative one below this is that of the critical point of a body
 STABLE, UNSTABLE, NOT_COUNTED = "stable", "unstable", "not counted"
 CONSISTENT = "the pressures of a consistent coupling act on candidates outside the set: there is no potential"
@@ -126,15 +124,14 @@ def _apart(
     overlooked: Overlooked,
 ) -> Stability:
     """What is ``found``, the modes of elements apart, by the coordinate along which they move."""
-    shapes = found.symmetric and (found.negative or 0) <= MODES  # are looked at: near critical points a body is as soft
-    first, second = (HALVED * part if shapes else part for part in overlooked.stiffness)
+    first, second = overlooked.stiffness
     stiffened = added(K, first)
     one = _counted(problem, state, stiffened, epsilon)
     both = _counted(problem, state, added(stiffened, second), epsilon)
     spent = found.factorisations + one.factorisations + both.factorisations
     counts = [count.negative or 0 for count in (found, one, both)]
     alone = [max(before - after, 0) for before, after in pairwise(counts)]
-    if any(alone) and shapes:
+    if any(alone) and found.symmetric and counts[0] <= MODES:  # near its critical points a body is as soft
         spent += 2
         excess = sum(alone) - _alternating(problem, state, epsilon, counts[0], overlooked)
         for axis in np.argsort(alone):
