@@ -29,7 +29,7 @@ from studies.scenes import SCENES
 
 EXACT = ("semismooth", "lcp", "qp", "augmented-lagrangian", "trial-and-error")
 OFTEN = {"another algorithm": 2, "part = whole": 4, "units": 2}  # as often as a law that is not named here
-FINER = 4  # times as many load steps, where one answer is looked for
+FINER = (4, 12)  # times as many load steps, in which one answer is looked for
 FAINT = "1e-10"  # a coefficient of friction next to none
 UNITS, NEARBY = 9.0, 0.3  # powers of ten of a unit of the panel; where a length is forgotten both ways still converge
 PARTS = {"tyre": ("half", "quarter", "mirror", "auto"), "tyre-solid": ("quarter", "auto")}
@@ -217,18 +217,23 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
     cause = why(*facts)
     if cause == LOAD_STEPS:
         return f"{cause}: {worst} apart by {apart:.1e}"
-    if cause == BEYOND:  # of one large step; what smaller ones lead to may be one
-        finer = [
-            attempt(each.asked.with_options(steps=str(FINER * each.found.request.steps)), seed) for each in (one, other)
-        ]
-        if (
-            all(each.kind == CONVERGED for each in finer)
-            and _worst(finer[0], finer[1], length, stress, left)[1] <= ALIKE
-        ):
-            return f"{LOAD_STEPS}: {worst} apart by {apart:.1e}, one answer in {FINER} times as many"
+    many = _many_enough(one, other, seed, length, stress, left) if cause == BEYOND else 0
+    if many:  # two answers of one large step; what smaller ones lead to is one
+        return f"{LOAD_STEPS}: {worst} apart by {apart:.1e}, one answer in {many} times as many"
     if cause == SYMMETRY:
         return f"{SYMMETRY}: {facts[0].model} and {facts[1].model} model, {worst} apart by {apart:.1e}"
     raise Broken("one answer", f"{worst} apart by {apart:.1e}, unlike {asked.command}")
+
+
+def _many_enough(one: Attempt, other: Attempt, seed: int, length: float, stress: float, left: Collection[str]) -> int:
+    """How many times as many load steps lead both to one answer, 0 where none of FINER does."""
+    for many in FINER:
+        first, second = (
+            attempt(each.asked.with_options(steps=str(many * each.found.request.steps)), seed) for each in (one, other)
+        )
+        if first.kind == second.kind == CONVERGED and _worst(first, second, length, stress, left)[1] <= ALIKE:
+            return many
+    return 0
 
 
 def _worst(one: Attempt, other: Attempt, length: float, stress: float, left: Collection[str]) -> tuple[str, float]:
