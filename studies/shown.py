@@ -1,7 +1,6 @@
-"""Text of others as text: what a terminal, or a page in Markdown, would take for its own is written out.
+"""Text of others as text: what a terminal would take for its own is written out.
 
-All that is printed passes :class:`Escaping`, all that a page shows of a store :func:`as_words`. What is said does not
-enter here.
+All that is printed passes :class:`Escaping`. What is said does not enter here, nor what a page would take for its own.
 """
 
 from __future__ import annotations
@@ -11,39 +10,11 @@ from typing import Any, TextIO
 
 # all control characters but the ends of lines and tabs; marks that turn the direction of text or are not seen; halves
 CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff\ud800-\udfff]")
-HTML = r"<(?=[A-Za-z/!?])|!(?=\[)|\](?=[(\[])"  # with links and pictures
-PLACES = r"(?m:^[\s>*+\-\d.)]*\[)(?=[^\]]*\]:)"  # of links, by name
-LINKED = r"(?<=[a-z]):(?=//)|(?<=www)\.|(?<=\w)@(?=\w)|(?<!\w)@(?=\w)"  # what GitHub makes links of by itself
-NAMED = r"&(?=#?\w+;)"  # characters by their names
-LIVE = re.compile(
-    rf"{HTML}|{PLACES}|{LINKED}|{NAMED}"
-    r"|[|`$~\\*]|(?<![^\W_])_|_(?![^\W_])"  # columns, code, formulas, fences, escapes, emphasis
-    r"|^\s*[#>]"  # headings, quotes
-)
-LIVE_IN_PROSE = re.compile(rf"{HTML}|{PLACES}|{LINKED}|{NAMED}|[$~]")
 
 
 def printable(text: str) -> str:
     """A text without control characters: each as it is written in Python."""
     return CONTROL.sub(lambda found: _escaped(found[0]), text)
-
-
-def as_words(text: str) -> str:
-    """A text on one line that means itself in Markdown: characters that would do something are given by their numbers.
-
-    Numbers, units and names of ours stay as they are.
-    """
-    line = text if text.isprintable() else printable(" ".join(text.split()))
-    return LIVE.sub(_numbered, line)
-
-
-def as_prose(text: str) -> str:
-    """A text whose code, emphasis and paragraphs stay; links, pictures, formulas and HTML are written out."""
-    return LIVE_IN_PROSE.sub(_numbered, printable(text))
-
-
-def _numbered(found: re.Match[str]) -> str:
-    return "".join(f"&#{ord(letter)};" for letter in found[0])
 
 
 def _escaped(letter: str) -> str:

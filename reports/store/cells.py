@@ -13,7 +13,6 @@ from typing import Any
 import pandas as pd
 
 from reports.store.reading import StoreError, read_record, read_table, read_versioned, require
-from studies.store.schema import FAILURE, RECORD
 
 REQUEST_KEYS = ("scene", "measure", "contact", "newton", "mesh", "model", "settings")
 ENDING_KEYS = ("class", "reason")
@@ -135,12 +134,12 @@ def planned_cell(path: Path, row: Mapping[str, Any]) -> Cell:
     if row["id"] is None:
         ending = {"class": "unsupported", "reason": row["reason"]}
     elif record.exists():
-        ending = result = read_versioned(record, ("schema", "id", *RESULT_KEYS), RECORD)
+        ending = result = read_versioned(record, ("schema", "id", *RESULT_KEYS))
         if result["id"] != row["id"] or result["scene"] != row["scene"]:
             raise StoreError(f"{record}: of cell {result['id']!r} of {result['scene']}, not of {row['label']!r}")
         _require_steps(result, record)
     elif failure.exists():
-        ending = read_versioned(failure, ("schema", "id", *ENDING_KEYS), FAILURE)
+        ending = read_versioned(failure, ("schema", "id", *ENDING_KEYS))
     asked = dict(row["request"] or {**row["options"], "settings": row["settings"]})
     asked.pop("model_reason", None)  # of older stores, whose requests say why a model was chosen: it decides nothing
     about = {"expected": row.get("expected", ""), "group": row.get("group", ""), "shown": bool(row["files"])}
@@ -150,7 +149,7 @@ def planned_cell(path: Path, row: Mapping[str, Any]) -> Cell:
 
 def load_cell(directory: Path, label: str, command: str = "") -> Cell:
     """Read and check one solved request; raises StoreError."""
-    result = read_record(directory / "result.json", RESULT_KEYS, RECORD)
+    result = read_record(directory / "result.json", RESULT_KEYS)
     _require_steps(result, directory / "result.json")
     return Cell(label, result["scene"], command, directory, result, result["class"], result["reason"])
 

@@ -5,16 +5,14 @@ Here text of others becomes text of pages: what Markdown or HTML would take for 
 
 from __future__ import annotations
 
-import io
+import json
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from contact.interchange.untrusted import MOST, read_bytes, read_json
-from studies.shown import as_prose, as_words
-from studies.store.schema import Kind, fault
+from reports.words import as_prose, as_words
 
 SCHEMA = 2
 
@@ -30,7 +28,7 @@ def read_table(
 
     prose: columns of whole sentences, which have code and emphasis in them.
     """
-    table = _read(path, lambda: _table(path, comment))
+    table = _read(path, lambda: pd.read_csv(path, comment=comment))
     table.columns = [as_words(str(name)) for name in table.columns]
     for name in table.columns:
         if table[name].dtype.kind == "O":  # texts, be they of pandas' own type or of Python's
@@ -43,25 +41,16 @@ def read_table(
     return table
 
 
-def _table(path: Path, comment: str | None) -> pd.DataFrame:
-    data = read_bytes(path)
-    if data.count(b",") + data.count(b"\n") > MOST:
-        raise ValueError(f"it has more than {MOST} values")
-    return pd.read_csv(io.BytesIO(data), comment=comment)
-
-
-def read_record(path: Path, keys: Iterable[str], kinds: Kind = None) -> dict[str, Any]:
-    """A JSON file with at least these keys, of these kinds; raises StoreError when it is missing or damaged."""
-    data = _read(path, lambda: read_json(path))
+def read_record(path: Path, keys: Iterable[str]) -> dict[str, Any]:
+    """A JSON file with at least these keys; raises StoreError when it is missing or damaged."""
+    data = _read(path, lambda: json.loads(path.read_text(encoding="utf-8")))
     require(data, keys, path)
-    if wrong := fault(data, kinds):
-        raise StoreError(f"{path}: {wrong}")
     return dict(_worded(data))
 
 
-def read_versioned(path: Path, keys: Iterable[str], kinds: Kind = None) -> dict[str, Any]:
+def read_versioned(path: Path, keys: Iterable[str]) -> dict[str, Any]:
     """As read_record, of this schema."""
-    data = read_record(path, ("schema",), kinds)
+    data = read_record(path, ("schema",))
     if data["schema"] != SCHEMA:
         raise StoreError(f"{path}: schema {data['schema']!r}, but this program reads {SCHEMA}")
     require(data, keys, path)

@@ -17,7 +17,6 @@ import pandas as pd
 
 from reports.store.cells import CELL_KEYS, Cell, planned_cell
 from reports.store.reading import SCHEMA, StoreError, read_table, read_versioned, require
-from studies.store.schema import PLAN, REFERENCE, Each
 
 SHEETS = "sheets"  # the group of the cells that are drawn, which no other page means
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
@@ -157,9 +156,8 @@ def load_store(path: Path, campaign: str | None = None) -> Store:
     if not path.is_dir():
         raise StoreError(f"{path}: no such directory")
     index_path = path / "campaigns" / f"{campaign or _only(path)}.json"
-    index = read_versioned(index_path, INDEX_KEYS, PLAN)
-    kinds = {"references": Each(REFERENCE)}
-    references = read_versioned(path / "references.json", ("schema", "references"), kinds)["references"]
+    index = read_versioned(index_path, INDEX_KEYS)
+    references = read_versioned(path / "references.json", ("schema", "references"))["references"]
     for row in references:
         require(row, REFERENCE_KEYS, path / "references.json")
     for row in index["cells"]:

@@ -6,6 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from reports.words import as_words
 from studies.commands import FAILED, OK
 from studies.commands.options import reading
 from studies.guard.check import compare_stores
@@ -23,7 +24,7 @@ def run(options: argparse.Namespace) -> int:
     """Print the comparison; 1 where there is nothing to compare."""
     with reading(options.now):
         try:
-            print(compare_stores(options.before, options.now, options.campaign), end="")
+            print(compare_stores(options.before, options.now, options.campaign, as_words), end="")
         except NothingComparedError as error:
             print(f"footprint: {error}", file=sys.stderr)
             return FAILED

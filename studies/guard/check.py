@@ -17,7 +17,7 @@ from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.guard.baseline import HERE, TOLERANCES, read_baseline, read_bounds
 from studies.guard.compare import NothingComparedError, check, failures, lines, update
-from studies.guard.review import comment
+from studies.guard.review import Shown, comment
 from studies.guard.times import compare_times, time_lines
 from studies.scene import UsageError
 
@@ -110,10 +110,10 @@ def samples_of(store: Path, campaign: str) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["label", "seconds", "block"])
 
 
-def compare_stores(before: Path, now: Path, campaign: str) -> str:
-    """The comment of a review; with times where both stores have samples."""
-    bounds = read_bounds(HERE / TOLERANCES)
-    return comment(campaign, collect(before, campaign), collect(now, campaign), bounds, _times(before, now, campaign))
+def compare_stores(before: Path, now: Path, campaign: str, shown: Shown) -> str:
+    """The comment of a review; with times where both stores have samples.  shown: as for :func:`comment`."""
+    bounds, times = read_bounds(HERE / TOLERANCES), _times(before, now, campaign)
+    return comment(campaign, collect(before, campaign), collect(now, campaign), bounds, shown, times)
 
 
 def _times(before: Path, now: Path, campaign: str) -> pd.DataFrame | str:

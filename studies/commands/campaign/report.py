@@ -10,6 +10,7 @@ from reports.store.reading import StoreError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store
 from studies.scene import UsageError
+from studies.store.door import check_store
 
 PAGES = Path("reports/pages")
 
@@ -24,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(options: argparse.Namespace) -> int:
     """Write the pages and print their paths, or print how they differ."""
+    check_store(options.store, options.campaign)
     try:
         folder, line = place_of(options.store, options.campaign)
         out = options.out or PAGES / folder

@@ -17,12 +17,12 @@ from scipy import sparse
 from contact.interchange.linearised_step import FrozenStep
 from reports.html.convert import to_html
 from reports.markdown import joined, table
+from reports.words import as_words
 from studies.campaigns.file import read
 from studies.cli import main
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
 from studies.fuzz import hostile
 from studies.scene import UsageError
-from studies.shown import as_words
 
 CAMPAIGN = """title = "t"
 pages = "all"

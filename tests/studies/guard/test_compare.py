@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from reports.words import as_words
 from studies.guard.baseline import TOLERANCES, UPDATES, bound_of, read_baseline, read_bounds
 from studies.guard.compare import NothingComparedError, check, compared, failures, lines, measured, update
 from studies.guard.review import comment
@@ -270,12 +271,12 @@ def test_the_comment_of_a_review(baseline: Path) -> None:
     now = campaign(counters=1.1)
     now.loc[3, "outcome"] = "time"
     now = pd.concat([now.iloc[1:], now.tail(1).assign(label="more")])
-    text = comment("quick", campaign(), now, bounds)
+    text = comment("quick", campaign(), now, bounds, as_words)
     assert "A: 4 of 4 cells ran, 4 converged. B: 2 of 4 cells ran, 2 converged, 2 time." in text
     assert "**Worse (3)**" in text
     assert "| cantilever 16 | c.factorisations | 20 | 22 | +0.8 |" in text
     assert "| cantilever 64 | outcome | converged | time | the same |" in text
     assert "**Missing (1)**" in text
     assert "| more | the cell |" in text
-    same = comment("quick", campaign(), campaign(), bounds)
+    same = comment("quick", campaign(), campaign(), bounds, as_words)
     assert "Nothing changed beyond the bounds." in same

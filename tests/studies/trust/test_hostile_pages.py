@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from markdown_it import MarkdownIt
 
+from reports.words import as_prose, as_words
 from studies.cli import main
-from studies.shown import as_prose, as_words
 from studies.store.layout import Archive
 from support.stores.elsewhere import solved
 
