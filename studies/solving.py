@@ -144,7 +144,7 @@ def _record_end(visited: Visited, result: Result) -> None:
         result.quantities[f"{stage}_limit_point"] = point.end.limit  # in the unit of the path
     if point.end is not None and point.end.mode is not None and visited.stage.see_mode is not None:
         seen = visited.stage.see_mode(point.solution, point.end.mode)
-        _record(result, seen, {}, {}, f"in {stage}")
+        _record(result, seen, {}, {})
         said += f"; {seen.said}"
     if point.end is not None and point.end.kind is not PathEnd.NEITHER and isinstance(result.model, ShellSceneModel):
         said += f"; that is the path of this grid, {_grid(result.request)}: another may end elsewhere"
@@ -194,7 +194,7 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
         spent = {"newton_iterations": point.iterations, "substeps": 1, "limit_point": int(point.limit)}
         standing = visited.problem_at(before.factor).standing
         passed = crossings(standing, before.u, problem.standing, state.u) if before.factor else []  # led there in steps
-        _record(result, seen, certificate(problem, state, epsilon, tolerance, passed), spent, f"in {stage.name}")
+        _record(result, seen, certificate(problem, state, epsilon, tolerance, passed), spent)
         if result.outcome is Outcome.WRONG:
             result.last = stage.lifted(state)
             break
@@ -204,7 +204,9 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
     result.tables["curve"] = [Table.of_rows(rows)]
 
 
-def _record(result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int], where: str) -> None:
+def _record(
+    result: Result, seen: Observation, judged: Mapping[str, Any], spent: Mapping[str, int], where: str = ""
+) -> None:
     """What was seen of a state; one that the judge refuses is wrong, here and wherever an outcome is asked for.
 
     where: stage and load, of a state that no step shows.

@@ -14,14 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import null_space
 
-from contact.friction.posed import WithFriction, posed, slip_of
+from contact.friction.posed import posed, slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
 ALIKE = 1e-6  # of displacements over the largest, of contact forces over the forces in balance
 MARGIN = 30.0  # times the error of one more Newton step: its estimate is of first order
 ZERO = 1e-9  # of the largest eigenvalue: less is neither positive nor negative
-LOOSE, TIGHT = 1e-6, 1e-10  # tolerance of a state with friction, and that to which it is solved on
 AGREES = "agrees"
 TOLERANCE = "within what the tolerance leaves"
 
@@ -31,7 +30,7 @@ class Answer:
     """A converged state of a problem, and the algorithm that has found it.
 
     ways: the stages of its path and the parameters that were accepted on them.  steady: whether no state was unstable
-    that its path has led through.
+    that its path has led through.  tight: the algorithm to a tight tolerance, where its own is loose.
     """
 
     problem: ContactProblem
@@ -39,6 +38,7 @@ class Answer:
     algorithm: ContactAlgorithm
     ways: Sequence[tuple[str, tuple[float, ...]]] = ()
     steady: bool = True
+    tight: ContactAlgorithm | None = None
 
 
 def compared(one: Answer, other: Answer) -> str:
@@ -54,7 +54,7 @@ def compared(one: Answer, other: Answer) -> str:
     counts = [unstable(each) for each in (one, other)]
     if any(counts):
         return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, apart by {apart:.1e}"
-    if not (one.steady and other.steady):
+    if _parted(one, other):
         return f"{UNSTABLE}: on the way to them, apart by {apart:.1e}"
     if confirms(one, other.state) and confirms(other, one.state):
         return f"{BRANCHES}, each confirmed by the other way of solving: apart by {apart:.1e}"
@@ -63,7 +63,7 @@ def compared(one: Answer, other: Answer) -> str:
 
 def _with_friction(one: Answer, other: Answer, apart: float) -> str:
     """What explains a difference with friction, or nothing: other steps, or a state that both ways of solving keep."""
-    cause = why(*(Facts(friction=True, steps=list(each.ways), stable=each.steady) for each in (one, other)))
+    cause = why(*(Facts(friction=True, steps=list(each.ways), stable=not _parted(one, other)) for each in (one, other)))
     if cause == LOAD_STEPS:
         steps = [sum(len(way) for _, way in each.ways) for each in (one, other)]
         return f"{cause}: {steps[0]} and {steps[1]} on the path, apart by {apart:.1e}"
@@ -77,17 +77,28 @@ def _with_friction(one: Answer, other: Answer, apart: float) -> str:
     return ""
 
 
+def _parted(one: Answer, other: Answer) -> bool:
+    """Whether the paths led through unstable states, and to problems whose foundations stand in different places."""
+    if one.steady and other.steady:
+        return False
+    u = one.state.u
+    apart = np.max(np.abs(one.problem.gap(u) - other.problem.gap(u)), initial=0.0)
+    return bool(apart > ALIKE * float(np.max(np.abs(u), initial=0.0)))
+
+
 def _left(answer: Answer) -> float:
-    """How far its own algorithm moves a state with friction from LOOSE on to a tight tolerance; 0 for a tighter one."""
-    state, algorithm = answer.state, answer.algorithm
-    assert state.friction is not None
-    assert isinstance(algorithm, WithFriction)
-    if algorithm.plain.tolerance < LOOSE:  # type: ignore[attr-defined]
+    """How far its own algorithm moves a state with friction to a tight tolerance; 0 where its own is as tight."""
+    if answer.tight is None:
         return 0.0
-    start = replace(state, friction=replace(state.friction, anchors=state.friction.since))
-    tight = replace(algorithm, rubbing=replace(algorithm.rubbing, tolerance=TIGHT))  # type: ignore[type-var]
-    found = tight.solve(answer.problem, start)
+    found = answer.tight.solve(answer.problem, _again(answer.state))
     return difference(answer, replace(answer, state=found)) if found.outcome.converged else 0.0
+
+
+def _again(state: ContactSolution) -> ContactSolution:
+    """The state as a start from which slip is counted as it has been."""
+    if state.friction is None:
+        return state
+    return replace(state, friction=replace(state.friction, anchors=state.friction.since))
 
 
 def difference(one: Answer, other: Answer) -> float:
@@ -175,9 +186,7 @@ def confirms(answer: Answer, state: ContactSolution) -> bool:
 
     With friction it counts the slip from where the other state has.
     """
-    if state.friction is not None:
-        state = replace(state, friction=replace(state.friction, anchors=state.friction.since))
-    found = answer.algorithm.solve(answer.problem, state)
+    found = answer.algorithm.solve(answer.problem, _again(state))
     return found.outcome.converged and difference(replace(answer, state=found), replace(answer, state=state)) <= ALIKE
 
 

@@ -142,7 +142,7 @@ def passed(point: PathPoint) -> list[str]:
     [
         (FEW[0], 1, 5),
         *(pytest.param(seeds, 1, 5, marks=pytest.mark.slow) for seeds in FEW[1:]),
-        pytest.param(range(34, 94), 8, 45, marks=pytest.mark.slow),
+        pytest.param(range(34, 94), 8, 49, marks=pytest.mark.slow),
     ],
     ids=["few", "more", "others", "last", "many"],
 )

@@ -86,6 +86,13 @@ def test_the_whole_map_is_of_one_colour(name) -> None:
 
 
 @pytest.mark.slow
+def test_the_thinnest_wall_is_right_or_given_up_for_rounding() -> None:
+    """Which of both depends on the last digits of the machine."""
+    found = attempt(chart_of("thin-travel").point("0.562341", "2.05353e-06"))
+    assert found.kind in (CONVERGED, UNSTABLE) or "rounding" in found.reason
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("h_over_R", ["4.21697e-06", "8.65964e-06"])
 def test_a_very_thin_wall_is_known_to_the_last_digit_of_its_faces(h_over_R) -> None:
     """What is out of balance is what rounding each stored displacement brings, and next to nothing of all moves.
