@@ -216,10 +216,8 @@ def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: fl
         for each in (one, other)
     ]
     cause = why(*facts)
-    if cause == LOAD_STEPS:
-        return f"{cause}: {worst} apart by {apart:.1e}"
-    many = _many_enough(one, other, seed, length, stress, left) if cause == BEYOND else 0
-    if many:  # two answers of one large step; what smaller ones lead to is one
+    many = _many_enough(one, other, seed, length, stress, left) if cause in (LOAD_STEPS, BEYOND) else 0
+    if many:  # two answers of large steps; what smaller ones lead to is one
         return f"{LOAD_STEPS}: {worst} apart by {apart:.1e}, one answer in {many} times as many"
     if cause == SYMMETRY:
         return f"{SYMMETRY}: {facts[0].model} and {facts[1].model} model, {worst} apart by {apart:.1e}"
