@@ -111,10 +111,17 @@ class FrictionalRun:
         return GAP_TOLERANCE * max(way, length) + ROUNDING_MARGIN * EPS * self.problem.slip_size
 
     def margins(self, at: Point, moved: float = 0.0) -> Margins:
-        """What rounding explains at a point; ``moved`` [mm]: how far a candidate has come since."""
+        """What rounding explains at a point; ``moved`` [mm]: how far a candidate has come since.
+
+        A spring has the rounding of what stretches it, which may be far less than that of the forces in balance.
+        """
         force = ROUNDING_MARGIN * rounding_floor(at.lin, at.newton.u, at.newton.scale)
         gap = self.newton.gap_rounding(at.newton, moved)
-        return Margins(force, gap, self.slip_rounding(at.newton.u, max(at.newton.length, moved)))
+        slip = self.slip_rounding(at.newton.u, max(at.newton.length, moved))
+        if np.isfinite(self.newton.epsilon):
+            stiffest = self.newton.epsilon * float(np.max(self.problem.contact.weights, initial=0.0))
+            force = min(force, stiffest * max(gap, slip))
+        return Margins(force, gap, slip)
 
     def expected(self, at: Point) -> Laws:
         """The laws that the next step is to obey.

@@ -315,3 +315,10 @@ def test_a_loose_tolerance_leaves_friction_opposite_to_its_slip(contact: str) ->
     settings = {"mu": "0.131", "drag_mm": "-0.5315,0", "length_unit": "0.2825", "tolerance": "0.1"}
     found = solve(*complete("panel", {**settings, "epsilon": "1e4"}, "3x2", contact=contact))
     assert found.verdict == "converged", found.reason
+
+
+def test_soft_springs_slip_however_little_they_carry() -> None:
+    """Their friction, 1e-7 N, is less than the rounding of the forces in balance, 27 N, but its bound is known."""
+    result = solve(*complete("heavy-strip", {"mu": "0.0525", "epsilon": "1e-9"}, "4x1"))
+    assert result.verdict == "converged"
+    assert result.loads[-1].seen["slipping"] > 0
