@@ -53,7 +53,8 @@ class Result:
     for the points of a traced curve, which is followed through such states on purpose.  on_the_way: the same of the
     last state of a stage that no requested load belongs to.
     work: floating-point operations by kind, those of the judge included; their sum is counters["operations"].
-    ways: stage and accepted parameters on the way to each requested load, that included.  remarks: further notes.
+    visits: the requested points, in order.  ways: stage and accepted parameters on the way to each requested load, that
+    included.  remarks: further notes.
     errors: {quantity: {low, high}} of those whose error is estimated.
     branches, beside: rows and states of the stable branches at the last load, where they were asked for.
     """
@@ -80,7 +81,12 @@ class Result:
     tables: dict[str, list[Table]] = field(default_factory=dict)
     last: ContactSolution | None = None
     frozen: Callable[[], Frozen] | None = None
-    end: Visited | None = None
+    visits: list[Visited] = field(default_factory=list)
+
+    @property
+    def end(self) -> Visited | None:
+        """The last requested point of the path, or where it ends before it."""
+        return self.visits[-1] if self.visits else None
 
     def as_json(self) -> dict[str, Any]:
         """The content of result.json."""

@@ -14,6 +14,7 @@ from typing import Any
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.critical_points import PathEnd
+from contact.continuation.starts import Starts
 from contact.interchange.linearised_step import freeze
 from contact.problem import ContactAlgorithm, Outcome
 from contact.swept import crossings
@@ -29,7 +30,7 @@ from studies.scene import CurveStage, Observation, Scene, SceneModel, ShellScene
 from studies.step import Step
 from studies.store.atomic import plain
 from studies.store.tables import Table
-from studies.walk import Visited, walk
+from studies.walk import Visited, no_starts, walk
 
 resolve = complete
 ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
@@ -43,9 +44,20 @@ class Interrupted(KeyboardInterrupt):
         self.result = result
 
 
-def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lambda text: None) -> Result:
+def cold(model: SceneModel) -> Callable[[Stage], Starts]:
+    """Every step sets out from the last state of the path."""
+    return no_starts
+
+
+def solve(
+    scene: Scene,
+    request: Request,
+    progress: Callable[[str], None] = lambda text: None,
+    starts: Callable[[SceneModel], Callable[[Stage], Starts]] = cold,
+) -> Result:
     """Run the stages of the scene until done or until one fails; failure and refusal are recorded, not raised.
 
+    starts: of the model, where its steps set out from.
     Raises Interrupted, and PartError where a part from outside breaks.
     """
     start, spent = time.perf_counter(), time.process_time()
@@ -60,7 +72,7 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
             result.outcome, result.unsupported = Outcome.REFUSED, f"{request.contact} does not apply: {error}"
         else:
             try:
-                _run_stages(model, algorithm, request.steps, result, progress)
+                _run_stages(model, algorithm, starts(model), result, progress)
             except KeyboardInterrupt:
                 result.outcome = result.cause = Outcome.INTERRUPTED
                 result.reason = f"interrupted with {len(result.loads)} loads finished"
@@ -75,11 +87,15 @@ def solve(scene: Scene, request: Request, progress: Callable[[str], None] = lamb
 
 
 def _run_stages(
-    model: SceneModel, algorithm: ContactAlgorithm, steps: int, result: Result, progress: Callable[[str], None]
+    model: SceneModel,
+    algorithm: ContactAlgorithm,
+    starts: Callable[[Stage], Starts],
+    result: Result,
+    progress: Callable[[str], None],
 ) -> None:
-    for visited in walk(
-        _stages(model, result.request), algorithm, steps, tell=lambda stage, at: progress(f"{stage} {at:g}")
-    ):
+    steps = result.request.steps
+    tell, stages = (lambda stage, at: progress(f"{stage} {at:g}")), stages_of(model, result.request)
+    for visited in walk(stages, algorithm, steps, tell=tell, starts=starts):
         _record_visit(visited, result, algorithm.epsilon)
         if result.outcome is Outcome.WRONG:
             return  # what follows would start from no equilibrium
@@ -88,7 +104,7 @@ def _run_stages(
 def _record_visit(visited: Visited, result: Result, epsilon: float) -> None:
     """What was reached, or why it was not."""
     point, stage = visited.point, visited.stage
-    result.end = visited
+    result.visits.append(visited)
     result.ways.append((stage.name, tuple(t for t, _ in point.way[1:])))
     _account(result, stage.name, point.solution.counters, point.solution.history)
     if visited.converged or point.reached != 0.0:
@@ -123,7 +139,7 @@ def _record_point(visited: Visited, result: Result, epsilon: float) -> None:
     _record(result, seen, judged, {**counts, "substeps": point.substeps}, f"in {where}")
 
 
-def _stages(model: SceneModel, request: Request) -> Iterable[Stage]:
+def stages_of(model: SceneModel, request: Request) -> Iterable[Stage]:
     """Those of the model; with friction, if it is asked for."""
     if not rubbing(request.settings):
         return model.stages()

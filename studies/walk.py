@@ -11,6 +11,7 @@ from functools import cached_property, partial
 
 from contact.continuation.arc_length import Trace
 from contact.continuation.load_stepping import SMALLEST, PathPoint, follow
+from contact.continuation.starts import Starts, none_known
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 from contact.swept import Crossing, crossings_along
@@ -74,6 +75,11 @@ class Visited:
         return str(history[-1].get("event", "")) if history else ""
 
 
+def no_starts(stage: Stage) -> Starts:
+    """Every step of a stage sets out from the last state of the path."""
+    return none_known
+
+
 def walk(
     stages: Iterable[Stage],
     algorithm: ContactAlgorithm,
@@ -82,11 +88,13 @@ def walk(
     previous: ContactSolution | None = None,
     tell: Callable[[str, float], None] = lambda stage, reached: None,
     smallest: float = SMALLEST,
+    starts: Callable[[Stage], Starts] = no_starts,
 ) -> Iterator[Visited]:
     """Every requested point of every stage, in order; the first that is not converged is the last.
 
     previous: the state before the first stage, in the unknowns of the model.  A stage whose problem the algorithm does
-    not support is a point with the outcome REFUSED.  steps, smallest: as for :func:`follow`.
+    not support is a point with the outcome REFUSED.  steps, smallest: as for :func:`follow`.  starts: of the steps
+    of a stage, from elsewhere.
     """
     for stage in stages:
         problem_at, before = stage.begin(previous)
@@ -104,7 +112,15 @@ def walk(
                 yield Visited(stage, problem_at, before, PathPoint(stage.targets[0], 0.0, Outcome.REFUSED, said, 0))
                 return
             for point in follow(
-                problem_at, 0.0, stage.targets, algorithm, before, steps, partial(tell, stage.name), smallest
+                problem_at,
+                0.0,
+                stage.targets,
+                algorithm,
+                before,
+                steps,
+                partial(tell, stage.name),
+                smallest,
+                starts(stage),
             ):
                 visited = Visited(stage, problem_at, before, point)
                 yield visited

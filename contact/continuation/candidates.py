@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from contact.answered import answered
+from contact.continuation.starts import Start
 from contact.coulomb import Friction
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
@@ -17,9 +18,12 @@ from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 REACH = 1.0  # of the deepest penetration at the start of the step: who is nearer than that may touch
 
 
-def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-    """The solution from ``start`` with only those candidates that can touch, where the problem tells how to choose.
+def solve_within_reach(
+    algorithm: ContactAlgorithm, problem: ContactProblem, start: ContactSolution, nearer: Start | None = None
+) -> ContactSolution:
+    """The solution with only those candidates that can touch from ``start`` on, where the problem tells how to choose.
 
+    nearer: what is set out from instead, if anything is known.
     A foundation that has come by d penetrates by no more than d. A gap changes by no more than its point moves, so one
     above d stays open unless its point moves by more than the foundation has: that is looked at when the step is
     solved. Who did is taken in, and the step goes on from there: the answer is that with all candidates. With friction
@@ -27,10 +31,13 @@ def solve_within_reach(algorithm: ContactAlgorithm, problem: ContactProblem, sta
     """
     gap = problem.gap(start.u)
     depth = max(-float(np.min(gap, initial=0.0)), _slid(problem, start))
+    reached = (gap <= REACH * depth) | start.active
+    if nearer is not None:
+        start, problem = nearer.instead_of(_laid(problem, start), problem.weights), nearer.remembered(problem)
     if problem.only is None or depth <= 0:
         return answered(algorithm, problem, start)
     start = _laid(problem, start)
-    chosen = (gap <= REACH * depth) | start.active
+    chosen = reached | start.active
     before: ContactSolution | None = None
     while True:
         near = replace(problem.only(chosen), gap_size=problem.gap_size, ordered=problem.ordered, driven=problem.driven)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from scipy.linalg import norm
 from contact.continuation.candidates import solve_within_reach
 from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
 from contact.continuation.pressed_curve import hasty
+from contact.continuation.starts import Start, Starts, none_known
 from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -57,6 +59,7 @@ def follow(
     steps: int = 1,
     on_substep: Callable[[float], None] | None = None,
     smallest: float = SMALLEST,
+    starts: Starts = none_known,
 ) -> Iterator[PathPoint]:
     """Follow the path of problems from the converged ``solution`` at ``start`` through the targets, in order.
 
@@ -71,12 +74,13 @@ def follow(
     arc length: it gets there, or finds the limit point at which the path turns back, in a bounded number of steps.
     A path with contact is given up when as much was spent in vain as WORTH good steps take, and on those that led on;
     the arc may take twice as much again: what it ends at is the cause.
+    starts: where a step sets out from, if that leads to a state of the path; else it does from the last state.
     """
     at, good = start, Good()
-    for target in targets:
+    for index, target in enumerate(targets):
         asked = (target - at) / steps
-        begin = ((at, solution),)
-        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), begin, asked, begin, good)
+        begin, known = ((at, solution),), partial(starts, index)
+        stepper = Stepper(problem_at, algorithm, target, asked, smallest * abs(asked), begin, asked, begin, good, known)
         while stepper.outcome.converged and stepper.reached != target:
             attempt = stepper.attempt()
             stepper = stepper.accept(attempt) if attempt.failure is None else stepper.reject(attempt, attempt.failure)
@@ -125,10 +129,10 @@ class Stepper:
     """Steps of adapted size to ``target``; each attempt is accepted or rejected, which gives the next stepper.
 
     asked: the step that is asked for, the largest; smallest: size below which it is not cut.  states: converged, the
-    first and the last three; step: the next one; way: all states; good: the steps of the path so far.  cut: whether a
-    step has been; failures: how many; vain: factorisations of those that found nothing; passed: negative eigenvalues
-    that the path has come by; jump: the last attempt that found a state beyond it, and the step to that; the rest goes
-    into the :class:`PathPoint`.
+    first and the last three; step: the next one; way: all states; good: the steps of the path so far.  start_at: a
+    start known from elsewhere.  cut: whether a step has been; failures: how many; vain: factorisations of those that
+    found nothing; passed: negative eigenvalues that the path has come by; jump: the last attempt that found a state
+    beyond it, and the step to that; the rest goes into the :class:`PathPoint`.
     """
 
     problem_at: Callable[[float], ContactProblem]
@@ -140,6 +144,7 @@ class Stepper:
     step: float
     way: tuple[State, ...]
     good: Good = field(default_factory=Good)
+    start_at: Callable[[State, float], Start | None] = field(default=partial(none_known, 0))
     cut: bool = False
     failures: int = 0
     vain: float = 0.0
@@ -171,10 +176,21 @@ class Stepper:
         """The next step from the last converged state."""
         last = abs(self.target - self.reached) <= abs(self.step) * (1 + 1e-9)
         trial = self.target if last else self.reached + self.step
-        (before, state), problem = self.states[-1], self.problem_at(trial)
+        state, problem = self.states[-1][1], self.problem_at(trial)
         most = min(BRIEF, getattr(self.algorithm, "max_iterations", BRIEF))
         algorithm = hasty(self.algorithm, most) if self.vain and self.bounded else self.algorithm
+        start = self.start_at(self.states[-1], trial)
+        if start is None:
+            return self._tried(trial, problem, solve_within_reach(algorithm, problem, state))
+        tried = self._tried(trial, problem, solve_within_reach(algorithm, problem, state, start))
+        if tried.failure is None:
+            return tried
         found = solve_within_reach(algorithm, problem, state)
+        return self._tried(trial, problem, _after(tried.solution, found, tried.failure))
+
+    def _tried(self, trial: float, problem: ContactProblem, found: ContactSolution) -> Attempt:
+        """What has been found at a parameter, and why it is no state of the path, if it is none."""
+        before, state = self.states[-1]
         failure = None if found.outcome.converged else _why(found)
         if failure is None:
             through = crossings(self.problem_at(before).standing, state.u, problem.standing, found.u)
@@ -280,6 +296,14 @@ class Stepper:
         if event is not None:
             rows[-1]["event"] = event
         return replace(self, counters=counters, history=(*self.history, *rows), cause=found.outcome)
+
+
+def _after(vain: ContactSolution, found: ContactSolution, why: Event) -> ContactSolution:
+    """What was found from the last state of the path, after a start from elsewhere that has led to none."""
+    counters = {key: vain.counters.get(key, 0) + value for key, value in found.counters.items()}
+    *rows, last = vain.history or ({},)
+    event = Event(EventKind.FAILED, f"not from the state of another grid: {why}; from the last of the path")
+    return replace(found, counters=counters, history=(*rows, {**last, "event": event}, *found.history))
 
 
 def _factorisations(solution: ContactSolution) -> float:

@@ -39,6 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--mesh", help="N1xN2, elements along both directions; by default that of the scene")
     parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
     parser.add_argument("--of", metavar="QUANTITY", help="the quantity of --error; by default the force, or the first")
+    parser.add_argument("--budget", metavar="SECONDS", help="of --error: the best answer in that time, e.g. 5s")
     parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
     parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
     add_settings(parser)
@@ -62,7 +63,7 @@ def _run(options: argparse.Namespace) -> int:
     _check_places(options, scene)
     with _progress() as tell:
         try:
-            result, enough = _solved(scene, request, wanted, options.of, tell)
+            result, enough = _solved(options, scene, request, wanted, tell)
             step_lines = _step_error(result, tell) if not options.no_step_error else []
         except Interrupted as stopped:
             result, enough, step_lines = stopped.result, False, []
@@ -127,26 +128,29 @@ def _drawn(out: Path) -> list[str]:
 
 
 def _asked(options: argparse.Namespace, given: dict[str, str], **named: object) -> tuple[Scene, Request, float | None]:
-    """The scene, the request, on the coarsest grid where an error is asked for, and that error."""
+    """The scene, the request, on the first grid where an error is asked for, and that error."""
     if options.error is None:
         if options.of is not None:
             raise UsageError("--of names the quantity of --error: give both")
+        if options.budget is not None:
+            raise UsageError("--budget bounds the time of --error: give both")
         return *complete(options.scene, given, options.mesh, **named), None
-    from studies.refinement.error_control import coarsest, parse_error
+    from studies.refinement.cascade import first_grid
+    from studies.refinement.error_control import parse_error
 
     wanted = parse_error(options.error)
-    return *coarsest(options.scene, given, options.mesh, **named), wanted
+    return *first_grid(options.scene, given, options.mesh, **named), wanted
 
 
 def _solved(
-    scene: Scene, request: Request, wanted: float | None, quantity: str | None, tell: Callable[[str], None]
+    options: argparse.Namespace, scene: Scene, request: Request, wanted: float | None, tell: Callable[[str], None]
 ) -> tuple[Result, bool]:
     """The result, and whether its error is the one wanted, if any is."""
-    if wanted is None:
-        return solve(scene, request, tell), True
-    from studies.refinement.error_control import solve_to_error
+    if wanted is not None:
+        from studies.refinement.cascade import answer, parse_budget
 
-    return solve_to_error(scene, request, wanted, quantity, tell)
+        return answer(scene, request, wanted, options.of, tell, parse_budget(options.budget))
+    return solve(scene, request, tell), True
 
 
 def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:

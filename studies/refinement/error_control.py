@@ -17,7 +17,7 @@ from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import indicators
 from studies.refinement.point_loads import growth
-from studies.refinement.records import at_loads, record, record_loads, record_rounds
+from studies.refinement.records import at_loads, of_rounds, record_estimate, record_loads, record_rounds
 from studies.refinement.rounds import Round, estimate
 from studies.refinement.trees import Family
 from studies.request import Request
@@ -29,8 +29,8 @@ from studies.solving import solve
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
 COARSER = 4  # the default mesh over the coarsest one
-TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
 HALVINGS = 10  # of the elements at a point load, whose growth has to stay within the error that is asked for
+TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
 
 
 def parse_error(text: str) -> float:
@@ -62,8 +62,11 @@ def coarsest(
 
 def coarsest_mesh(scene: Scene) -> tuple[int, int]:
     """A quarter of the default mesh both ways, or what the scene names."""
-    if isinstance(scene, RefinedScene):
-        return scene.coarsest_mesh
+    return scene.coarsest_mesh if isinstance(scene, RefinedScene) else quarter(scene)
+
+
+def quarter(scene: Scene) -> tuple[int, int]:
+    """A quarter of the default mesh both ways."""
     n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
     return n1, n2
 
@@ -95,7 +98,7 @@ def solve_to_error(
                 return coarse, False
             family, too_coarse = family.everywhere(), too_coarse + 1
             continue
-        quantity = quantity or default_quantity(scene, coarse)
+        quantity = quantity or default_quantity(scene, coarse.quantities)
         finer = family.everywhere()
         if quantity not in coarse.quantities:
             if too_coarse == TOO_COARSE or not _may_come(scene, quantity):
@@ -126,8 +129,9 @@ def solve_to_error(
             return fine, False
         found = estimate(rounds)
         progress(f"{quantity} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
-        record(fine, quantity, rounds, found, error)
-        record_loads(fine, quantity, seen_at)
+        record_rounds(fine, quantity, rounds)
+        record_estimate(fine, quantity, found, error)
+        record_loads(fine, quantity, of_rounds(seen_at))
         if len(rounds) >= FEWEST and found.uncertainty <= error:
             return fine, True
         if most_unknowns > most / 2 or following.asked == family.asked:  # too many, or all that is marked is deepest
@@ -138,10 +142,10 @@ def solve_to_error(
     return fine, False
 
 
-def default_quantity(scene: Scene, result: Result) -> str:
+def default_quantity(scene: Scene, quantities: Mapping[str, float]) -> str:
     """The force, the first quantity with a reference, or the first of all."""
-    named = ["force_N", *(reference.quantity for reference in scene.references), *result.quantities]
-    return next(name for name in named if name in result.quantities)
+    named = ["force_N", *(reference.quantity for reference in scene.references), *quantities]
+    return next(name for name in named if name in quantities)
 
 
 def _next(family: Family, finer: Family, coarse: Result, fine: Result, quantity: str) -> tuple[Family, float]:

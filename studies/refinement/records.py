@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from studies.refinement.rounds import Estimate, Round, estimate
+from studies.refinement.limits import Estimate
+from studies.refinement.rounds import Round, estimate
 from studies.request import Request
 from studies.result import Result
 from studies.scene import ShellSceneModel
 from studies.store.tables import Table
 
+UNKNOWN: dict[str, float | None] = {"limit": None, "uncertainty": None}
 
-def record(result: Result, quantity: str, rounds: Sequence[Round], found: Estimate, error: float) -> None:
-    """The estimate as quantities, and the rounds as a table."""
-    record_rounds(result, quantity, rounds)
+
+def record_estimate(result: Result, quantity: str, found: Estimate, error: float) -> None:
+    """The estimate as quantities, and the elements of the last grid as a table."""
     if isinstance(result.model, ShellSceneModel):
         result.tables["grid"] = [_elements(result.model, result.request)]
     result.quantities |= {
@@ -31,7 +34,11 @@ def record(result: Result, quantity: str, rounds: Sequence[Round], found: Estima
 
 def record_rounds(result: Result, quantity: str, rounds: Sequence[Round]) -> None:
     """The rounds as a table."""
-    rows = [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds]
+    record_grids(result, [{"quantity": quantity, **vars(each), "limit": each.limit} for each in rounds])
+
+
+def record_grids(result: Result, rows: Sequence[dict[str, Any]]) -> None:
+    """What grids have come to, a row each, as a table."""
     result.tables["refinement"] = [Table.of_rows(rows)]
 
 
@@ -44,16 +51,20 @@ def at_loads(coarse: Result, fine: Result, quantity: str, last: Round) -> list[R
     return [replace(last, value=a, finer=b, rim=last.rim * abs(b / (last.finer or 1.0))) for a, b in pairs]
 
 
-def record_loads(result: Result, quantity: str, rounds: Sequence[Sequence[Round]]) -> None:
+def record_loads(result: Result, quantity: str, stated: Sequence[Estimate | str]) -> None:
     """The table ``loads``: limit and uncertainty at every load, where there are several."""
-    if not all(rounds) or len(result.loads) < 2:
+    if len(result.loads) < 2 or len(stated) != len(result.loads):
         return
-    stated = [estimate(each) for each in zip(*rounds, strict=True)]
-    rows = [
-        {**step.load, quantity: step.seen[quantity], "limit": at.limit, "uncertainty": at.uncertainty}
-        for step, at in zip(result.loads, stated, strict=True)
-    ]
+    rows = []
+    for step, at in zip(result.loads, stated, strict=True):
+        known = {"limit": at.limit, "uncertainty": at.uncertainty} if isinstance(at, Estimate) else UNKNOWN
+        rows.append({**step.load, quantity: step.seen[quantity], **known})
     result.tables["loads"] = [Table.of_rows(rows)]
+
+
+def of_rounds(rounds: Sequence[Sequence[Round]]) -> list[Estimate | str]:
+    """The estimates of every load from the rounds of all loads; none where a round does not have them."""
+    return [estimate(each) for each in zip(*rounds, strict=True)] if all(rounds) else []
 
 
 def _elements(model: ShellSceneModel, request: Request) -> Table:

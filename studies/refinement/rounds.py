@@ -23,8 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from studies.analysis.richardson import correction
-
-SAFETY = 1.5
+from studies.refinement.limits import SAFETY, Estimate
 
 
 @dataclass(frozen=True)
@@ -48,25 +47,6 @@ class Round:
     def limit(self) -> float:
         """Richardson's for the order 2."""
         return self.finer + correction((2.0, 1.0), (self.value, self.finer))
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """limit: within +-uncertainty; error: of the last grid's value, in [low, high]. All but the limit are relative."""
-
-    limit: float
-    uncertainty: float
-    error: float
-
-    @property
-    def low(self) -> float:
-        """The least that the error of the last grid's value may be."""
-        return max(self.error - self.uncertainty, 0.0)
-
-    @property
-    def high(self) -> float:
-        """The most that it may be."""
-        return self.error + self.uncertainty
 
 
 def estimate(rounds: Sequence[Round]) -> Estimate:

@@ -1,0 +1,148 @@
+"""Nested iteration: a path is followed on a coarser grid first, which starts it near its solution on the next one.
+
+What coarser grids have come to is not judged: they are starts, and values to compare with. The answer is that of the
+last grid alone: where its path from a known one fails, or comes to a state that is not stable, it is followed from
+rest, and that decides. Source: Hackbusch, Multi-Grid Methods (1985), ch. 5.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product, takewhile
+from typing import Any
+
+import numpy as np
+
+from contact.continuation.starts import Starts
+from studies.algorithm_settings import configured
+from studies.outside import blamed
+from studies.refinement.carried import starts_from
+from studies.request import Request
+from studies.result import CONVERGED, Result
+from studies.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage, UsageError
+from studies.solving import cold, solve, stages_of
+from studies.walk import Visited, no_starts, walk
+
+FEWEST = 4  # elements along a coordinate, below which it is not made coarser
+NEAR = 2  # how far from the elements that are wanted those of a grid may be, where a scene does not take them
+CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
+LOOSE = 1e-5  # of the forces: what a start is off is far more
+
+
+@dataclass(frozen=True, eq=False)
+class Sketch:
+    """A path on a coarser grid: the requested points, what is read off them, and the CPU time.
+
+    loads: a row a requested load.  quantities: the headline values.
+    """
+
+    request: Request
+    model: ShellSceneModel
+    visits: Sequence[Visited]
+    loads: Sequence[dict[str, Any]]
+    quantities: dict[str, float]
+    seconds: float
+
+    @property
+    def end(self) -> Visited:
+        """The last requested point."""
+        return self.visits[-1]
+
+    @property
+    def size(self) -> float:
+        """Of the elements, over that of a single one."""
+        return element_size(self.request)
+
+
+def element_size(request: Request) -> float:
+    """Of the elements along the coordinates that have several, over that of a single one."""
+    several = [n for n in request.mesh if n > 1] or [1]
+    return math.prod(several) ** (-1 / len(several))
+
+
+def ways(request: Request) -> int:
+    """Coordinates that have several elements."""
+    return sum(n > 1 for n in request.mesh)
+
+
+def touches(visited: Visited) -> bool:
+    """Whether some candidates are in contact."""
+    return bool(np.any(visited.point.solution.active))
+
+
+def solve_from(
+    scene: Scene, request: Request, known: Sketch | None, progress: Callable[[str], None] = lambda text: None
+) -> Result:
+    """The result on the grid of the request, its path started from a known one; from rest where that is not stable."""
+    result = solve(scene, request, progress, partial(starts_of, known) if known is not None else cold)
+    if known is None or result.verdict == CONVERGED or result.unsupported:
+        return result
+    again = solve(scene, request, progress)
+    if again.verdict != result.verdict:
+        again.remarks.append(f"from a coarser grid the path is {result.verdict}: this one is followed from rest")
+    return again
+
+
+def sketch(scene: Scene, request: Request, coarser: Sketch | None = None, loose: float = LOOSE) -> Sketch | None:
+    """The path of a request to forces in balance to ``loose``; None where it does not get there, or is a curve.
+
+    Raises PartError where a part from outside breaks.
+    """
+    with blamed(request.contact, request.measure, scene):
+        return _sketched(scene, request, coarser, loose)
+
+
+def _sketched(scene: Scene, request: Request, coarser: Sketch | None, loose: float) -> Sketch | None:
+    start = time.process_time()
+    model = scene.build(request)
+    tolerance = max(loose, request.number("tolerance"))
+    visits, loads, quantities = list[Visited](), list[dict[str, Any]](), dict[str, float]()
+    if not isinstance(model, ShellSceneModel):
+        return None
+    try:
+        algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
+    except ValueError:  # a parameter that it cannot have: who solves says so
+        return None
+    starts = no_starts if coarser is None else starts_of(coarser, model)
+    stages = takewhile(lambda stage: not isinstance(stage, CurveStage), stages_of(model, request))
+    for visited in walk(stages, algorithm, request.steps, smallest=CUT, starts=starts):
+        if not visited.converged:
+            return None
+        visits.append(visited)
+        seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
+        quantities |= seen.quantities
+        if seen.step is not None:
+            loads.append(seen.step)
+    return Sketch(request, model, visits, loads, quantities, time.process_time() - start) if loads else None
+
+
+def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
+    """Where the steps of a model set out from: from the path that is known."""
+    return starts_from(known.visits, known.model, model)
+
+
+def near(scene: Scene, request: Request, times: float) -> Request | None:
+    """The request with so many times the elements along each coordinate, or nearly; None where there is no such grid.
+
+    A coordinate with one element keeps it, and none is made coarser than FEWEST.
+    """
+    wanted = [n if n == 1 else max(n * times, min(n, FEWEST)) for n in request.mesh]
+    around = [[n] if n == 1 else _around(want) for n, want in zip(request.mesh, wanted, strict=True)]
+    for mesh in sorted(
+        product(*around), key=lambda mesh: sum(abs(n / w - 1) for n, w in zip(mesh, wanted, strict=True))
+    ):
+        asked = replace(request, mesh=(mesh[0], mesh[1]))
+        try:
+            scene.build(asked)
+        except UsageError:
+            continue
+        return asked if mesh != request.mesh else None
+    return None
+
+
+def _around(wanted: float) -> list[int]:
+    return [n for n in range(round(wanted) - NEAR, round(wanted) + NEAR + 1) if n > 1]
