@@ -361,14 +361,6 @@ class CompletingScene(Protocol):
 
 
 @runtime_checkable
-class AdaptedScene(Protocol):
-    """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
-
-    def adapted(self, request: Request) -> Scene:
-        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
-
-
-@runtime_checkable
 class RefinedScene(Protocol):
     """A scene that names the grid from which a refinement to an error sets out, where a quarter of its own is none."""
 

@@ -13,7 +13,7 @@ from scipy.linalg import norm
 from contact.continuation.candidates import solve_within_reach
 from contact.continuation.critical_points import Ending, PathEnd, State, branches_passed, why_it_ends
 from contact.continuation.pressed_curve import hasty
-from contact.continuation.starts import Start, Starts, none_known
+from contact.continuation.starts import Start, Starts, after_in_vain, none_known
 from contact.continuation.turning_points import by_arc_length
 from contact.events import Event, EventKind
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
@@ -186,7 +186,7 @@ class Stepper:
         if tried.failure is None:
             return tried
         found = solve_within_reach(algorithm, problem, state)
-        return self._tried(trial, problem, _after(tried.solution, found, tried.failure))
+        return self._tried(trial, problem, after_in_vain(tried.solution, found, tried.failure))
 
     def _tried(self, trial: float, problem: ContactProblem, found: ContactSolution) -> Attempt:
         """What has been found at a parameter, and why it is no state of the path, if it is none."""
@@ -296,14 +296,6 @@ class Stepper:
         if event is not None:
             rows[-1]["event"] = event
         return replace(self, counters=counters, history=(*self.history, *rows), cause=found.outcome)
-
-
-def _after(vain: ContactSolution, found: ContactSolution, why: Event) -> ContactSolution:
-    """What was found from the last state of the path, after a start from elsewhere that has led to none."""
-    counters = {key: vain.counters.get(key, 0) + value for key, value in found.counters.items()}
-    *rows, last = vain.history or ({},)
-    event = Event(EventKind.FAILED, f"not from the state of another grid: {why}; from the last of the path")
-    return replace(found, counters=counters, history=(*rows, {**last, "event": event}, *found.history))
 
 
 def _factorisations(solution: ContactSolution) -> float:

@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from contact.continuation.critical_points import State
+from contact.events import Event, EventKind
 from contact.problem import ContactProblem, ContactSolution, Linearised
 
 
@@ -53,10 +55,17 @@ class Start:
         return replace(problem, linearise=at, only=None if only is None else chosen)
 
 
-State = tuple[float, ContactSolution]  # the parameter of a path, and the solution there
 Starts = Callable[[int, State, float], Start | None]  # index of the requested point, last state, parameter of the next
 
 
 def none_known(index: int, last: State, parameter: float) -> Start | None:
     """Every step sets out from the last state of the path."""
     return None
+
+
+def after_in_vain(vain: ContactSolution, found: ContactSolution, why: Event) -> ContactSolution:
+    """What was found from the last state of the path, after a start from elsewhere that has led to none."""
+    counters = {key: vain.counters.get(key, 0) + value for key, value in found.counters.items()}
+    *rows, last = vain.history or ({},)
+    event = Event(EventKind.FAILED, f"not from the state of another grid: {why}; from the last of the path")
+    return replace(found, counters=counters, history=(*rows, {**last, "event": event}, *found.history))

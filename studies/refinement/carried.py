@@ -12,7 +12,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.continuation.starts import Start, Starts, State, none_known
+from contact.continuation.critical_points import State
+from contact.continuation.starts import Start, Starts, none_known
 from contact.problem import ContactSolution
 from formulations.element.mixed import MODE_ROWS
 from formulations.geometry.transfer import Transfer
@@ -21,7 +22,6 @@ from studies.walk import Visited, no_starts
 
 POWERS = tuple(powers for powers, _ in MODE_ROWS)
 LINEAR = 1  # what jumps at the rim of a patch is interpolated without overshooting
-OPEN, STICK, SLIP = range(3)  # of contact.friction.problem.State; nothing of friction is imported without it
 MOSTLY = 0.5  # of the nodes around, in contact
 
 
@@ -97,17 +97,19 @@ class Carrier:
         start = replace(start, pressure=np.where(active, self._at_candidates(state.pressure), 0.0), active=active)
         if state.friction is None:
             return start
+        from contact.friction.problem import State as Rubs  # nothing of friction is imported without it
+
         weights = visited.problem_at(t).weights
         traction = state.friction.force / np.where(weights > 0, weights, 1.0)[:, None]
         slips, closed = (
             self._at_candidates(each.astype(float))
-            for each in (state.friction.state == SLIP, state.friction.state != OPEN)
+            for each in (state.friction.state == Rubs.SLIP, state.friction.state != Rubs.OPEN)
         )
-        found = np.where(slips > MOSTLY * closed, SLIP, STICK)
+        found = np.where(slips > MOSTLY * closed, Rubs.SLIP, Rubs.STICK)
         return replace(
             start,
             traction=np.where(active[:, None], self._at_candidates(traction), 0.0),
-            state=np.where(active, found, OPEN).astype(state.friction.state.dtype),
+            state=np.where(active, found, Rubs.OPEN).astype(state.friction.state.dtype),
         )
 
     def _at_candidates(self, values: np.ndarray) -> np.ndarray:

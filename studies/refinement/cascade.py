@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from studies.refinement.records import record_estimate, record_grids, record_loa
 from studies.refinement.trees import Family
 from studies.request import Request
 from studies.result import Result
-from studies.scene import AdaptedScene, RefinedScene, Scene, UsageError
+from studies.scene import RefinedScene, Scene, UsageError
 from studies.scenes import SCENES
 
 FINER = math.sqrt(2)  # elements along a coordinate from grid to grid
@@ -36,6 +36,14 @@ DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those
 SLOW = 1.5  # the lowest order that a cascade is foreseen to have
 TOO_FINE = 0.4  # size of elements over that of the first grid, below which a path that fails is not tried again
 ENOUGH = 2  # grids that show what quantities there are
+
+
+@runtime_checkable
+class AdaptedScene(Protocol):
+    """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
+
+    def adapted(self, request: Request) -> Scene:
+        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
 
 
 @dataclass

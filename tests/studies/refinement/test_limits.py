@@ -41,7 +41,7 @@ def test_a_smooth_sequence_of_the_order_two_is_known_to_a_part_of_its_correction
 
 @pytest.mark.parametrize(("order", "wide"), [(1.0, 4), (1.5, 4), (2.0, 6)])
 def test_scatter_about_an_order_makes_the_interval_as_wide(order: float, wide: float) -> None:
-    """In contact: at least nineteen of twenty hold, on ladders whose every error is off by a third of itself.
+    """In contact: at least nineteen of twenty hold, on ladders whose errors scatter by a third of themselves.
 
     wide: what half of them are narrower than, over the error of the last grid.
     """
