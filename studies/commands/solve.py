@@ -17,16 +17,18 @@ from studies.commands.options import add_settings, pairs
 from studies.complete import complete
 from studies.door.columns import columns
 from studies.friction.settings import rubbing
+from studies.refinement import mesh_error
 from studies.request import Request, UsageError
 from studies.result import UNSTABLE, WRONG, Result
 from studies.scene import Scene, has_contact
 from studies.shown import behind, printable
-from studies.solving import Interrupted, solve
+from studies.solving import Interrupted
 from studies.step import Step
 from studies.store.atomic import write_by
 from studies.store.tables import Table
 
 SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
+START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
 
@@ -46,6 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the result goes")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
     parser.add_argument("--branch", action="store_true", help="from an unstable state to the stable branches beside it")
+    parser.add_argument("--start", choices=mesh_error.STARTS, default=mesh_error.NESTED, help=START_HELP)
+    parser.add_argument("--no-error", action="store_true", help="do not state what coarser grids say of the error")
     parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")
 
@@ -78,7 +82,7 @@ def _run(options: argparse.Namespace) -> int:
             raise UsageError(f"{options.scene} has no contact to freeze")
         write_by(options.freeze, result.frozen().write)
     _print_table(result)
-    for line in step_lines:
+    for line in (*mesh_error.lines(result), *step_lines):
         print(line)
     if asked:
         print("\n".join(branching.lines(result)))
@@ -150,7 +154,8 @@ def _solved(
         from studies.refinement.cascade import answer, parse_budget
 
         return answer(scene, request, wanted, options.of, tell, parse_budget(options.budget))
-    return solve(scene, request, tell), True
+    asked_for = not options.no_error
+    return mesh_error.solve_with_error(scene, request, tell, start=options.start, error=asked_for), True
 
 
 def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:

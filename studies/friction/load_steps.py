@@ -24,13 +24,12 @@ from studies.certificate import certificate
 from studies.friction.stages import Stages
 from studies.result import SOLVED, Result
 from studies.scene import Observation, Stage
-from studies.step import unit_of
+from studies.step import COUNTS, unit_of
 from studies.store.tables import Table
 from studies.walk import Visited, walk
 
 TABLE = "load_steps"
 SAFETY = 3.0  # of an estimate by two grids, whose order nobody has observed: Roache, J. Fluids Eng. 116 (1994) 405-413
-COUNTS = ("contact_nodes", "sticking", "slipping")  # which no smaller step changes by a smaller amount
 NOISE = 10.0  # times the tolerance of the largest in a unit: what is smaller is no difference
 SHOWN, IN_A_TURN = "friction_N", "moment_N_mm"  # beside the first quantity
 REMARK = (
@@ -85,12 +84,22 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
             continue
         step = next(loads)
         found = compared(step.quantities, seen.step, result.request.number("tolerance"))
-        result.errors |= {each.quantity: each.interval for each in found if each.quantity in seen.quantities}
+        for each in found:
+            if each.quantity in seen.quantities:
+                result.errors[each.quantity] = _widened(result.errors.get(each.quantity, {}), each)
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
         rows += [{"stage": stage, "load": at, **spent, **each.row} for each in found]
     result.errors = {quantity: interval for quantity, interval in result.errors.items() if interval}
     result.tables |= {TABLE: [Table.of_rows(rows)]} if rows else {}
     result.timing[TABLE] = time.process_time() - start
+
+
+def _widened(interval: Mapping[str, float], steps: StepError) -> dict[str, float]:
+    """The interval of grids, if there is one, with that of load steps on both sides."""
+    if not interval or not steps.interval:
+        return {**interval, **steps.interval}
+    width = steps.interval["high"] - steps.value
+    return {"low": interval["low"] - width, "high": interval["high"] + width}
 
 
 def compared(mine: Mapping[str, Any], other: Mapping[str, Any], tolerance: float) -> list[StepError]:

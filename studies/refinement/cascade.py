@@ -17,10 +17,10 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from studies.complete import complete
-from studies.refinement.error_control import HALVINGS, coarsest, default_quantity, quarter, solve_to_error
+from studies.refinement.error_control import coarsest, default_quantity, quarter, solve_to_error
 from studies.refinement.limits import FEW, Estimate, Seen, limit_of
 from studies.refinement.nested import Sketch, element_size, near, sketch, solve_from, touches, ways
-from studies.refinement.point_loads import growth
+from studies.refinement.point_loads import HALVINGS, growth
 from studies.refinement.records import record_estimate, record_grids, record_loads
 from studies.refinement.trees import Family
 from studies.request import Request

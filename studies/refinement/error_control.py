@@ -16,7 +16,7 @@ from contact.problem import Outcome
 from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import indicators
-from studies.refinement.point_loads import growth
+from studies.refinement.point_loads import HALVINGS, growth
 from studies.refinement.records import at_loads, of_rounds, record_estimate, record_loads, record_rounds
 from studies.refinement.rounds import Round, estimate
 from studies.refinement.trees import Family
@@ -29,7 +29,6 @@ from studies.solving import solve
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
 COARSER = 4  # the default mesh over the coarsest one
-HALVINGS = 10  # of the elements at a point load, whose growth has to stay within the error that is asked for
 TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
 
 

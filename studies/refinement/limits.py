@@ -120,6 +120,18 @@ def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str
     return _estimate(last.value, limit, within)
 
 
+def order_of(grids: Sequence[Seen]) -> float | None:
+    """p of J = L + c h^p through three grids, each about half as coarse as the one before; None where it is not above 0."""
+    found = three_of(grids)
+    if found is None:
+        return None
+    first, middle, last = found
+    before, now = middle.value - first.value, last.value - middle.value
+    if not abs(before) > abs(now) or before * now <= 0:
+        return None
+    return math.log(before / now) / math.log(middle.size / last.size)
+
+
 def _fitted(grids: Sequence[Seen]) -> Estimate | str:
     sizes, values = (np.array(each, float) for each in zip(*((g.size, g.value) for g in grids), strict=True))
     if not np.isfinite(values).all():

@@ -10,14 +10,15 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
-from itertools import product, takewhile
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 
-from contact.continuation.starts import Starts
+from contact.continuation.critical_points import State
+from contact.continuation.starts import Start, Starts
 from studies.algorithm_settings import configured
 from studies.outside import blamed
 from studies.refinement.carried import starts_from
@@ -31,13 +32,15 @@ FEWEST = 4  # elements along a coordinate, below which it is not made coarser
 NEAR = 2  # how far from the elements that are wanted those of a grid may be, where a scene does not take them
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
+FAR = 0.5  # of a step, as far as which from its state a start is none
 
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
     """A path on a coarser grid: the requested points, what is read off them, and the CPU time.
 
-    loads: a row a requested load.  quantities: the headline values.
+    loads: a row a requested load, or the last point of a curve.  quantities: the headline values.  strayed: the largest
+    distance of a state from its start on a coarser grid, over its step; 0 where no step had one.
     """
 
     request: Request
@@ -46,6 +49,7 @@ class Sketch:
     loads: Sequence[dict[str, Any]]
     quantities: dict[str, float]
     seconds: float
+    strayed: float = 0.0
 
     @property
     def end(self) -> Visited:
@@ -88,7 +92,7 @@ def solve_from(
 
 
 def sketch(scene: Scene, request: Request, coarser: Sketch | None = None, loose: float = LOOSE) -> Sketch | None:
-    """The path of a request to forces in balance to ``loose``; None where it does not get there, or is a curve.
+    """The path of a request to forces in balance to ``loose``; None where it does not get there.
 
     Raises PartError where a part from outside breaks.
     """
@@ -107,22 +111,56 @@ def _sketched(scene: Scene, request: Request, coarser: Sketch | None, loose: flo
         algorithm = configured(request.contact, request.settings.with_values(tolerance=tolerance))
     except ValueError:  # a parameter that it cannot have: who solves says so
         return None
-    starts = no_starts if coarser is None else starts_of(coarser, model)
-    stages = takewhile(lambda stage: not isinstance(stage, CurveStage), stages_of(model, request))
-    for visited in walk(stages, algorithm, request.steps, smallest=CUT, starts=starts):
+    given = Given(no_starts if coarser is None else starts_of(coarser, model))
+    for visited in walk(stages_of(model, request), algorithm, request.steps, smallest=CUT, starts=given.to):
         if not visited.converged:
             return None
         visits.append(visited)
         seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
         quantities |= seen.quantities
+        if visited.trace is not None and isinstance(visited.stage, CurveStage):
+            quantities |= visited.stage.summarise(visited.trace.points)
         if seen.step is not None:
             loads.append(seen.step)
-    return Sketch(request, model, visits, loads, quantities, time.process_time() - start) if loads else None
+    if not loads:
+        return None
+    strayed = max(map(given.strayed, visits))
+    return Sketch(request, model, visits, loads, quantities, time.process_time() - start, strayed)
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """The starts of a path, and which of them it has been given."""
+
+    starts: Callable[[Stage], Starts]
+    used: dict[tuple[str, float], np.ndarray] = field(default_factory=dict)
+
+    def to(self, stage: Stage) -> Starts:
+        """Those of a stage, on record."""
+        starts = self.starts(stage)
+
+        def at(index: int, last: State, parameter: float) -> Start | None:
+            start = starts(index, last, parameter)
+            if start is not None:
+                self.used[stage.name, parameter] = start.u
+            return start
+
+        return at
+
+    def strayed(self, visited: Visited) -> float:
+        """The largest distance of a state on the way to a point from its start, over that from the state before."""
+        far = 0.0
+        for (_, before), (t, state) in pairwise(visited.point.way):
+            u = self.used.get((visited.stage.name, t))
+            if u is not None:
+                moved = float(np.linalg.norm(state.u - before.u))
+                far = max(far, float(np.linalg.norm(state.u - u)) / (moved or math.inf))
+        return far
 
 
 def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
-    """Where the steps of a model set out from: from the path that is known."""
-    return starts_from(known.visits, known.model, model)
+    """Where the steps of a model set out from: the path that is known, unless its own starts were as far from it."""
+    return no_starts if known.strayed >= FAR else starts_from(known.visits, known.model, model)
 
 
 def near(scene: Scene, request: Request, times: float) -> Request | None:

@@ -16,6 +16,7 @@ from formulations.shell import ShellModel
 from studies.result import Result
 from studies.scenes.statics import CurveModel, StaticModel
 
+HALVINGS = 10  # of the elements at a point load, whose growth has to stay within the error that is asked for
 STEP = 1e-6  # of the largest displacement, for the slope of a quantity
 SHEAR = (slice(6, 8), slice(8, 10))  # 2E13 and 2E23 of both faces
 
