@@ -9,7 +9,8 @@ from typing import Any
 
 CERTIFICATE = ("failures", "exceeded", "kkt", "balances", "rounding", "scales", "diagnosis", "stability")
 UNITS = ("_N_mm", "_N", "_MPa", "_mm")  # that a quantity may end in
-COUNTS = ("contact_nodes", "sticking", "slipping")  # which no smaller step or element changes by a smaller amount
+# which no smaller step or element changes by a smaller amount
+COUNTS = ("contact_nodes", "sticking", "slipping", "limit_points")
 OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm counts
 
 

@@ -121,7 +121,7 @@ def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str
 
 
 def order_of(grids: Sequence[Seen]) -> float | None:
-    """p of J = L + c h^p through three grids, each about half as coarse as the one before; None where it is not above 0."""
+    """p of J = L + c h^p through three grids, each half as coarse as the one before; None where differences grow."""
     found = three_of(grids)
     if found is None:
         return None

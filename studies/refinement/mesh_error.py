@@ -74,7 +74,8 @@ def solve_with_error(
     """
     if start == COLD and not error:
         return solve_from(scene, request, None, progress)
-    scene = scene.adapted(request) if _adapts(scene, request) else scene
+    if isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted":
+        scene = scene.adapted(request)  # once for all grids
     asked = coarser_grids(scene, request)
     grids = list[Sketch]()
     for each in reversed(asked):
@@ -99,10 +100,6 @@ def coarser_grids(scene: Scene, request: Request) -> list[Request]:
             break
         found.append(half)
     return found
-
-
-def _adapts(scene: Scene, request: Request) -> bool:
-    return isinstance(scene, AdaptedScene) and request.settings.get("grading") == "adapted"
 
 
 def _too_few(scene: Scene, asked: Sequence[Request], grids: Sequence[Sketch]) -> str:

@@ -11,7 +11,7 @@ from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
 from studies.complete import complete
 from studies.refinement import nested
-from studies.refinement.nested import near, sketch, solve_from
+from studies.refinement.nested import FAR, near, sketch, solve_from
 from studies.request import PartError, Request
 from studies.result import Result
 from studies.scene import Scene
@@ -91,10 +91,45 @@ def test_a_path_that_a_start_leads_elsewhere_is_followed_from_rest(monkeypatch: 
     assert result.remarks == ["from a coarser grid the path is unstable: this one is followed from rest"]
 
 
-def test_what_does_not_get_there_or_is_no_path_of_steps_is_no_start() -> None:
+def test_what_does_not_get_there_is_no_start() -> None:
     assert sketch(*complete("tyre", {"delta_mm": "40"}, "8x8")) is None
-    assert sketch(*complete("roof-a", {"until": "limit"}, "4x4")) is None  # a curve
     assert sketch(*complete("crushed-ring-solid", {})) is None
+
+
+def test_a_curve_is_followed_for_what_it_says_of_the_limit() -> None:
+    """It starts from nowhere else, and has the values of the solve."""
+    asked = complete("roof-a", {"until": "limit"}, "4x4")
+    known = sketch(*asked)
+    assert known is not None
+    assert known.strayed == 0.0
+    assert known.quantities == pytest.approx(solve(*asked).quantities)
+
+
+def strayed(scene: str, mesh: str, settings: dict[str, str], **options: str) -> float:
+    """Of the states on a grid from those of half the elements, as starts."""
+    asked = complete(scene, settings, mesh, **options)
+    half = near(*asked, 0.5)
+    assert half is not None
+    known = sketch(*asked, sketch(asked[0], half))
+    assert known is not None
+    return known.strayed
+
+
+def test_how_far_a_start_is_from_its_state_is_known_in_steps() -> None:
+    """With the order 2 of the grids."""
+    far = [strayed("hemisphere", mesh, {"load_fraction": "1"}) for mesh in ("16x16", "32x32")]
+    assert 0.001 < far[1] < 0.5 * far[0] < FAR
+
+
+def test_a_path_whose_own_starts_were_far_off_starts_no_other() -> None:
+    scene, request = complete("hemisphere", {"load_fraction": "1"}, "16x16")
+    half = near(scene, request, 0.5)
+    assert half is not None
+    known = sketch(scene, half)
+    assert known is not None
+    cold = iterations(solve(scene, request))
+    assert iterations(solve_from(scene, request, replace(known, strayed=FAR))) == cold
+    assert iterations(solve_from(scene, request, known)) < cold
 
 
 @pytest.mark.parametrize(
