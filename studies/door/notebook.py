@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from studies import solving
 from studies.complete import complete
 from studies.door import descriptions
 from studies.door.descriptions import Description
@@ -88,7 +87,7 @@ class Run:
 
     @property
     def errors(self) -> dict[str, dict[str, float]]:
-        """Intervals {quantity: {low, high}} where the error of load steps is estimated: with friction."""
+        """Intervals {quantity: {low, high}} of what coarser grids and, with friction, half the load steps say."""
         return dict(self.result.errors)
 
     @property
@@ -118,12 +117,15 @@ def solve(
     mesh: str | Sequence[int] | None = None,
     model: str = "auto",
     steps: int = 1,
+    start: str = mesh_error.NESTED,
+    error: bool = True,
     step_error: bool = True,
     **settings: Any,
 ) -> Run:
     """Solve a scene; settings are its keys, as values or as text.
 
-    step_error: with friction, solve the path again with half the load steps for the error that they leave.
+    start: of the path, ``nested`` from its states on coarser grids, or ``cold`` from rest; the answer is the same.
+    error: state what these grids say of the error of the mesh.  step_error: with friction, solve the path again with half the load steps for the error that they leave.
 
     Raises UsageError with one line for a wrong name, key or value, and where the algorithm does not apply.
     """
@@ -131,7 +133,9 @@ def solve(
     built, request = complete(
         scene, settings, mesh, measure=measure, contact=contact, newton=newton, model=model, steps=steps
     )
-    result = solving.solve(built, request)
+    if start not in mesh_error.STARTS:
+        raise UsageError(f"start = {start!r} must be one of {', '.join(mesh_error.STARTS)}")
+    result = mesh_error.solve_with_error(built, request, start=start, error=error)
     if result.unsupported:
         raise UsageError(result.unsupported)
     if step_error and rubbing(request.settings):

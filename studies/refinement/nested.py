@@ -116,7 +116,8 @@ def _sketched(scene: Scene, request: Request, coarser: Sketch | None, loose: flo
         if not visited.converged:
             return None
         visits.append(visited)
-        seen = visited.stage.observe(visited.problem, visited.point.solution, visited.point.requested)
+        at = visited.point.reached  # a curve has what is asked for before its last target
+        seen = visited.stage.observe(visited.problem_at(at), visited.point.solution, at)
         quantities |= seen.quantities
         if visited.trace is not None and isinstance(visited.stage, CurveStage):
             quantities |= visited.stage.summarise(visited.trace.points)
