@@ -19,6 +19,7 @@ from studies.door import descriptions
 from studies.door.descriptions import Description
 from studies.door.plugins import load_entry_points
 from studies.friction.settings import rubbing
+from studies.refinement.mesh_error import NESTED, STARTS, solve_with_error
 from studies.result import Result
 from studies.scene import UsageError
 
@@ -117,15 +118,16 @@ def solve(
     mesh: str | Sequence[int] | None = None,
     model: str = "auto",
     steps: int = 1,
-    start: str = mesh_error.NESTED,
-    error: bool = True,
+    start: str = NESTED,
+    mesh_error: bool = True,
     step_error: bool = True,
     **settings: Any,
 ) -> Run:
     """Solve a scene; settings are its keys, as values or as text.
 
     start: of the path, ``nested`` from its states on coarser grids, or ``cold`` from rest; the answer is the same.
-    error: state what these grids say of the error of the mesh.  step_error: with friction, solve the path again with half the load steps for the error that they leave.
+    mesh_error: state what these grids say of the error of the mesh.
+    step_error: with friction, solve the path again with half the load steps for the error that they leave.
 
     Raises UsageError with one line for a wrong name, key or value, and where the algorithm does not apply.
     """
@@ -133,9 +135,9 @@ def solve(
     built, request = complete(
         scene, settings, mesh, measure=measure, contact=contact, newton=newton, model=model, steps=steps
     )
-    if start not in mesh_error.STARTS:
-        raise UsageError(f"start = {start!r} must be one of {', '.join(mesh_error.STARTS)}")
-    result = mesh_error.solve_with_error(built, request, start=start, error=error)
+    if start not in STARTS:
+        raise UsageError(f"start = {start!r} must be one of {', '.join(STARTS)}")
+    result = solve_with_error(built, request, start=start, error=mesh_error)
     if result.unsupported:
         raise UsageError(result.unsupported)
     if step_error and rubbing(request.settings):

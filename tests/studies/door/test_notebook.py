@@ -95,3 +95,12 @@ def test_the_package_is_light_and_its_names_stay_functions() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[] True True"
+
+
+def test_the_error_of_the_mesh_is_stated_unless_it_is_left_out() -> None:
+    run = solve("ring", mesh="1x64")
+    low, high = (run.errors["P_R2_over_EI"][end] for end in ("low", "high"))
+    assert low < run.quantities["P_R2_over_EI"] < high
+    assert not solve("ring", mesh="1x64", mesh_error=False).errors
+    with pytest.raises(UsageError, match="start = 'warm' must be one of nested, cold"):
+        solve("ring", start="warm")
