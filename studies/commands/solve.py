@@ -48,7 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the result goes")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
     parser.add_argument("--branch", action="store_true", help="from an unstable state to the stable branches beside it")
-    parser.add_argument("--start", choices=mesh_error.STARTS, default=mesh_error.NESTED, help=START_HELP)
+    parser.add_argument("--start", choices=mesh_error.STARTS, default=mesh_error.NESTED, metavar="HOW", help=START_HELP)
     parser.add_argument("--no-error", action="store_true", help="do not state what coarser grids say of the error")
     parser.add_argument("--no-step-error", action="store_true", help="with friction: no second path, of half steps")
     parser.add_argument("--freeze", type=Path, metavar="FILE", help="write the last contact problem, linearised")

@@ -72,7 +72,7 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
     """
     if result.verdict not in SOLVED:
         return
-    start, rows, loads = time.process_time(), list[dict[str, Any]](), iter(result.loads)
+    start, rows, loads, last = time.process_time(), list[dict[str, Any]](), iter(result.loads), dict[str, StepError]()
     result.remarks.append(REMARK)
     for visited, steps in _halved(result, tell):
         stage, at = visited.stage.name, visited.point.requested
@@ -84,12 +84,11 @@ def estimate(result: Result, tell: Callable[[str], None] = lambda text: None) ->
             continue
         step = next(loads)
         found = compared(step.quantities, seen.step, result.request.number("tolerance"))
-        for each in found:
-            if each.quantity in seen.quantities:
-                result.errors[each.quantity] = _widened(result.errors.get(each.quantity, {}), each)
+        last |= {each.quantity: each for each in found if each.quantity in seen.quantities}
         spent = {"substeps": step.counters["substeps"], "halved_substeps": steps}
         rows += [{"stage": stage, "load": at, **spent, **each.row} for each in found]
-    result.errors = {quantity: interval for quantity, interval in result.errors.items() if interval}
+    widened = {quantity: _widened(result.errors.get(quantity, {}), each) for quantity, each in last.items()}
+    result.errors = {name: interval for name, interval in (result.errors | widened).items() if interval}
     result.tables |= {TABLE: [Table.of_rows(rows)]} if rows else {}
     result.timing[TABLE] = time.process_time() - start
 

@@ -12,14 +12,24 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
 
 from studies.complete import complete
-from studies.refinement.error_control import coarsest, default_quantity, quarter, solve_to_error
+from studies.refinement.error_control import coarsest, default_quantity, solve_to_error
 from studies.refinement.limits import FEW, Estimate, Seen, limit_of
-from studies.refinement.nested import Sketch, element_size, near, sketch, solve_from, touches, ways
+from studies.refinement.nested import (
+    AdaptedScene,
+    Sketch,
+    element_size,
+    near,
+    quarter,
+    sketch,
+    solve_from,
+    touches,
+    ways,
+)
 from studies.refinement.point_loads import HALVINGS, growth
 from studies.refinement.records import record_estimate, record_grids, record_loads
 from studies.refinement.trees import Family
@@ -36,14 +46,6 @@ DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those
 SLOW = 1.5  # the lowest order that a cascade is foreseen to have
 TOO_FINE = 0.4  # size of elements over that of the first grid, below which a path that fails is not tried again
 ENOUGH = 2  # grids that show what quantities there are
-
-
-@runtime_checkable
-class AdaptedScene(Protocol):
-    """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
-
-    def adapted(self, request: Request) -> Scene:
-        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
 
 
 @dataclass

@@ -16,6 +16,7 @@ from contact.problem import Outcome
 from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import indicators
+from studies.refinement.nested import quarter
 from studies.refinement.point_loads import HALVINGS, growth
 from studies.refinement.records import at_loads, of_rounds, record_estimate, record_loads, record_rounds
 from studies.refinement.rounds import Round, estimate
@@ -28,7 +29,6 @@ from studies.solving import solve
 
 MOST = 60_000  # unknowns of the next finer grid, at which a round is not begun
 FEWEST, MOST_ROUNDS = 2, 8
-COARSER = 4  # the default mesh over the coarsest one
 TOO_COARSE = 2  # times that a coarsest grid which cannot carry the load, or lacks the quantity, is cut everywhere
 
 
@@ -62,12 +62,6 @@ def coarsest(
 def coarsest_mesh(scene: Scene) -> tuple[int, int]:
     """A quarter of the default mesh both ways, or what the scene names."""
     return scene.coarsest_mesh if isinstance(scene, RefinedScene) else quarter(scene)
-
-
-def quarter(scene: Scene) -> tuple[int, int]:
-    """A quarter of the default mesh both ways."""
-    n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
-    return n1, n2
 
 
 def solve_to_error(

@@ -8,9 +8,9 @@ and of three grids, each about half as coarse as the one before, how well: L is 
 
     u = max(SAFETY |L - L_before|, s |c|, guard)
 
-of the limit; s = 1, or SURE where the corrections c fall as the order 2 has them fall. guard: where differences change
-their sign, the last one; where they grow, SAFETY times the larger one. Where they grow and are large there is no
-statement.
+of the limit; s = 1, or SURE where more than three grids have corrections c that fall as the order 2 has them fall.
+guard: where differences change their sign, the last one; where they grow, SAFETY times the larger one. Where they grow
+and are large there is no statement.
 
 The rim of a patch of contact jumps from node to node: errors scatter about an order of 1 to 2. There L is the mean of
 two limits by least squares with weights 1/h, J = L_p + c h^p for p = 1 and 2 on the last FITTED grids, and ::
@@ -40,6 +40,7 @@ LARGE = 0.1  # of the value, above which growing differences say nothing
 LEAST = 1e-9  # of the value: what the iteration leaves
 FITTED, SPREAD = 4, 3.0
 ORDERS = (1, 2)  # that errors scatter about in contact
+FEWEST = 3  # grids that state a limit; whose first has often no order yet
 FEW = "fewer than three grids"
 GROWING = "it does not converge on these grids"
 
@@ -110,13 +111,13 @@ def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str
     ]
     limit, known_before = last.value + corrections[1], middle.value + corrections[0]
     falls = corrections[0] / (corrections[1] or math.inf) / (middle.size / last.size) ** 2
-    share = SURE if SHOWN[0] <= falls <= SHOWN[1] and not touching else 1.0
+    sure = len(grids) > FEWEST and SHOWN[0] <= falls <= SHOWN[1] and not touching
     guard = max(abs(before), abs(now)) if touching else 0.0
     if before * now <= 0:
         guard = max(guard, abs(now))
     if abs(now) > abs(before):
         guard = max(guard, SAFETY * abs(now))
-    within = max(SAFETY * abs(limit - known_before), share * abs(corrections[1]), guard)
+    within = max(SAFETY * abs(limit - known_before), (SURE if sure else 1.0) * abs(corrections[1]), guard)
     return _estimate(last.value, limit, within)
 
 

@@ -13,10 +13,18 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from studies.refinement.cascade import AdaptedScene
-from studies.refinement.error_control import quarter
 from studies.refinement.limits import Estimate, Seen, limit_of, order_of
-from studies.refinement.nested import Sketch, element_size, near, sketch, solve_from, touches, ways
+from studies.refinement.nested import (
+    AdaptedScene,
+    Sketch,
+    element_size,
+    near,
+    quarter,
+    sketch,
+    solve_from,
+    touches,
+    ways,
+)
 from studies.refinement.point_loads import HALVINGS, growth
 from studies.request import Request
 from studies.result import SOLVED, Result

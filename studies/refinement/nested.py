@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise, product
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -28,11 +28,20 @@ from studies.scene import CurveStage, Scene, SceneModel, ShellSceneModel, Stage,
 from studies.solving import cold, solve, stages_of
 from studies.walk import Visited, no_starts, walk
 
+COARSER = 4  # the default mesh over the coarsest one
 FEWEST = 4  # elements along a coordinate, below which it is not made coarser
 NEAR = 2  # how far from the elements that are wanted those of a grid may be, where a scene does not take them
 CUT = 0.5  # smallest part of a step on a coarser grid: one that is hard is left to the finer one
 LOOSE = 1e-5  # of the forces: what a start is off is far more
 FAR = 0.5  # of a step, as far as which from its state a start is none
+
+
+@runtime_checkable
+class AdaptedScene(Protocol):
+    """A scene whose grid lines may follow an estimate of the error, ``grading=adapted``."""
+
+    def adapted(self, request: Request) -> Scene:
+        """With the estimate, for grids of any number of elements; raises UsageError where there is none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,6 +171,12 @@ class Given:
 def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
     """Where the steps of a model set out from: the path that is known, unless its own starts were as far from it."""
     return no_starts if known.strayed >= FAR else starts_from(known.visits, known.model, model)
+
+
+def quarter(scene: Scene) -> tuple[int, int]:
+    """A quarter of the default mesh both ways."""
+    n1, n2 = (n if n == 1 else max(2, n // COARSER) for n in scene.default_mesh)
+    return n1, n2
 
 
 def near(scene: Scene, request: Request, times: float) -> Request | None:
