@@ -110,11 +110,17 @@ def coarser_grids(scene: Scene, request: Request) -> list[Request]:
     return found
 
 
+def enough(scene: Scene) -> tuple[int, int]:
+    """The coarsest mesh that has grids of half and of a quarter of its elements; the finer ones have them, too."""
+    n1, n2 = scene.default_mesh
+    q1, q2 = (max(q, FEWEST) * 2**TWICE for q in quarter(scene))
+    return 1 if n1 == 1 else q1, 1 if n2 == 1 else q2
+
+
 def _too_few(scene: Scene, asked: Sequence[Request], grids: Sequence[Sketch]) -> str:
     """Why the error is not known; empty where it may be."""
     if len(asked) < TWICE:
-        n1, n2 = (n if n == 1 else q * 2**TWICE for n, q in zip(scene.default_mesh, quarter(scene), strict=True))
-        return NO_GRIDS.format(f"{n1}x{n2}")
+        return NO_GRIDS.format("{}x{}".format(*enough(scene)))
     missing = [each for each in asked if each not in [grid.request for grid in grids]]
     return FAILED.format(" and ".join("{}x{}".format(*each.mesh) for each in reversed(missing))) if missing else ""
 

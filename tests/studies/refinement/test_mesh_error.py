@@ -171,3 +171,10 @@ def test_the_command_starts_cold(tmp_path) -> None:
         return json.loads((tmp_path / "result.json").read_text())["counters"]["newton_iterations"]
 
     assert spent("nested") < 0.7 * spent("cold")
+
+
+@pytest.mark.parametrize("scene", ["panel", "tyre", "ring", "plate-contact"])
+def test_the_mesh_that_is_named_has_two_coarser_ones(scene: str) -> None:
+    asked = complete(scene, {})
+    named = mesh_error.enough(asked[0])
+    assert len(coarser_grids(*complete(scene, {}, named))) == 2
