@@ -15,6 +15,7 @@ from typing import Any
 
 from studies.refinement.limits import Estimate, Seen, limit_of, order_of
 from studies.refinement.nested import (
+    FEWEST,
     AdaptedScene,
     Sketch,
     element_size,
