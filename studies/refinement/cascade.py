@@ -43,6 +43,7 @@ MOST = 100_000  # unknowns of a grid of a cascade
 TIGHT = 1e-2  # of the error asked for: what the iteration on a grid may leave of the forces
 LOOSEST, TIGHTEST = 1e-5, 1e-9
 DEARER = 4.0  # CPU seconds of the next grid and of its judged answer over those of the last grid
+ALMOST = 1.2  # of the unknowns of the next grid, up to which it is foreseen to be the last
 SLOW = 1.5  # the lowest order that a cascade is foreseen to have
 TOO_FINE = 0.4  # size of elements over that of the first grid, below which a path that fails is not tried again
 ENOUGH = 2  # grids that show what quantities there are
@@ -65,6 +66,14 @@ class Cascade:
             self.quantity = self.quantity or default_quantity(self.scene, found.quantities)
             self.grids.append(found)
         return found is not None
+
+    def solved(self, asked: Request, progress: Callable[[str], None]) -> Result | None:
+        """The judged result on one grid more, from the last one, in place of a sketch; None where it is no answer."""
+        result = solve_from(self.scene, asked, self.last, progress)
+        if not result.outcome.converged:
+            return None
+        self.grids.append(Sketch.of(result))
+        return result
 
     @property
     def name(self) -> str:
@@ -166,9 +175,15 @@ def answer(
     found: Estimate | str = FEW
     late = False
     widths: list[tuple[float, float]] = []
+    judged: Result | None = None  # on the last grid
     while asked is not None and not late:
         progress("{}x{}".format(*asked.mesh))
-        if not cascade.grow(asked) and (cascade.grids or element_size(asked) < TOO_FINE * element_size(request)):
+        if widths and _more(widths, error, ways(request)) <= ALMOST * FINER ** ways(request):
+            answered = cascade.solved(asked, progress)  # what is foreseen to be the last is solved once
+            if answered is None:
+                break
+            judged = answered
+        elif not cascade.grow(asked) and (cascade.grids or element_size(asked) < TOO_FINE * element_size(request)):
             break
         if cascade.grids:
             _check_quantity(cascade, ENOUGH)
@@ -188,7 +203,9 @@ def answer(
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):
         return solve_to_error(scene, _for_cuts(scene, request), error, quantity, progress)
     last = cascade.last
-    result = solve_from(scene, last.request, last, progress)
+    if judged is None or judged.request is not last.request:
+        judged = solve_from(scene, last.request, last, progress)
+    result = judged
     if not result.outcome.converged:
         return result, False
     longer = _longer(scene, result, request)

@@ -60,6 +60,13 @@ class Sketch:
     seconds: float
     strayed: float = 0.0
 
+    @classmethod
+    def of(cls, result: Result) -> Sketch:
+        """A path that was solved to its last load, with all that it cost."""
+        assert isinstance(result.model, ShellSceneModel)
+        loads, seconds = [step.seen for step in result.loads], result.timing["cpu"]
+        return cls(result.request, result.model, result.visits, loads, result.quantities, seconds)
+
     @property
     def end(self) -> Visited:
         """The last requested point."""
