@@ -225,9 +225,9 @@ def _curve_rows(visited: Visited, trace: Trace, result: Result) -> list[dict[str
     if trace.curve is None:
         return [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
     between = [*trace.curve.sampled(DRAWN), *trace.points[1:]]
-    rows = []
+    rows, problem = [], visited.problem  # what is read of a body without contact is read off its displacements
     for point in sorted(between, key=lambda each: each.along):
-        seen = visited.stage.observe(visited.problem_at(point.factor), point.state, point.factor)
+        seen = visited.stage.observe(problem, point.state, point.factor)
         rows.append({**(seen.step or {}), "newton_iterations": point.iterations, "limit_point": int(point.limit)})
     return rows
 

@@ -21,7 +21,7 @@ from formulations.element.strain_operator import N_DOF, N_GAUSS, ElementGeometry
 from formulations.operations import product, spend
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.products import Products
-from formulations.strains.quantities import N_BETA, N_E, N_Q, N_V
+from formulations.strains.quantities import N_E, N_Q, N_V
 
 
 class ElementSeries:
@@ -34,12 +34,11 @@ class ElementSeries:
         if not isinstance(element.measure, QuadraticMeasure) or not isinstance(element.through, QuadraticMeasure):
             raise ValueError(f"measure {element.measure.name} is not quadratic")
         self._element, self._geometry = element, geometry
-        self._products, self._through = Products(element.measure), Products(element.through)
-        points, n = N_GAUSS * len(v), order + 1
+        points = N_GAUSS * len(v)
+        self._products = Products(element.measure, order, points)
+        self._through = None if element.nodal is None else Products(element.through, order, points)
         self._weight = MODE_WEIGHTS * geometry.weight[:, None]
         self._B = element.mode_gradient(geometry, v)
-        self._q, self._H = np.zeros((n, N_Q, points)), np.zeros((n, N_E, points))
-        self._beta, self._H33 = (np.zeros((n, rows, points)) for rows in (N_BETA, 1))
         self._higher = np.zeros((len(v), N_M))
         self._k = 0
 
@@ -50,21 +49,21 @@ class ElementSeries:
         k, n = self._k, len(v)
         spend(n * (2 * product(N_M, N_DOF) + 2 * product(N_GAUSS * N_Q, N_DOF) + 8 * N_GAUSS * N_Q * k))
         q = np.matmul(geometry.Q, v[..., None])[..., 0]
-        self._q[k] = q.reshape(-1, N_Q).T
+        self._products.q[k] = q.reshape(-1, N_Q).T
         strains = np.matmul(self._B, v[..., None])[..., 0] + self._higher
         at_gauss, at_nodes = element.sampled_work(geometry, self._weight * element.resultants(strains))
-        self._H[k] = at_gauss.reshape(-1, N_E).T
-        samples = self._products.strain(self._q, k + 1).T.reshape(-1, N_GAUSS, N_E)
+        self._products.H[k] = at_gauss.reshape(-1, N_E).T
+        samples = self._products.strain(k + 1).T.reshape(-1, N_GAUSS, N_E)
         nodal = None
-        if at_nodes is not None:
-            self._beta[k] = (v.reshape(-1, N_V) @ geometry.director.T).T
-            self._H33[k] = at_nodes.reshape(1, -1)
-            nodal = self._through.strain(self._beta, k + 1).reshape(-1, 4)
+        if self._through is not None and at_nodes is not None:
+            self._through.q[k] = (v.reshape(-1, N_V) @ geometry.director.T).T
+            self._through.H[k] = at_nodes.reshape(1, -1)
+            nodal = self._through.strain(k + 1).reshape(-1, 4)
         self._higher = element.on_modes(geometry, samples, nodal)
         force = np.matmul((self._weight * element.resultants(self._higher))[:, None], self._B)[:, 0]
-        along = self._products.force(self._q, self._H, k + 1).T.reshape(-1, 1, N_GAUSS * N_Q)
+        along = self._products.force(k + 1).T.reshape(-1, 1, N_GAUSS * N_Q)
         force += np.matmul(along, geometry.Q)[:, 0]
-        if at_nodes is not None:
-            by_beta = self._through.force(self._beta, self._H33, k + 1).T @ geometry.director
+        if self._through is not None:
+            by_beta = self._through.force(k + 1).T @ geometry.director
             force += by_beta.reshape(-1, N_DOF)
         return force

@@ -1,77 +1,102 @@
 """Products of series of quantities under a quadratic measure, formed by its few monomials.
 
 With q = sum q_k a^k and E = L q + 1/2 q Q q, the coefficients of E and of the forces (L + Q q)^T H are sums over the
-pairs of orders that add up to k (Cauchy products). A measure has some 30 monomials, most of them once on either face:
-the sums are formed one by one of them, both faces at once, along contiguous points, not by the tables (n_e, n_q, n_q),
-which hold fifty times as many zeros. No element may enter here.
+pairs of orders that add up to k (Cauchy products). A measure has some 30 monomials, most of them on either face and for
+three components: such blocks are formed at once, along contiguous points, and not the tables (n_e, n_q, n_q), which
+hold fifty times as many zeros. No element may enter here.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from functools import cache
+from typing import NamedTuple
+
 import numpy as np
+from numpy.lib.stride_tricks import as_strided
 
 from formulations.strains.measure import QuadraticMeasure
 
-FACES = ((1, 1, 1), (1, 1, 0), (1, 0, 1))  # from a term on the inner face to the same on the outer: strain, quantities
+Term = tuple[int, int, int]  # strain n, quantities i and j of an entry of Q
+NO_STEP = (0, 0, 0)
+FACES = (NO_STEP, (1, 1, 1), (1, 1, 0), (1, 0, 1))  # from a term on the inner face to the same on the outer
+COMPONENTS = (NO_STEP, (0, 2, 2), (0, 2, 1), (0, 1, 2), (0, 1, 1))  # from l to w and t, and along beta
+
+
+class Block(NamedTuple):
+    """Terms first + x along + r face, x < count, r < faces."""
+
+    first: Term
+    along: Term
+    count: int
+    face: Term
+    faces: int
+
+    def terms(self) -> dict[Term, None]:
+        """In order."""
+        xr = [(x, r) for x in range(self.count) for r in range(self.faces)]
+        places = ([f + x * a + r * b for f, a, b in zip(self.first, self.along, self.face, strict=True)] for x, r in xr)
+        return dict.fromkeys((n, i, j) for n, i, j in places)
+
+    def rows(self, which: int, of: np.ndarray) -> np.ndarray:
+        """The rows n, i or j (``which`` 0, 1, 2) of the terms in coefficients (orders, rows, P), as a view."""
+        order, row, point = of.strides
+        strides = (order, self.along[which] * row, self.face[which] * row, point)
+        return as_strided(of[:, self.first[which] :], (len(of), self.count, self.faces, of.shape[2]), strides)
 
 
 class Products:
-    """Of the measure with the quadratic tables Q (n_e, n_q, n_q)."""
+    """Coefficients q (order + 1, n_q, P) and H (order + 1, n_e, P), to be filled in order by order, and their sums."""
 
-    def __init__(self, measure: QuadraticMeasure) -> None:
-        terms = _both_faces(measure.quadratic)
+    def __init__(self, measure: QuadraticMeasure, order: int, points: int) -> None:
         n_e, n_q = measure.linear.shape
+        self.q, self.H = np.zeros((order + 1, n_q, points)), np.zeros((order + 1, n_e, points))
         self._squares = 0.5 * np.einsum("nii->ni", measure.quadratic)
-        products = [term for term in terms if term[1].start < term[2].start]  # the tables are symmetric
-        self._products = [(i, j) for _, i, j, _ in products]
-        self._strain = _gather([(n, c) for n, _, _, c in products], n_e)
-        self._pairs = [(j, n) for n, _, j, _ in terms]
-        self._force = _gather([(i, c) for _, i, _, c in terms], n_q)
+        self._strain, self._by_strain = _sums(measure, symmetric=True)
+        self._force, self._by_force = _sums(measure, symmetric=False)
+        self._pairs = [(block.rows(1, self.q), block.rows(2, self.q)) for block in self._strain]
+        self._works = [(block.rows(2, self.q), block.rows(0, self.H)) for block in self._force]
 
-    def strain(self, q: np.ndarray, k: int) -> np.ndarray:
-        """1/2 sum_{i=1}^{k-1} q_i Q q_{k-i}, (n_e, P), of coefficients q (> k - 1, n_q, P)."""
-        ahead, back, half = q[1:k], q[k - 1 : 0 : -1], (k - 1) // 2
-        squares = 2.0 * np.einsum("krp,krp->rp", ahead[:half], back[:half])
+    def strain(self, k: int) -> np.ndarray:
+        """1/2 sum_{i=1}^{k-1} q_i Q q_{k-i}, (n_e, P)."""
+        half = (k - 1) // 2
+        squares = 2.0 * np.einsum("krp,krp->rp", self.q[1 : half + 1], self.q[k - 1 : k - 1 - half : -1])
         if k % 2 == 0:
-            squares += q[k // 2] ** 2
-        found = np.zeros((len(self._products), 2, q.shape[2]))
-        for out, (i, j) in zip(found, self._products, strict=True):
-            _sum(ahead[:, i], back[:, j], out)
-        return self._squares @ squares + self._strain @ found.reshape(-1, q.shape[2])
+            squares += self.q[k // 2] ** 2
+        strains = np.asarray(self._squares @ squares)
+        return strains + self._by_strain @ _formed(self._pairs, k) if self._pairs else strains
 
-    def force(self, q: np.ndarray, H: np.ndarray, k: int) -> np.ndarray:
-        """sum_{i=1}^{k-1} (Q q_i)^T H_{k-i}, (n_q, P), of coefficients q (> k - 1, n_q, P) and H (> k - 1, n_e, P)."""
-        ahead, back = q[1:k], H[k - 1 : 0 : -1]
-        found = np.zeros((len(self._pairs), 2, q.shape[2]))
-        for out, (j, n) in zip(found, self._pairs, strict=True):
-            _sum(ahead[:, j], back[:, n], out)
-        return self._force @ found.reshape(-1, q.shape[2])
+    def force(self, k: int) -> np.ndarray:
+        """sum_{i=1}^{k-1} (Q q_i)^T H_{k-i}, (n_q, P)."""
+        return np.asarray(self._by_force @ _formed(self._works, k)) if self._works else np.zeros_like(self.q[0])
 
 
-def _both_faces(quadratic: np.ndarray) -> list[tuple[slice, slice, slice, float]]:
-    """The terms of the tables as rows of strains and of two quantities, those of both faces as one where they can."""
-    left = {tuple(map(int, place)): float(quadratic[tuple(place)]) for place in np.argwhere(quadratic)}
-    found = []
+def _formed(pairs: list[tuple[np.ndarray, np.ndarray]], k: int) -> np.ndarray:
+    """sum_{i=1}^{k-1} a_i b_{k-i} of all terms of all blocks, (terms, P)."""
+    formed = (np.einsum("kxrp,kxrp->xrp", a[1:k], b[k - 1 : 0 : -1]) for a, b in pairs)
+    return np.concatenate([each.reshape(-1, each.shape[-1]) for each in formed])
+
+
+@cache
+def _sums(measure: QuadraticMeasure, *, symmetric: bool) -> tuple[list[Block], np.ndarray]:
+    """Blocks of terms and the matrix that adds them up: to strains, i < j alone (Q is symmetric), or to the forces."""
+    Q = measure.quadratic
+    left = {(int(n), int(i), int(j)) for n, i, j in np.argwhere(Q) if i < j or not symmetric}
+    blocks = []
     while left:
-        (place, c) = next(iter(left.items()))
-        steps = (step for step in FACES if left.get(tuple(np.add(place, step).tolist())) == c)
-        step = next(steps, (0, 0, 0))
-        del left[place]
-        left.pop(tuple(np.add(place, step).tolist()), None)
-        n, i, j = (slice(start, start + 1 + more) for start, more in zip(place, step, strict=True))
-        found.append((n, i, j, c))
-    return found
+        first = min(left)
+        fit = [block for block in _blocks(first) if block.terms().keys() <= left]
+        blocks.append(max(fit, key=lambda block: block.count * block.faces))
+        left -= blocks[-1].terms().keys()
+    rows = [term for block in blocks for term in block.terms()]
+    matrix = np.zeros((Q.shape[0 if symmetric else 1], len(rows)))
+    for place, term in enumerate(rows):
+        matrix[term[0 if symmetric else 1], place] = Q[term]
+    return blocks, matrix
 
 
-def _gather(terms: list[tuple[slice, float]], rows: int) -> np.ndarray:
-    """(rows, 2 terms): adds products, two of each term, one where it stands for a single row, to their rows."""
-    matrix = np.zeros((rows, len(terms), 2))
-    for t, (row, c) in enumerate(terms):
-        for face in (0, 1):
-            matrix[min(row.start + face, row.stop - 1), t, face] += c
-    return matrix.reshape(rows, -1)
-
-
-def _sum(a: np.ndarray, b: np.ndarray, out: np.ndarray) -> None:
-    """sum_i a_i b_i, (rows, P), into the first rows; one row of the one may meet two of the other."""
-    np.einsum("krp,krp->rp", a, b, out=out[: max(a.shape[1], b.shape[1])])
+def _blocks(first: Term) -> Iterator[Block]:
+    """Those that may begin with a term."""
+    for face in FACES:
+        for along in COMPONENTS:
+            yield Block(first, along, 3 if any(along) else 1, face, 2 if any(face) else 1)
