@@ -16,7 +16,7 @@ from contact.events import Event, EventKind
 from contact.newton.state import Iterate, Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactSolution, Linearisation, Linearise, Linearised, Outcome, without_contact
-from contact.solvers.sparse import SingularMatrixError, checked_solve, row_norm
+from contact.solvers.sparse import SingularMatrixError, checked_solve, row_norm, solution
 
 NO_CONTACT = np.zeros(0)
 NO_SET = np.zeros(0, bool)
@@ -130,8 +130,12 @@ class Curve:
     def _solve(self, lin: Linearised, normal: np.ndarray, b: np.ndarray) -> np.ndarray:
         return self.bordered(lin, normal)(b)
 
-    def bordered(self, lin: Linearised, normal: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
+    def bordered(
+        self, lin: Linearised, normal: np.ndarray, *, checked: bool = True
+    ) -> Callable[[np.ndarray], np.ndarray]:
         """b (n + 1,) -> (du, dt) with K du - f dt = b_1..n and normal . (m du, dt) = b_n+1, factorised once.
+
+        checked: each solution by its residual; else the caller looks at what comes of them.
 
         Row and column of the border are scaled to the size of K, for the sake of the pivots.
         """
@@ -145,7 +149,8 @@ class Curve:
 
         def solve(b: np.ndarray) -> np.ndarray:
             with self.tally.timed("solve_s"):
-                x = checked_solve(factor, A, np.append(b[:-1], row * b[-1]), norm)
+                scaled = np.append(b[:-1], row * b[-1])
+                x = checked_solve(factor, A, scaled, norm) if checked else solution(factor, scaled)
             return np.append(x[:-1], column * x[-1])
 
         return solve

@@ -36,7 +36,7 @@ class PowerSeries:
     Newton correction.  ordered: as for a problem.
     """
 
-    order: int = 20
+    order: int = 26
     to_limit: bool = False
     most_pieces: int = 300
     max_iterations: int = 10
@@ -120,7 +120,7 @@ class _March:
         """The series from a point in balance; raises SingularMatrixError."""
         m, n, order = self.curve.m, len(at.u), self.how.order
         weights = np.append(np.full(n, m * m), 1.0)
-        solve = self.curve.bordered(lin, direction)
+        solve = self.curve.bordered(lin, direction, checked=False)  # the residual at the end tells
         with self.curve.tally.timed("assembly_s"):
             expansion = self.expand(at.u, order)
         x = np.empty((order + 1, n + 1))
@@ -132,6 +132,8 @@ class _March:
                 left = expansion.add(x[k, :-1])
             found = solve(np.append(-left, 0.0))
             x[k + 1] = found - (found @ (weights * x[1])) * x[1]
+        if not np.isfinite(x).all():
+            raise SingularMatrixError("the orders of the series are not finite")
         return Piece.of(x, m, PRECISION * self.how.tolerance)
 
     def _reached(self, series: Piece, lin: Linearisation) -> tuple[Piece, Linearisation] | None:

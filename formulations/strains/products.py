@@ -52,10 +52,9 @@ class Products:
         n_e, n_q = measure.linear.shape
         self.q, self.H = np.zeros((order + 1, n_q, points)), np.zeros((order + 1, n_e, points))
         self._squares = 0.5 * np.einsum("nii->ni", measure.quadratic)
-        self._strain, self._by_strain = _sums(measure, symmetric=True)
-        self._force, self._by_force = _sums(measure, symmetric=False)
-        self._pairs = [(block.rows(1, self.q), block.rows(2, self.q)) for block in self._strain]
-        self._works = [(block.rows(2, self.q), block.rows(0, self.H)) for block in self._force]
+        strain, force = (_sums(measure, symmetric=symmetric) for symmetric in (True, False))
+        self._pairs = Sums.of(*strain, (1, self.q), (2, self.q))
+        self._works = Sums.of(*force, (2, self.q), (0, self.H))
 
     def strain(self, k: int) -> np.ndarray:
         """1/2 sum_{i=1}^{k-1} q_i Q q_{k-i}, (n_e, P)."""
@@ -63,18 +62,35 @@ class Products:
         squares = 2.0 * np.einsum("krp,krp->rp", self.q[1 : half + 1], self.q[k - 1 : k - 1 - half : -1])
         if k % 2 == 0:
             squares += self.q[k // 2] ** 2
-        strains = np.asarray(self._squares @ squares)
-        return strains + self._by_strain @ _formed(self._pairs, k) if self._pairs else strains
+        return np.asarray(self._squares @ squares + self._pairs.at(k))
 
     def force(self, k: int) -> np.ndarray:
         """sum_{i=1}^{k-1} (Q q_i)^T H_{k-i}, (n_q, P)."""
-        return np.asarray(self._by_force @ _formed(self._works, k)) if self._works else np.zeros_like(self.q[0])
+        return self._works.at(k)
 
 
-def _formed(pairs: list[tuple[np.ndarray, np.ndarray]], k: int) -> np.ndarray:
-    """sum_{i=1}^{k-1} a_i b_{k-i} of all terms of all blocks, (terms, P)."""
-    formed = (np.einsum("kxrp,kxrp->xrp", a[1:k], b[k - 1 : 0 : -1]) for a, b in pairs)
-    return np.concatenate([each.reshape(-1, each.shape[-1]) for each in formed])
+class Sums(NamedTuple):
+    """Factors a and b of every block as views of the coefficients, where its sums go, and what adds all terms up."""
+
+    factors: list[tuple[np.ndarray, np.ndarray, np.ndarray]]
+    formed: np.ndarray
+    matrix: np.ndarray
+
+    @classmethod
+    def of(cls, blocks: list[Block], matrix: np.ndarray, a: tuple[int, np.ndarray], b: tuple[int, np.ndarray]) -> Sums:
+        """a, b: which rows of which coefficients are multiplied."""
+        formed, factors, end = np.empty((matrix.shape[1], a[1].shape[2])), [], 0
+        for block in blocks:
+            start, end = end, end + block.count * block.faces
+            out = formed[start:end].reshape(block.count, block.faces, -1)
+            factors.append((block.rows(*a), block.rows(*b), out))
+        return cls(factors, formed, matrix)
+
+    def at(self, k: int) -> np.ndarray:
+        """sum_{i=1}^{k-1} a_i b_{k-i} of all terms, added up: (rows, P)."""
+        for a, b, out in self.factors:
+            np.einsum("kxrp,kxrp->xrp", a[1:k], b[k - 1 : 0 : -1], out=out)
+        return np.asarray(self.matrix @ self.formed)
 
 
 @cache
