@@ -161,10 +161,13 @@ def _point(piece: Piece, a: float, before: float) -> ArcPoint:
 
 
 def _denominator(R: np.ndarray) -> np.ndarray:
-    """d (N,) of orthogonal coordinates R (>= N, N) of the orders 1 to N; (1, 0, ..., 0) where they are dependent."""
+    """d (N,) of orthogonal coordinates R (.., N) of the orders 1 to N.
+
+    (1, 0, ..., 0), which leaves the sum itself, where they depend on one another, as those of few unknowns do.
+    """
     order = R.shape[1]
     d, size = np.append(1.0, np.zeros(order - 1)), np.abs(np.diag(R)[: order - 1])
-    if size.min() > np.finfo(float).eps * np.abs(R).max():
+    if len(size) == order - 1 and size.min() > np.finfo(float).eps * np.abs(R).max():
         d[1:] = solve_triangular(R[: order - 1, : order - 1], -R[: order - 1, -1])[::-1]
     return d
 
