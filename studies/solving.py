@@ -221,14 +221,17 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
 
 
 def _curve_rows(visited: Visited, trace: Trace, result: Result) -> list[dict[str, Any]]:
-    """The points of the curve with what they have cost; of one that is known itself, points all along it."""
+    """The judged points of the curve with what they have cost; of one that is known itself, points all along it."""
     if trace.curve is None:
         return [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
-    between = [*trace.curve.sampled(DRAWN), *trace.points[1:]]
-    rows, problem = [], visited.problem  # what is read of a body without contact is read off its displacements
-    for point in sorted(between, key=lambda each: each.along):
-        seen = visited.stage.observe(problem, point.state, point.factor)
-        rows.append({**(seen.step or {}), "newton_iterations": point.iterations, "limit_point": int(point.limit)})
+    judged = trace.points[1 : 1 + len(result.loads)]
+    lengths, problem = [point.along for point in judged], visited.problem  # without contact only u is read off
+    others = [point for point in trace.curve.sampled(DRAWN) if point.along not in lengths]
+    rows = []
+    for point in sorted([*judged, *others], key=lambda each: each.along):
+        if point.along <= max(lengths, default=0.0):
+            seen = visited.stage.observe(problem, point.state, point.factor).step or {}
+            rows.append({**seen, "newton_iterations": point.iterations, "limit_point": int(point.limit)})
     return rows
 
 

@@ -109,7 +109,7 @@ class _March:
     def _stop(self, at: ArcPoint) -> None:
         """Record where the march gave up, unless that is recorded."""
         if at.factor != self.points[-1].factor:
-            self.points.append(at)
+            self.points.append(replace(at, along=sum(piece.length for piece in self.pieces)))
 
     def _scaled(self, tangent: np.ndarray) -> np.ndarray:
         """The unit vector along dx/da in the scale of the curve."""
