@@ -24,17 +24,17 @@ COMPONENTS = (NO_STEP, (0, 2, 2), (0, 2, 1), (0, 1, 2), (0, 1, 1))  # from l to 
 
 
 class Block(NamedTuple):
-    """Terms first + x along + r face, x < count, r < faces."""
+    """Terms first + x along + r face, x < components, r < faces."""
 
     first: Term
     along: Term
-    count: int
+    components: int
     face: Term
     faces: int
 
     def terms(self) -> dict[Term, None]:
         """In order."""
-        xr = [(x, r) for x in range(self.count) for r in range(self.faces)]
+        xr = [(x, r) for x in range(self.components) for r in range(self.faces)]
         places = ([f + x * a + r * b for f, a, b in zip(self.first, self.along, self.face, strict=True)] for x, r in xr)
         return dict.fromkeys((n, i, j) for n, i, j in places)
 
@@ -42,7 +42,7 @@ class Block(NamedTuple):
         """The rows n, i or j (``which`` 0, 1, 2) of the terms in coefficients (orders, rows, P), as a view."""
         order, row, point = of.strides
         strides = (order, self.along[which] * row, self.face[which] * row, point)
-        return as_strided(of[:, self.first[which] :], (len(of), self.count, self.faces, of.shape[2]), strides)
+        return as_strided(of[:, self.first[which] :], (len(of), self.components, self.faces, of.shape[2]), strides)
 
 
 class Products:
@@ -81,8 +81,8 @@ class Sums(NamedTuple):
         """a, b: which rows of which coefficients are multiplied."""
         formed, factors, end = np.empty((matrix.shape[1], a[1].shape[2])), [], 0
         for block in blocks:
-            start, end = end, end + block.count * block.faces
-            out = formed[start:end].reshape(block.count, block.faces, -1)
+            start, end = end, end + block.components * block.faces
+            out = formed[start:end].reshape(block.components, block.faces, -1)
             factors.append((block.rows(*a), block.rows(*b), out))
         return cls(factors, formed, matrix)
 
@@ -102,7 +102,7 @@ def _sums(measure: QuadraticMeasure, *, symmetric: bool) -> tuple[list[Block], n
     while left:
         first = min(left)
         fit = [block for block in _blocks(first) if block.terms().keys() <= left]
-        blocks.append(max(fit, key=lambda block: block.count * block.faces))
+        blocks.append(max(fit, key=lambda block: block.components * block.faces))
         left -= blocks[-1].terms().keys()
     rows = [term for block in blocks for term in block.terms()]
     matrix = np.zeros((Q.shape[0 if symmetric else 1], len(rows)))

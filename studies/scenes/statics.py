@@ -197,8 +197,8 @@ class CurveModel(StaticModel):
         assert self.shell.forces is not None
         unloaded = self.shell.scaled(0.0)
         path = ("curve", self._begin, self.fractions, self._observe)
-        traced = (self.continuation, self._summarise, unloaded.linearise, self.shell.forces, unloaded.series)
-        yield ArcStage(*path, *traced)
+        shell = (unloaded.linearise, self.shell.forces, unloaded.series)
+        yield ArcStage(*path, self.continuation, self._summarise, *shell)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         found = self.measure_at(self.shell, u)
