@@ -23,6 +23,8 @@ from contact.solvers.sparse import AUTO, SingularMatrixError
 
 SHARE = 0.1  # of the tolerance that the truncation of one piece may take up
 PRECISION = 1e-4  # of a piece in displacement over the tolerance: forces are less precise by as much (measured)
+FINEST = 1e-13  # of that precision; what is finer is rounding
+SOLVED = 4.0  # times the rounding of forces at a point: what the solutions of a thin shell's orders add to it
 SHORTER = 0.85  # of a piece that is not right to its end
 SMALLEST = 1e-3  # of its length, below which it is not cut
 
@@ -134,7 +136,7 @@ class _March:
             x[k + 1] = found - (found @ (weights * x[1])) * x[1]
         if not np.isfinite(x).all():
             raise SingularMatrixError("the orders of the series are not finite")
-        return Piece.of(x, m, PRECISION * self.how.tolerance)
+        return Piece.of(x, m, max(PRECISION * self.how.tolerance, FINEST))
 
     def _reached(self, series: Piece, lin: Linearisation) -> tuple[Piece, Linearisation] | None:
         """The series as far as the residual allows, and the model there; None where that is nowhere."""
@@ -143,7 +145,7 @@ class _March:
             u, factor = series.at(series.length)
             there = self.curve.loaded(u, factor)
             scale = max(there.scale, size * abs(series.x[0, -1]))
-            allowed = max(SHARE * self.how.tolerance * scale, rounding_floor(there, u))
+            allowed = max(SHARE * self.how.tolerance * scale, SOLVED * rounding_floor(there, u))
             if np.linalg.norm(there.residual - lin.residual) <= allowed:
                 return series, there
             series = series.cut(SHORTER * series.length)
