@@ -60,6 +60,14 @@ def test_a_notebook_reads_the_curve_where_the_load_passes() -> None:
         studies.solve("cantilever", mesh="4x1").at(0.25)
 
 
+@pytest.mark.parametrize("path", ["series", "arc-length"])
+def test_the_picture_is_drawn_from_the_curve(path: str, tmp_path: Path) -> None:
+    run = studies.solve("roof-a", mesh="2x2", path=path)
+    drawn = run.figures()[0].axes[0].lines[0].get_xydata()
+    assert drawn[0].tolist() == [0.0, 0.0]  # rest, which is no row
+    assert drawn[1:, 1].tolist() == pytest.approx(run.result.table("curve").columns["load_fraction"])
+
+
 def both(scene: str, mesh: str | None) -> list[Result]:
     return [solve(*resolve(scene, {"path": path}, mesh)) for path in ("series", "arc-length")]
 
