@@ -16,9 +16,10 @@ from scipy.linalg import norm
 
 from formulations.discretisation import Discretisation
 from formulations.element.mixed import N_M, MixedElement
+from formulations.element.series import ElementSeries
 from formulations.element.strain_operator import N_DOF
 from formulations.loads.pressure import Couples, Pressure
-from formulations.strains.measure import StrainMeasure
+from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_E, N_Q
 
 NEWTONS = ("plain", "mixed")
@@ -119,6 +120,24 @@ class ShellModel:
             scale=float(max(norm(inside, check_finite=False), norm(outside, check_finite=False))),
             remember=lambda du: None if B is None else H + self._element.resultants(_along(B, shell, du)),
         )
+
+    @property
+    def quadratic(self) -> str | None:
+        """None where the internal force is a polynomial of u and the load is dead; else what is not."""
+        if not isinstance(self.measure, QuadraticMeasure):
+            return f"measure {self.measure.name} is not quadratic in the displacements"
+        if self.discretisation.hangers is not None:
+            return "hanging nodes turn with the edges that carry them"
+        if self.couples is not None or (self.pressure is not None and self.pressure.follower):
+            return "the load follows the shell"
+        return None
+
+    def series(self, u: np.ndarray, order: int) -> ShellSeries:
+        """The recurrence of power series at the free displacements u (n,); raises ValueError where it is none."""
+        if self.quadratic is not None:
+            raise ValueError(self.quadratic)
+        shell = self.discretisation
+        return ShellSeries(shell, ElementSeries(self._element, shell.geometry, self._element_vectors(u), order))
 
     def residual(self, u: np.ndarray) -> np.ndarray:
         """The residual of :meth:`linearise` alone."""
@@ -258,6 +277,19 @@ class ShellModel:
 
     def _element_vectors(self, u: np.ndarray) -> np.ndarray:
         return self.displacements(u).ravel()[self.discretisation.dofs]
+
+
+@dataclass(frozen=True, eq=False)
+class ShellSeries:
+    """What the orders of a power series of u leave to the next one, on the unknowns; see :mod:`element.series`."""
+
+    discretisation: Discretisation
+    elements: ElementSeries
+
+    def add(self, du: np.ndarray) -> np.ndarray:
+        """R_{k+1} (n,) [N] once u_k (n,) is known: called with k = 1, 2, ... in turn."""
+        shell = self.discretisation
+        return shell.gather(self.elements.add(shell.map.expand(du).ravel()[shell.dofs]))
 
 
 def _along(B: np.ndarray, shell: Discretisation, du: np.ndarray) -> np.ndarray:

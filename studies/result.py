@@ -112,6 +112,16 @@ class Result:
             "provenance": provenance(),
         }
 
+    def at(self, load: float, passage: int = 0) -> ContactSolution:
+        """The state where the last stage passes a load, for the first time or later (``passage`` 1, 2, ...).
+
+        An evaluation of the curve: nothing is solved, and the judge has seen no state between those of ``steps``.
+        Raises LookupError where it does not pass, and of a path that is known at its points alone.
+        """
+        if self.end is None or self.end.trace is None:
+            raise LookupError("a path in load steps is known at its loads alone")
+        return self.end.stage.lifted(self.end.trace.at(load, passage).state)
+
     @property
     def notes(self) -> list[str]:
         """What an answer does not show by itself.

@@ -19,7 +19,9 @@ from contact import parameters
 from contact.continuation.arc_length import ArcLength, Trace
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.continuation.load_stepping import follow
+from contact.continuation.power_series import Expand
 from contact.continuation.pressed_curve import PressedCurve
+from contact.continuation.series_path import PowerSeries
 from contact.parameters import Parameter
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearise, Outcome
 from formulations.shell import ShellModel
@@ -208,12 +210,12 @@ class Stage:
 
 @dataclass(frozen=True, eq=False)
 class CurveStage(Stage, ABC):
-    """A path traced by arc length, through limit points, until its last target is first reached.
+    """A path traced through limit points, by arc length or by power series, until its last target is first reached.
 
     summarise(points): headline values of the whole curve; ``observe`` sees every point of it.
     """
 
-    continuation: ArcLength
+    continuation: ArcLength | PowerSeries
     summarise: Callable[[Sequence[ArcPoint]], dict[str, float]]
 
     @abstractmethod
@@ -225,15 +227,19 @@ class CurveStage(Stage, ABC):
 class ArcStage(CurveStage):
     """The curve of a body without contact from rest, t the factor of its load.
 
-    linearise: the model without its load; load (n,): the dead force at t = 1.
+    linearise: the model without its load; load (n,): the dead force at t = 1.  expand: its recurrence for power series.
     """
 
     linearise: Linearise
     load: np.ndarray
+    expand: Expand
 
     def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:
         """No contact: no algorithm. Who asks for the first limit point alone has what was asked for at it."""
-        found = self.continuation.trace(self.linearise, self.load, self.targets, tell)
+        if isinstance(self.continuation, PowerSeries):
+            found = self.continuation.trace(self.linearise, self.expand, self.load, self.targets, tell)
+        else:
+            found = self.continuation.trace(self.linearise, self.load, self.targets, tell)
         asked = self.continuation.to_limit and found.outcome is Outcome.LIMIT_POINT
         return replace(found, outcome=Outcome.CONVERGED) if asked else found
 
@@ -245,6 +251,7 @@ class PressedStage(CurveStage):
     first: travel up to which plain steps lead; from there on by arc length to the targets beyond.
     """
 
+    continuation: ArcLength
     first: float
 
     def trace(self, begun: Begun, algorithm: ContactAlgorithm, tell: Callable[[float], None]) -> Trace:

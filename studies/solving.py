@@ -33,6 +33,7 @@ from studies.store.tables import Table
 from studies.walk import Visited, no_starts, walk
 
 resolve = complete
+DRAWN = 8  # points of a curve that every piece of it has in its table
 ON_THE_WAY = "the path goes on from it, and another one may reach the loads after it in other states"
 
 
@@ -216,8 +217,22 @@ def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float
             break
     else:
         result.quantities |= stage.summarise(trace.points)
-    rows = [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
-    result.tables["curve"] = [Table.of_rows(rows)]
+    result.tables["curve"] = [Table.of_rows(_curve_rows(visited, trace, result))]
+
+
+def _curve_rows(visited: Visited, trace: Trace, result: Result) -> list[dict[str, Any]]:
+    """The judged points of the curve with what they have cost; of one that is known itself, points all along it."""
+    if trace.curve is None:
+        return [{**step.seen, "rounding": step.certificate["rounding"], **step.counters} for step in result.loads]
+    judged = trace.points[1 : 1 + len(result.loads)]
+    lengths, problem = [point.along for point in judged], visited.problem  # without contact only u is read off
+    others = [point for point in trace.curve.sampled(DRAWN) if point.along not in lengths]
+    rows = []
+    for point in sorted([*judged, *others], key=lambda each: each.along):
+        if point.along <= max(lengths, default=0.0):
+            seen = visited.stage.observe(problem, point.state, point.factor).step or {}
+            rows.append({**seen, "newton_iterations": point.iterations, "limit_point": int(point.limit)})
+    return rows
 
 
 def _record(

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from contact.continuation.equilibrium_curve import ArcPoint, Curve
+from contact.continuation.power_series import SeriesCurve
 from contact.continuation.pressed_curve import PressedCurve
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import Linearise, Outcome
@@ -28,13 +29,26 @@ AnyCurve = Curve | PressedCurve
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """The curve in order, rest first; how it ended and why; counters and one history row an iteration."""
+    """The curve in order, rest first; how it ended and why; counters and one history row an iteration.
+
+    curve: itself, where it was followed by power series; the points are then those that were asked for, and its limits.
+    """
 
     points: tuple[ArcPoint, ...]
     outcome: Outcome
     reason: str
     counters: dict[str, float]
     history: list[dict[str, Any]]
+    curve: SeriesCurve | None = None
+
+    def at(self, factor: float, passage: int = 0) -> ArcPoint:
+        """The point where the load passes this factor for the first time, or later (``passage`` 1, 2, ...).
+
+        Raises LookupError where it does not, and of a curve that is known by points alone.
+        """
+        if self.curve is None:
+            raise LookupError("a curve followed by arc length is known at its points alone")
+        return self.curve.at(factor, passage)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ The scale m says how much displacement counts like one unit of load.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from contact.events import Event, EventKind
 from contact.newton.state import Iterate, Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactSolution, Linearisation, Linearise, Linearised, Outcome, without_contact
-from contact.solvers.sparse import SingularMatrixError
+from contact.solvers.sparse import SingularMatrixError, checked_solve, row_norm, solution
 
 NO_CONTACT = np.zeros(0)
 NO_SET = np.zeros(0, bool)
@@ -27,6 +28,7 @@ class ArcPoint:
 
     rising: the load grows along the curve; limit: it is stationary.  pressure, active (m,): of the contact candidates,
     where there are any.  negative: eigenvalues of the tangent at fixed load, where they are counted.
+    along: length from rest on, where the curve itself is known.
     """
 
     u: np.ndarray
@@ -37,6 +39,7 @@ class ArcPoint:
     pressure: np.ndarray = field(default_factory=lambda: NO_CONTACT)
     active: np.ndarray = field(default_factory=lambda: NO_SET)
     negative: int | None = None
+    along: float = np.nan
 
     @property
     def state(self) -> ContactSolution:
@@ -101,7 +104,7 @@ class Curve:
         memory, moved = self.run.remember(self.run.linearise(start.u, None), u - start.u)
         at: Iterate | None = None
         for iteration in range(self.max_iterations + 1):
-            lin = self._loaded(u, factor, memory)
+            lin = self.loaded(u, factor, memory)
             at = replace(self.run.at(lin, u, NO_CONTACT, NO_SET, at), moved=moved)
             tally.note(at.residual, NO_SET, NO_SET, Event(EventKind.POINT, event) if iteration == 0 else None)
             tally.history[-1] |= {"parameter": factor, "iteration": iteration}
@@ -118,13 +121,21 @@ class Curve:
             tally.counters["newton_iterations"] += 1
         return None
 
-    def _loaded(self, u: np.ndarray, factor: float, memory: object) -> Linearisation:
+    def loaded(self, u: np.ndarray, factor: float, memory: object = None) -> Linearisation:
+        """The model under the load: residual r(u) - t f."""
         lin = self.run.linearise(u, memory)
         scale = max(lin.scale, abs(factor) * float(np.linalg.norm(self.load)))
         return Linearisation(lin.residual - factor * self.load, lin.tangent, scale, lin.remember)
 
     def _solve(self, lin: Linearised, normal: np.ndarray, b: np.ndarray) -> np.ndarray:
-        """(du, dt) with K du - f dt = b_1..n and normal . (m du, dt) = b_n+1.
+        return self.bordered(lin, normal)(b)
+
+    def bordered(
+        self, lin: Linearised, normal: np.ndarray, *, checked: bool = True
+    ) -> Callable[[np.ndarray], np.ndarray]:
+        """b (n + 1,) -> (du, dt) with K du - f dt = b_1..n and normal . (m du, dt) = b_n+1, factorised once.
+
+        checked: each solution by its residual; else the caller looks at what comes of them.
 
         Row and column of the border are scaled to the size of K, for the sake of the pivots.
         """
@@ -134,5 +145,12 @@ class Curve:
         upper = sparse.hstack([lin.tangent, sparse.csc_matrix(-column * self.load[:, None])], format="csr")
         lower = np.append(row * self.m * normal[:-1], row * column * normal[-1])
         A = sparse.csc_matrix(sparse.vstack([upper, sparse.csr_matrix(lower[None, :])], format="csr"))
-        x = self.run.solution(self.run.factorise(A), A, np.append(b[:-1], row * b[-1]))
-        return np.append(x[:-1], column * x[-1])
+        factor, norm = self.run.factorise(A), row_norm(A)
+
+        def solve(b: np.ndarray) -> np.ndarray:
+            with self.tally.timed("solve_s"):
+                scaled = np.append(b[:-1], row * b[-1])
+                x = checked_solve(factor, A, scaled, norm) if checked else solution(factor, scaled)
+            return np.append(x[:-1], column * x[-1])
+
+        return solve

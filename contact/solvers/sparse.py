@@ -210,11 +210,11 @@ def negative_pivots(A: sparse.csc_matrix, factor: Factor | None = None, *, order
 
 def backward_error(A: sparse.csc_matrix, x: np.ndarray, b: np.ndarray) -> float:
     """|b - A x| / (|A| |x| + |b|) in the largest component; 0 for A x = b = 0."""
-    left, size = _residual(A, x, b, _norm(A))
+    left, size = _residual(A, x, b, row_norm(A))
     return left / size if size > 0 else 0.0
 
 
-def _norm(A: sparse.csc_matrix) -> float:
+def row_norm(A: sparse.csc_matrix) -> float:
     """|A|: the largest sum of a row."""
     return float(np.max(np.bincount(A.indices, weights=np.abs(A.data), minlength=A.shape[0]), initial=0.0))
 
@@ -228,13 +228,13 @@ def _largest(x: np.ndarray) -> float:
     return float(np.max(np.abs(x), initial=0.0))
 
 
-def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
-    """The x with A x = b, refined up to twice while its backward error is above 1e-13.
+def checked_solve(factor: Factor, A: sparse.csc_matrix, b: np.ndarray, norm: float | None = None) -> np.ndarray:
+    """The x with A x = b, refined up to twice while its backward error is above 1e-13; ``norm``: |A|, where known.
 
     Raises SingularMatrixError when it stays above 1e-8, when x is not finite, or when A x shares not one digit with b
     (x is then so large that a small backward error proves nothing).
     """
-    x, norm, load = solution(factor, b), _norm(A), _largest(b)
+    x, norm, load = solution(factor, b), norm or row_norm(A), _largest(b)
     for attempt in range(3):
         if not np.all(np.isfinite(x)):
             raise SingularMatrixError("the solution of the linear system is not finite")

@@ -59,6 +59,7 @@ BALANCED = product(N_M, N_DOF)
 STIFFENED = product(N_M, N_M, N_DOF) + product(N_DOF, N_M, N_DOF) + product(N_M, N_SAMPLES)
 STIFFENED += product(N_GAUSS, N_Q, N_Q, N_DOF) + product(N_GAUSS, N_DOF, N_Q, N_DOF)
 OF_MEASURE = product(N_GAUSS, N_E, N_Q, N_Q)  # dE/dq of a quadratic one, and its second derivative times H
+ALL = slice(None)  # elements
 MEMBRANE_PAIRS = (N_E, N_E + len(MODES[0, 1]))  # first of E11-+ on the mode 01, and of E22-+ on the mode 10
 
 
@@ -215,11 +216,26 @@ class MixedElement:
         """Mode strains (e, 22), and dE/dq at the Gauss points (e, 4, 11, 15); a node's director is the true one."""
         offset = None if geometry.offset is None else geometry.offset[part]
         strain, gradient = strain_and_gradient(self.measure, q, offset)
-        on_modes = (strain * geometry.rows[part]).reshape(-1, N_SAMPLES) @ self.projection
-        if self.nodal is not None:
-            on_modes += self.through.strain(beta)[..., 0] @ self.nodal
+        at_nodes = None if self.nodal is None else self.through.strain(beta)[..., 0]
+        return self.on_modes(geometry, strain, at_nodes, part), gradient
+
+    def on_modes(
+        self, geometry: ElementGeometry, samples: np.ndarray, at_nodes: np.ndarray | None, part: slice = ALL
+    ) -> np.ndarray:
+        """Mode strains (e, 22) of strains (e, 4, 11) at the Gauss points and E33 (e, 4) at the nodes, if it counts."""
+        on_modes = (samples * geometry.rows[part]).reshape(-1, N_SAMPLES) @ self.projection
+        if self.nodal is not None and at_nodes is not None:
+            on_modes += at_nodes @ self.nodal
         self._relax(on_modes, geometry, part)
-        return on_modes, gradient
+        return on_modes
+
+    def sampled_work(
+        self, geometry: ElementGeometry, work: np.ndarray, part: slice = ALL
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """The transpose of :meth:`on_modes`: weighted resultants (e, 22), changed here, at the points (e, 4, 11)."""
+        self._relax(work, geometry, part)
+        at_gauss = (work @ self.projection.T).reshape(-1, N_GAUSS, N_E) * geometry.rows[part]
+        return at_gauss, None if self.nodal is None else work @ self.nodal.T
 
     def _mode_gradient(
         self, geometry: ElementGeometry, part: slice, gradient: np.ndarray, beta: np.ndarray, out: np.ndarray
@@ -243,14 +259,13 @@ class MixedElement:
         beta: np.ndarray,
     ) -> None:
         """Add the geometric stiffness of the weighted resultants ``work`` (e, 22) to the tangent (e, 24, 24)."""
-        self._relax(work, geometry, part)
         Q = geometry.Q[part]
-        at_gauss = (work @ self.projection.T).reshape(-1, N_GAUSS, N_E) * geometry.rows[part]
+        at_gauss, at_nodes = self.sampled_work(geometry, work, part)
         M = self.measure.contract(q if geometry.offset is None else geometry.offset[part] + q, at_gauss)
         MQ = np.matmul(M, Q.reshape(-1, N_GAUSS, N_Q, N_DOF)).reshape(Q.shape)
         tangent += np.matmul(Q.swapaxes(1, 2), MQ)
-        if self.nodal is not None:
-            M = self.through.contract(beta, (work @ self.nodal.T)[..., None])
+        if at_nodes is not None:
+            M = self.through.contract(beta, at_nodes[..., None])
             own = M.reshape(-1, 4, N_BETA**2) @ geometry.director_pairs
             np.einsum("erirj->erij", tangent.reshape(-1, 4, N_V, 4, N_V))[...] += own.reshape(-1, 4, N_V, N_V)
 

@@ -84,7 +84,8 @@ def _load_displacement(cell: Cell) -> Picture:
     load, *columns = takewhile(lambda name: not isinstance(first[name], dict | list), first)
     named = (load, "load fraction" if load == "load_fraction" else _words(load))
     names = {name: _words(name) for name in columns}
-    return figures_benchmarks.load_displacement({cell.scene: pd.DataFrame(cell.steps)}, names, load=named)
+    drawn = cell.table("curve") if (cell.directory / "curve.csv").exists() else pd.DataFrame(cell.steps)
+    return figures_benchmarks.load_displacement({cell.scene: drawn}, names, load=named)
 
 
 def _words(quantity: str) -> str:

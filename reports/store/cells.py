@@ -33,6 +33,7 @@ TABLE_COLUMNS = {
     "contact": ("delta_mm", "psi_deg", "phi_deg", "pressure_MPa", "gap_mm", "active"),
     "profile": ("state", "delta_mm", "psi_deg", *FACES),
     "mode": ("psi_deg", "phi_deg", "x", "y", "z"),
+    "curve": ("newton_iterations", "limit_point"),
     "grid": ("a1_low", "a1_high", "a2_low", "a2_high", "level"),
     "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
@@ -102,7 +103,7 @@ class Cell:
         return float("nan") if step is None else float(step[quantity])
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table of the cell (contact, profile or history); raises StoreError when it is missing or damaged."""
+        """A table of the cell (contact, profile, curve or history); raises StoreError when it is missing or damaged."""
         if name not in self._tables:
             self._tables[name] = read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
         return self._tables[name].copy()

@@ -71,6 +71,17 @@ class Run:
             seen = end.stage.observe(end.problem_at(end.point.reached), end.before, end.point.reached).step
         return list(seen or ())
 
+    def at(self, load: float, passage: int = 0) -> dict[str, float]:
+        """What is read off where a curve followed by power series passes a load, the first time or later: the load
+        and {name_unit: value}.
+
+        ``passage``: 1, 2, ... for later times.  Raises LookupError as :meth:`studies.result.Result.at`, which gives the
+        state itself.
+        """
+        state, end = self.result.at(load, passage), self.result.end
+        assert end is not None
+        return dict(end.stage.observe(end.problem_at(load), state, load).step or {})
+
     @property
     def certificate(self) -> pd.DataFrame:
         """A row for each requested load: residuals and balances as recomputed, what fails, and stability."""

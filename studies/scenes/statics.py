@@ -1,4 +1,4 @@
-"""Scenes without contact: a shell under loads that grow with a load fraction, stepped or traced by arc length."""
+"""Scenes without contact: a shell under loads that grow with a load fraction, stepped or traced as a curve."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from contact.continuation.arc_length import ArcLength
 from contact.continuation.equilibrium_curve import ArcPoint
+from contact.continuation.series_path import PowerSeries
 from contact.problem import ContactProblem, ContactSolution, without_contact
 from formulations.discretisation import Discretisation
 from formulations.element_modes import ElementModes
@@ -21,13 +22,23 @@ from formulations.loads.pressure import Couples, Pressure
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.request import Request
-from studies.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel, Stage
+from studies.scene import ArcStage, Begun, Observation, Setting, ShellSceneModel, Stage, UsageError
 
 REPORTED = "fractions of the published load to report"
 LOAD_FRACTIONS = Setting.positive("load_fraction", (0.25, 0.5, 0.75, 1.0), REPORTED, 10, kind="floats")
 CURVE_FRACTIONS = replace(LOAD_FRACTIONS, default=(1.0,), help="load fractions to hit; the last ends the curve")
 UNTIL = Setting.one_of("until", ("load", "limit"), "load", "end of the curve: the last load, or the first limit point")
-ARC_STEP = Setting("arc_step", 0.01, "load fraction of the first arc step; --steps divides it", low=1e-6, high=1.0)
+ARC_STEP = Setting(
+    "arc_step", 0.01, "load fraction of the first step of arc length; --steps divides it", low=1e-6, high=1
+)
+SERIES, ARC_LENGTH = "series", "arc-length"
+PATH = Setting.one_of(
+    "path",
+    (SERIES, ARC_LENGTH),
+    None,
+    "how the curve is followed: by power series, itself, or by points at an arc length",
+    otherwise="series for a measure quadratic in the displacements, else arc-length",
+)
 
 
 Reading = Callable[[ShellModel, np.ndarray], dict[str, float]]  # (shell, u) -> {name_unit: value}
@@ -162,7 +173,7 @@ class CurveModel(StaticModel):
     them is reported, too: of w_mm as w_even_mm.
     """
 
-    continuation: ArcLength
+    continuation: ArcLength | PowerSeries
     rises: Mapping[str, float]
 
     @classmethod
@@ -174,22 +185,20 @@ class CurveModel(StaticModel):
         rises: Mapping[str, float] = MappingProxyType({}),
         **loads: Unpack[Loads],
     ) -> CurveModel:
-        """The first arc step is ``arc_step`` over the number of steps."""
-        first = request.number("arc_step") / request.steps
-        solver, tolerance = request.choice("solver"), request.number("tolerance")
+        """The first arc step is ``arc_step`` over the number of steps.
+
+        Raises UsageError where power series are asked for and do not apply.
+        """
         static = StaticModel.of(request, discretisation, measure_at, **loads)
-        to_limit = request.settings.get("until") == "limit"
-        continuation = ArcLength(
-            first, to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=static.shell.ordered
-        )
-        return cls(**vars(static), continuation=continuation, rises=rises)
+        return cls(**vars(static), continuation=_continuation(request, static.shell), rises=rises)
 
     def stages(self) -> Iterator[Stage]:
         """The curve from rest."""
         assert self.shell.forces is not None
-        unloaded = self.shell.scaled(0.0).linearise
+        unloaded = self.shell.scaled(0.0)
         path = ("curve", self._begin, self.fractions, self._observe)
-        yield ArcStage(*path, self.continuation, self._summarise, unloaded, self.shell.forces)
+        shell = (unloaded.linearise, self.shell.forces, unloaded.series)
+        yield ArcStage(*path, self.continuation, self._summarise, *shell)
 
     def _displacements(self, u: np.ndarray, fraction: float) -> dict[str, float]:
         found = self.measure_at(self.shell, u)
@@ -205,3 +214,16 @@ class CurveModel(StaticModel):
             at_limit = self._displacements(limits[0].u, limits[0].factor)
             summary |= {f"limit_{key}": value for key, value in at_limit.items()}
         return summary
+
+
+def _continuation(request: Request, shell: ShellModel) -> ArcLength | PowerSeries:
+    """What follows the curve: what was asked for, else power series where they apply; raises UsageError."""
+    asked, obstacle = request.settings.get("path"), shell.quadratic
+    if asked == SERIES and obstacle is not None:
+        raise UsageError(f"path = {SERIES} does not apply: {obstacle}; it must be {ARC_LENGTH}")
+    solver, tolerance, ordered = request.choice("solver"), request.number("tolerance"), shell.ordered
+    to_limit = request.settings.get("until") == "limit"
+    if obstacle is None and asked != ARC_LENGTH:
+        return PowerSeries(to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=ordered)
+    first = request.number("arc_step") / request.steps
+    return ArcLength(first, to_limit=to_limit, solver=solver, tolerance=tolerance, ordered=ordered)

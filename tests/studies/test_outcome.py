@@ -95,7 +95,8 @@ def test_a_refinement_ends_with_a_state_that_is_wrong() -> None:
     assert not [name for name in found.quantities if name.startswith("extrapolated")]
 
 
-def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("path", ["arc-length", "series"])
+def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
     judge = solving.certificate
 
     def planted() -> Iterator[bool]:
@@ -110,8 +111,11 @@ def test_a_traced_curve_ends_at_the_point_that_the_judge_refuses(monkeypatch: py
         return judge(*asked) | (more if next(wrong) else {})
 
     monkeypatch.setattr(solving, "certificate", refusing)
-    found = solve(*resolve("roof-b", {}, "4x4"))
-    assert len(found.steps) == len(found.table("curve")) == 3
+    found = solve(*resolve("roof-b", {"path": path}, "4x4"))
+    curve = found.table("curve").columns
+    assert len(found.steps) == 3
+    assert (len(curve["load_fraction"]) == 3) == (path == "arc-length")
+    assert curve["load_fraction"][-1] == found.steps[-1]["load_fraction"]
     assert found.outcome is Outcome.WRONG
     assert found.reason.startswith("equilibrium 0.5 above 1e-08 at load_fraction ")
     assert not [name for name in found.quantities if "limit" in name]  # what only the whole curve has

@@ -31,7 +31,9 @@ FACTORS = (1.1, 0.9, 1.5, 0.5, 2.0)  # of a number, until one is in its range
 FAR = (1e3, 1e-3, 1e6, 10.0, 0.1)  # of a parameter of an algorithm, which decides when to stop more than what is found
 UNSET = (1.0, 2.0, 10.0, 0.5)  # tried where a scene works a number out
 TRAVELS: dict[str, object] = {"delta_mm": 20.0}
+BY_POINTS: tuple[dict[str, Any], ...] = ({"given": {"path": "arc-length"}},)
 WAYS: dict[str, tuple[dict[str, Any], ...]] = {  # other ways than the defaults, in which more settings have a say
+    **dict.fromkeys((*(f"roof-{letter}" for letter in "abcdef"), "shallow-cap", "sze-pullout"), BY_POINTS),
     "panel": (
         {"mesh": (6, 6)},
         {"given": {"E_ratio": 10.0, "inflation": 1.0}},

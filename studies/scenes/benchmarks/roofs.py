@@ -1,6 +1,6 @@
 """Hinged cylindrical roofs under a central point load: Sze, Liu, Lo (2004), section 3.8, six of them.
 
-The load passes two or four limit points, the displacement may turn back: the curve is traced by arc length.
+The load passes two or four limit points, the displacement may turn back: the curve is traced.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from studies.scenes.element import ELEMENT, LINES, patch
 from studies.scenes.statics import (
     ARC_STEP,
     CURVE_FRACTIONS,
+    PATH,
     UNTIL,
     CurveModel,
     element_size,
@@ -69,7 +70,7 @@ class Roof:
     solid: tuple[float, float]
     uncertainty: float
     default_mesh: tuple[int, int] = (16, 16)
-    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, UNTIL, ARC_STEP, LINES, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (CURVE_FRACTIONS, UNTIL, PATH, ARC_STEP, LINES, *ELEMENT, SOLVER)
 
     @cached_property
     def references(self) -> tuple[Reference, ...]:

@@ -22,7 +22,7 @@ from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
 from studies.scenes.element import ELEMENT, patch
-from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, CurveModel, normal_at
+from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, PATH, CurveModel, normal_at
 
 E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
 RISE = BASE**2 / (2 * RADIUS)  # mm, of the shallow cap
@@ -67,7 +67,7 @@ class ShallowSphericalCap:
     name: str = "shallow-cap"
     title: str = "Clamped shallow spherical cap under pressure"
     default_mesh: tuple[int, int] = (32, 4)
-    settings: tuple[Setting, ...] = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:

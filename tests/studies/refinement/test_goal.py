@@ -70,7 +70,7 @@ def test_small_forces_and_gaps_change_the_quantity_as_its_dual_says(scene, mesh,
 
 
 def test_a_small_force_moves_the_limit_load_as_the_mode_says() -> None:
-    result = solved("roof-a", "4x4", {"until": "limit", "arc_step": "0.05"})
+    result = solved("roof-a", "4x4", {"until": "limit", "path": "arc-length", "arc_step": "0.05"})
     stage = result.end.stage
     assert isinstance(stage, ArcStage)
     found = on_grid(result.end, "limit_load_fraction", result.model.shell, result.model.candidate_of_node)

@@ -19,6 +19,7 @@ from studies.scenes.element import ELEMENT, patch
 from studies.scenes.statics import (
     ARC_STEP,
     LOAD_FRACTIONS,
+    PATH,
     CurveModel,
     element_size,
     normal_at,
@@ -57,7 +58,7 @@ class PullOut:
     name: str = "sze-pullout"
     title: str = "Open cylinder pulled out (Sze 3.5)"
     default_mesh: tuple[int, int] = (16, 24)
-    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, ARC_STEP, *ELEMENT, SOLVER)
+    settings: tuple[Setting, ...] = (LOAD_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
 
     def build(self, request: Request) -> SceneModel:

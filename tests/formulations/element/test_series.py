@@ -1,0 +1,78 @@
+"""The recurrence of power series against the polynomial that the internal force is, fitted through its values."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
+from formulations.element.strain_operator import INTERPOLATIONS
+from formulations.loads.pressure import Pressure
+from formulations.shell import ShellModel
+from formulations.strains.catalogue import MEASURES
+from formulations.strains.measure import QuadraticMeasure
+from formulations.strains.products import Products
+from support.problems.shells import PATCHES, make_shell
+
+PATCH = PATCHES["wavy"]
+ORDER = 4
+FITTED = (
+    1e-9  # relative, of coefficients of a polynomial of degree 12 from its values at roots of unity: 1e-12 measured
+)
+ROUNDING = 1e-13
+QUADRATIC = {name: measure for name, measure in MEASURES.items() if isinstance(measure, QuadraticMeasure)}
+ELEMENTS = [
+    *({"measure": name} for name in QUADRATIC if QUADRATIC[name].kinematics == MEASURES["exact"].kinematics),
+    *(
+        {"thickness_strain": t, "membrane": m, "interpolation": i}
+        for t in THICKNESS_STRAINS
+        for m in MEMBRANES
+        for i in INTERPOLATIONS
+    ),
+]
+
+
+def force_coefficients(shell: ShellModel, u: np.ndarray) -> np.ndarray:
+    """Coefficients (4 N, n) of r(sum u_k a^k), of degree 3 N, from its values at points of [-1, 1]."""
+    degree = 3 * (len(u) - 1)
+    a = np.cos(np.pi * (np.arange(degree + 1) + 0.5) / (degree + 1))
+    values = [shell.residual(np.polynomial.polynomial.polyval(each, u)) for each in a]
+    return np.linalg.solve(np.vander(a, increasing=True), np.array(values))
+
+
+@pytest.mark.parametrize("options", ELEMENTS, ids=lambda options: "-".join(options.values()))
+def test_what_lower_orders_leave_is_the_rest_of_the_force(options, rng) -> None:
+    shell = make_shell(PATCH.surface, PATCH.grid(2, 3), **options)
+    n = shell.discretisation.n_free
+    u = rng.normal(size=(ORDER + 1, n)) * 0.05
+    expected = force_coefficients(shell, u)
+    tangent, series = shell.linearise(u[0]).tangent.copy(), shell.series(u[0], ORDER)
+    left = [np.zeros(n)] + [series.add(each).copy() for each in u[1:]]
+    for k in range(1, ORDER + 1):
+        rest = expected[k] - tangent @ u[k]
+        np.testing.assert_allclose(left[k - 1], rest, rtol=0, atol=FITTED * np.abs(expected).max())
+        if k > 1 and options.get("measure") != "linear":
+            assert np.abs(rest).max() > 1e6 * FITTED * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("measure", QUADRATIC.values(), ids=QUADRATIC)
+def test_products_by_monomials_are_those_of_the_tables(measure, rng) -> None:
+    q, H = rng.normal(size=(8, 15, 3)), rng.normal(size=(8, 11, 3))
+    products = Products(measure, 7, 3)
+    products.q[:], products.H[:] = q, H
+    for k in range(1, 8):
+        pairs = [(i, k - i) for i in range(1, k)]
+        strain = sum((0.5 * np.einsum("nij,ip,jp->np", measure.quadratic, q[a], q[b]) for a, b in pairs), 0.0 * H[0])
+        force = sum((np.einsum("nij,jp,np->ip", measure.quadratic, q[a], H[b]) for a, b in pairs), 0.0 * q[0])
+        np.testing.assert_allclose(products.strain(k), strain, rtol=0, atol=1e2 * ROUNDING)
+        np.testing.assert_allclose(products.force(k), force, rtol=0, atol=1e2 * ROUNDING)
+
+
+def test_what_is_no_polynomial_has_no_series() -> None:
+    for options, reason in (
+        ({"measure": "elongation"}, "not quadratic"),
+        ({"pressure": Pressure(0.7, follower=True)}, "follows"),
+    ):
+        shell = make_shell(PATCH.surface, PATCH.grid(1, 1), **options)
+        with pytest.raises(ValueError, match=reason):
+            shell.series(np.zeros(shell.discretisation.n_free), ORDER)
