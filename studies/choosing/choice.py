@@ -15,7 +15,7 @@ import numpy as np
 from studies.choosing.ladder import mesh_of
 from studies.choosing.offers import Offer
 from studies.choosing.question import Question
-from studies.choosing.trials import Trial
+from studies.choosing.trials import NOT_TRIED, Trial
 from studies.choosing.verdict import NO_MESH, NOT_SETTLED, Verdict
 from studies.friction.settings import rubbing
 from studies.refinement.limits import Estimate
@@ -35,7 +35,7 @@ class Choice:
 
     limit: of the exact measure, the reference.  verdicts: measures, options of the element, models, the reference
     first.  algorithms: by name, from rest on ``algorithms_mesh``.  offers: what is recommended, the runner-up, further
-    ones.  refused: offers that did not hold from rest.  dropped: what there was no time for, and why.
+    ones.  refused: offers that did not hold from rest.  waits: the grid of the reference that there was no time for.
     reason: why nothing is recommended.  seconds: of wall time.
     """
 
@@ -43,13 +43,13 @@ class Choice:
     request: Request
     budget: float
     quantity: str
+    waits: str = ""
     limit: Estimate | None = None
     verdicts: list[Verdict] = field(default_factory=list)
     algorithms: dict[str, Trial] = field(default_factory=dict)
     algorithms_mesh: str = ""
     offers: list[Offer] = field(default_factory=list)
     refused: list[Offer] = field(default_factory=list)
-    dropped: list[tuple[str, str]] = field(default_factory=list)
     reason: str = ""
     seconds: float = 0.0
 
@@ -92,6 +92,14 @@ class Choice:
         ]
 
     @property
+    def dropped(self) -> list[str]:
+        """What there was no time for."""
+        ladders = [verdict.ladder for verdict in self.verdicts]
+        waiting = [f"{each.variant.axis} {each.variant.name} {each.waits}" for each in ladders if each.waits]
+        algorithms = [f"algorithm {name}" for name, each in self.algorithms.items() if each.ended == NOT_TRIED]
+        return [*([f"measure {self.waits}"] if self.waits else []), *waiting, *algorithms]
+
+    @property
     def uncertain(self) -> list[str]:
         """What this answer does not know, a sentence each."""
         return list(self._uncertain())
@@ -117,7 +125,8 @@ class Choice:
         if self.recommended is not None and not self.recommended.holds:
             yield "there was no time to solve what is recommended from rest"
         yield from (offer.refusal for offer in self.refused)
-        yield from (f"not tried: {what}: {why}" for what, why in self.dropped)
+        if self.dropped:
+            yield f"no time within {self.budget:g} s for {len(self.dropped)} things: finer grids or trials, as they say"
 
     def as_json(self) -> dict[str, Any]:
         """The content of choice.json."""
@@ -144,7 +153,7 @@ class Choice:
             "grids": self.grids,
             "algorithms": self.trials,
             "uncertain": self.uncertain,
-            "dropped": [{"what": what, "why": why} for what, why in self.dropped],
+            "dropped": self.dropped,
             "timing_s": {"total": self.seconds},
             "provenance": provenance(),
         }

@@ -25,9 +25,8 @@ from studies.scene import has_contact
 
 ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.5, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
-OF_REFERENCE = 0.45
+OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
 BUDGET = 60.0
-ASIDE = 2  # solves from rest for which time is kept
 
 
 def choose(
@@ -52,8 +51,8 @@ def choose(
     question = Question(name, scene, {**lines, **given}, options, error)
     cascade = Cascade(scene, error, quantity)
     with clock.share(OF_REFERENCE):
-        follow(cascade, request, clock, progress)
-    found = Choice(question, request, budget, quantity or "", dropped=clock.dropped)
+        waits = follow(cascade, request, clock, progress)
+    found = Choice(question, request, budget, quantity or "", waits)
     limit = limit_stated(cascade)
     if isinstance(limit, str):
         found.reason = limit
@@ -77,17 +76,23 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     def verdict(ladder: Ladder) -> Verdict:
         return judged(ladder, reference, limit, quantity, question.error)
 
-    found.verdicts.append(verdict(reference))
-    path = found.verdicts[0].enough or cascade.last
+    path = verdict(reference).enough or cascade.last
     foreseen = FROM_REST * path.seconds
+    limits = lambda ladder: verdict(ladder).limit  # noqa: E731
+
+    def climb(own: Sequence[Ladder]) -> None:
+        for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
+            progress(text)
+
+    aside = foreseen * clock.wait if verdict(reference).enough else 0.0
     for axis, part in SHARES.items():
-        own = [each for each in others if each.variant.axis == axis]
-        with clock.share(part, ASIDE * foreseen):
-            if axis == ALGORITHM and has_contact(question.scene):
+        with clock.share(part, aside):
+            if axis != ALGORITHM:
+                climb([each for each in others if each.variant.axis == axis])
+            elif has_contact(question.scene):
                 found.algorithms_mesh = mesh_of(path)
                 meshes = mesh_of(reference.paths[0]), mesh_of(path)
                 found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
-            limits = lambda ladder: verdict(ladder).limit  # noqa: E731
-            for text in climb_all(own, cascade.grids, limits, question.scene, question.error, clock):
-                progress(text)
-        found.verdicts += map(verdict, own)
+    with clock.share(1.0, aside):
+        climb(others)
+    found.verdicts = [verdict(each) for each in (reference, *others)]

@@ -1,11 +1,11 @@
-"""A budget of wall time, handed on in shares: no work begins that is foreseen not to fit; what does not is named."""
+"""A budget of wall time, handed on in shares: no work begins that is foreseen not to fit."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from studies.result import Result
 from studies.solving import Interrupted
@@ -13,7 +13,7 @@ from studies.solving import Interrupted
 
 @dataclass
 class Clock:
-    """Seconds of wall time from when it is made; ``until``: what may be spent for now.  dropped: what was not tried.
+    """Seconds of wall time from when it is made; ``until``: what may be spent for now.
 
     now, work: wall time and CPU time [s]. What is foreseen is CPU time; a machine that others use takes longer.
     """
@@ -21,7 +21,6 @@ class Clock:
     budget: float
     now: Callable[[], float] = time.perf_counter
     work: Callable[[], float] = time.process_time
-    dropped: list[tuple[str, str]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self._start, self._worked = self.now(), self.work()
@@ -51,13 +50,9 @@ class Clock:
         finally:
             self.until = before
 
-    def fits(self, what: str, foreseen: float) -> bool:
-        """Whether so many seconds are left; what does not fit is named with them."""
-        wall = foreseen * self.wait
-        if wall <= self.left:
-            return True
-        self.dropped.append((what, f"about {wall:.2g} s are foreseen, {max(self.left, 0.0):.2g} s are left for it"))
-        return False
+    def fits(self, foreseen: float) -> bool:
+        """Whether there is time for so many CPU seconds."""
+        return foreseen * self.wait <= self.left
 
 
 class Late(KeyboardInterrupt):

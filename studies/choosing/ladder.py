@@ -17,6 +17,7 @@ from studies.request import PartError, UsageError
 from studies.scene import Scene
 
 GROWTH = 1.25  # power of the unknowns that seconds grow with
+FEWEST = 3  # grids that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
 
 
@@ -24,17 +25,21 @@ FAILURES = 2  # grids in a row on which a path is not followed, after which no o
 class Ladder:
     """The reference, or a variant, on grids; ``paths`` are those that were followed to their end.
 
-    lost: grids in a row on which it was not.  said: why there are no more of them.
+    seen: grids that were tried.  lost: those in a row on which the path was not followed.  said: why no more are tried.
+    waits: the mesh that there was no time for.
     """
 
     variant: Variant
     paths: list[Sketch] = field(default_factory=list)
+    seen: int = 0
     lost: int = 0
     said: str = ""
+    waits: str = ""
 
     def climb(self, scene: Scene, beside: Sketch) -> None:
         """Follow the path on one grid more: that of the reference's path ``beside`` it, which is its first start."""
         request = replace(self.variant.request, mesh=beside.request.mesh)
+        self.seen, self.waits = self.seen + 1, ""
         try:
             found = sketch(scene, request, self.paths[-1] if self.paths else beside, LOOSE)
         except (UsageError, PartError) as error:
@@ -47,12 +52,37 @@ class Ladder:
         if self.lost >= FAILURES and not self.said:
             self.said = f"its path is not followed to its end on {mesh_of(beside)}"
 
-    def foreseen(self, beside: Sketch) -> float:
-        """CPU seconds on the grid of the reference's path beside it."""
+    @property
+    def turn(self) -> int:
+        """Which ladders come first: those on the coarsest grid, those that have begun, those that have not, the rest."""
+        return 0 if self.seen == 0 else 3 if self.seen >= FEWEST else 1 if self.seen > 1 else 2
+
+    def next_of(self, along: Ladder) -> Sketch | None:
+        """The reference's path on the grid that is tried next, if there is one."""
+        return along.paths[self.seen] if self.seen < len(along.paths) else None
+
+    def begun(self, along: Ladder) -> Sequence[Sketch]:
+        """The reference's paths on the grids that come next at one go."""
+        return along.paths[self.seen : FEWEST if self.turn == 2 else self.seen + 1]
+
+    def price(self, along: Ladder, quantity: str, error: float) -> float:
+        """The seconds of the next grid, times 1 and the distance from the reference over ``error`` on the last one."""
+        path = self.next_of(along)
+        seconds = 0.0 if path is None else self.foreseen(path)
         if not self.paths:
-            return beside.seconds
+            return seconds
+        beside = next(each for each in along.paths if each.request.mesh == self.paths[-1].request.mesh)
+        own, other = (each.quantities.get(quantity, math.nan) for each in (self.paths[-1], beside))
+        apart = abs(own - other) / (abs(other) or math.ulp(0.0))
+        return seconds * (1 + (apart / error if math.isfinite(apart) else 0.0))
+
+    def foreseen(self, *beside: Sketch) -> float:
+        """CPU seconds on the grids of the reference's paths beside it."""
+        if not self.paths:
+            return sum(each.seconds for each in beside)
         last = self.paths[-1]
-        return last.seconds * max(1.0, beside.model.n_unknowns / last.model.n_unknowns) ** GROWTH
+        times = (max(1.0, each.model.n_unknowns / last.model.n_unknowns) ** GROWTH for each in beside)
+        return last.seconds * sum(times)
 
     def values(self, quantity: str) -> list[float]:
         """What was read off, by grid."""
@@ -61,30 +91,34 @@ class Ladder:
 
 def climb_all(
     ladders: Sequence[Ladder],
-    along: Sequence[Sketch],
+    along: Ladder,
+    quantity: str,
     limit: Callable[[Ladder], Difference | str],
     scene: Scene,
     error: float,
     clock: Clock,
 ) -> Iterator[str]:
-    """Climb grid by grid, all ladders beside one another, as far as time and sense go; yields what is done next.
+    """Climb grid by grid as far as time and sense go; yields what is done next.
 
-    along: the paths of the reference.  limit: f of a ladder so far; a variant whose limit is surely off by more than
-    the error goes no further.
+    All of them on the coarsest grid; then each on as many as a limit takes, for which there has to be time; then the rest.
+    The next is the cheapest, those that are far from the reference on their last grid counted dearer: they come later,
+    and are not judged by that.  along: the reference.  limit: f of a ladder so far; a variant whose limit is surely off
+    by more than the error goes no further.
     """
-    for path in along:
-        for ladder in ladders:
-            name = f"{ladder.variant.axis} {ladder.variant.name} {mesh_of(path)}"
-            if ladder.said or ladder.variant.refused:
-                continue
-            apart = limit(ladder) if ladder.paths else NONE
-            if isinstance(apart, Difference) and apart.least > error:
-                ladder.said = f"not followed beyond {mesh_of(ladder.paths[-1])}: surely off"
-            elif not clock.fits(name, ladder.foreseen(path)):
-                ladder.said = f"no time for {mesh_of(path)}"
-            else:
-                yield name
-                ladder.climb(scene, path)
+    open_ = [ladder for ladder in ladders if not ladder.variant.refused]
+    while open_:
+        ladder = min(open_, key=lambda each: (each.turn, each.price(along, quantity, error)))
+        path = ladder.next_of(along)
+        apart = limit(ladder) if ladder.paths else NONE
+        sure = isinstance(apart, Difference) and apart.least > error
+        if path is None or sure or ladder.said:
+            open_.remove(ladder)
+        elif not clock.fits(ladder.foreseen(*ladder.begun(along))):
+            ladder.waits = mesh_of(path)
+            open_.remove(ladder)
+        else:
+            yield f"{ladder.variant.axis} {ladder.variant.name} {mesh_of(path)}"
+            ladder.climb(scene, path)
 
 
 def mesh_of(path: Sketch) -> str:

@@ -82,7 +82,7 @@ def recommended(
 ) -> list[Offer]:
     """The offers that hold from rest, cheapest first, and after them those that there was no time to try."""
     for offer in offers[:TRIALS]:
-        if sum(each.holds for each in offers) >= ENOUGH or not clock.fits(f"{offer.words} from rest", offer.foreseen):
+        if sum(each.holds for each in offers) >= ENOUGH or not clock.fits(offer.foreseen):
             break
         progress(f"{offer.words} from rest")
         offer.attempt(quantity, limit, max(clock.left, 0.0), progress)

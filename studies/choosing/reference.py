@@ -19,16 +19,16 @@ DEARER = 2.8  # seconds of the next grid over those of the last, which has half 
 ENOUGH = 2  # grids that show what quantities there are
 
 
-def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> None:
-    """Follow the path on finer and finer grids until one of them is enough, or the time is up.
+def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> str:
+    """Follow the path on finer and finer grids until one of them is enough; returns the mesh that there is no time for.
 
     request: on the coarsest grid.  Raises UsageError for a quantity that the scene does not have.
     """
     grid: Request | None = request
     while grid is not None:
         text = "{} {}x{}".format(REFERENCE, *grid.mesh)
-        if cascade.grids and not clock.fits(text, DEARER * cascade.last.seconds):
-            return
+        if cascade.grids and not clock.fits(DEARER * cascade.last.seconds):
+            return text
         progress(text)
         if not cascade.grow(grid) and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
             return
@@ -38,8 +38,9 @@ def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[
             if isinstance(found, Estimate):
                 progress(f"{cascade.name} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
                 if first_enough(errors(_values(cascade), found), NONE, cascade.error) is not None:
-                    return
+                    break
         grid = near(cascade.scene, grid, FINER)
+    return ""
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:

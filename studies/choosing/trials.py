@@ -15,14 +15,14 @@ from studies.scene import Scene
 from studies.solving import solve
 
 AGREE = 1e-6  # relative, of values of one problem: all algorithms are judged to the same tolerance
-REFUSED, SLOWER = "refused", "slower"
+REFUSED, SLOWER, NOT_TRIED = "refused", "slower", "not tried"
 PATIENCE = 2.0  # times the seconds of the algorithm asked for, after which another is stopped
 FROM_REST = 2.5  # seconds of a judged solve over those of a path from a coarser grid
 
 
 @dataclass(frozen=True)
 class Trial:
-    """How a solve went: the class of its result, "refused" or "slower"; CPU seconds, those until it was stopped."""
+    """How a solve went: the class of its result, "refused", "slower" or "not tried"; CPU seconds, until stopped."""
 
     ended: str
     said: str = ""
@@ -93,8 +93,8 @@ def race(
 
     coarse, mesh = meshes
     own = question.contact
-    if not clock.fits(f"algorithms on {mesh}", foreseen):
-        return {}
+    if not clock.fits(foreseen):
+        return {name: Trial(NOT_TRIED, f"no time on {mesh}") for name in ALGORITHMS}
     found = {own: trial(own, mesh, clock.left)}
     if not found[own].solved:
         return found
@@ -105,6 +105,8 @@ def race(
             found[name] = heats[name]
             continue
         times = min(heats[name].seconds / max(heats[own].seconds, 1e-9), PATIENCE)
-        if clock.fits(f"algorithm {name} on {mesh}", base * times):
+        if not clock.fits(base * times):
+            found[name] = Trial(NOT_TRIED, f"no time on {mesh}")
+        else:
             found[name] = trial(name, mesh, min(clock.left, PATIENCE * base * clock.wait))
     return found

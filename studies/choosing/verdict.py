@@ -57,8 +57,10 @@ class Verdict:
     @property
     def said(self) -> str:
         """Why it does not apply, goes no further, or has no limit."""
-        unknown = self.limit if isinstance(self.limit, str) and self.ladder.paths else ""
-        return self.ladder.variant.refused or "; ".join(filter(None, (unknown, self.ladder.said)))
+        ladder = self.ladder
+        unknown = self.limit if isinstance(self.limit, str) and ladder.paths else ""
+        waits = f"no time for {ladder.waits}" if ladder.waits else ""
+        return ladder.variant.refused or "; ".join(filter(None, (unknown, ladder.said, waits)))
 
     @property
     def row(self) -> dict[str, Any]:

@@ -15,12 +15,11 @@ from studies.choosing.choose import BUDGET, choose
 from studies.choosing.offers import Offer
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs, progress_line
+from studies.door.chosen import write_choice
 from studies.door.columns import columns
 from studies.refinement.cascade import parse_budget
 from studies.refinement.error_control import parse_error
 from studies.scene import UsageError
-
-FIGURES = {"measure": "measures.svg", "element": "elements.svg"}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,26 +52,9 @@ def run(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         print("footprint: interrupted; nothing is written", file=sys.stderr)
         return INTERRUPTED
-    write(found, options.out)
+    write_choice(found, options.out)
     print("\n".join(lines(found)))
     return OK if found.recommended is not None else NOT_CONVERGED
-
-
-def write(found: Choice, out: Path) -> None:
-    """The pictures, the tables, and choice.json, which comes last."""
-    from reports.figures.choice import error_over_seconds
-    from reports.files import write_texts
-
-    pictures = {}
-    for axis, name in FIGURES.items():
-        named = [row["name"] for row in found.variants if row["axis"] == axis]
-        if found.limit is None or not named:
-            continue
-        first, *_ = found.variants
-        rows = [row for row in found.grids if row["axis"] == axis or row["name"] == first["name"]]
-        pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.limit.uncertainty)()
-    write_texts(out / "figures", pictures)
-    found.write(out, [f"figures/{name}" for name in pictures])
 
 
 def lines(found: Choice) -> Iterator[str]:
