@@ -124,6 +124,8 @@ class Choice:
             yield "with friction load steps leave an error, too, which is not in these errors"
         if self.recommended is not None and not self.recommended.holds:
             yield "there was no time to solve what is recommended from rest"
+        if self.recommended is not None and self.recommended.trial is not None:
+            yield from self.recommended.trial.notes
         yield from (offer.refusal for offer in self.refused)
         if self.dropped:
             yield f"no time within {self.budget:g} s for {len(self.dropped)} things: finer grids or trials, as they say"

@@ -54,7 +54,7 @@ class Ladder:
 
     @property
     def turn(self) -> int:
-        """Which ladders come first: those on the coarsest grid, those that have begun, those that have not, the rest."""
+        """Who comes first: those without a grid, those that have begun, those with one grid, those with enough."""
         return 0 if self.seen == 0 else 3 if self.seen >= FEWEST else 1 if self.seen > 1 else 2
 
     def next_of(self, along: Ladder) -> Sketch | None:
@@ -100,7 +100,7 @@ def climb_all(
 ) -> Iterator[str]:
     """Climb grid by grid as far as time and sense go; yields what is done next.
 
-    All of them on the coarsest grid; then each on as many as a limit takes, for which there has to be time; then the rest.
+    All of them on the coarsest grid; then each on as many as a limit takes, if there is time for those; then the rest.
     The next is the cheapest, those that are far from the reference on their last grid counted dearer: they come later,
     and are not judged by that.  along: the reference.  limit: f of a ladder so far; a variant whose limit is surely off
     by more than the error goes no further.

@@ -14,7 +14,7 @@ from studies.choosing.trials import FROM_REST, SLOWER, Trial, tried
 from studies.choosing.verdict import Verdict
 from studies.refinement.limits import Estimate
 
-FASTER = 0.8  # of the seconds of the algorithm asked for, below which another is recommended instead
+FASTER = 0.8  # of the seconds, what a change of what is asked for may take at the most
 TRIALS, ENOUGH = 4, 2  # offers that are tried at the most, and that have to hold
 
 
@@ -22,7 +22,7 @@ TRIALS, ENOUGH = 4, 2  # offers that are tried at the most, and that have to hol
 class Offer:
     """A configuration that is enough: what is changed of the question, and the seconds that it is foreseen to take.
 
-    error_at_most: of its value on its grid.  trial: from rest, where there was time.
+    error_at_most: of its value on its grid.  changes: how many there are.  trial: from rest, where there was time.
     """
 
     question: Question
@@ -32,6 +32,7 @@ class Offer:
     settings: dict[str, str]
     foreseen: float
     error_at_most: float
+    changes: int
     trial: Trial | None = None
     holds: bool = field(default=False, init=False)
 
@@ -44,6 +45,11 @@ class Offer:
     def seconds(self) -> float:
         """CPU seconds from rest, judged; those that are foreseen where it was not tried to the end."""
         return self.trial.seconds if self.trial is not None and self.holds else self.foreseen
+
+    @property
+    def price(self) -> float:
+        """The seconds, dearer by what every change has to save: a tie is for what is asked for."""
+        return self.seconds / FASTER**self.changes
 
     @property
     def command(self) -> str:
@@ -73,8 +79,11 @@ class Offer:
 
 
 def offers_of(question: Question, verdicts: Sequence[Verdict], algorithms: Mapping[str, Trial]) -> list[Offer]:
-    """All that is enough, by the algorithm asked for and by the fastest one that agrees with it, cheapest first."""
-    return sorted(_offers(question, verdicts, algorithms), key=lambda offer: offer.foreseen)
+    """All that is enough, by the algorithm asked for and by the fastest one that agrees with it, cheapest first.
+
+    verdicts: that on the reference first.
+    """
+    return sorted(_offers(question, verdicts, algorithms), key=lambda offer: offer.price)
 
 
 def recommended(
@@ -86,7 +95,7 @@ def recommended(
             break
         progress(f"{offer.words} from rest")
         offer.attempt(quantity, limit, max(clock.left, 0.0), progress)
-    held = sorted((offer for offer in offers if offer.holds), key=lambda offer: offer.seconds)
+    held = sorted((offer for offer in offers if offer.holds), key=lambda offer: offer.price)
     return held + [offer for offer in offers if offer.untried]
 
 
@@ -112,4 +121,5 @@ def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Mapping
                 dict(variant.settings),
                 FROM_REST * ratio * path.seconds,
                 verdict.most[verdict.first],
+                (verdict is not verdicts[0]) + (contact != question.contact),
             )

@@ -31,7 +31,7 @@ def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[
             return text
         progress(text)
         if not cascade.grow(grid) and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
-            return
+            break
         if cascade.grids:
             _check_quantity(cascade)
             found = cascade.stated()

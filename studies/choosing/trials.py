@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from contact.catalogue import ALGORITHMS
@@ -29,6 +29,7 @@ class Trial:
     seconds: float = 0.0
     iterations: int = 0
     value: float | None = None
+    notes: Sequence[str] = ()
 
     @property
     def solved(self) -> bool:
@@ -69,7 +70,7 @@ def tried(
         return Trial(REFUSED, result.unsupported)
     said = "" if result.verdict == SOLVED[0] else str(result.as_json()["reason"])
     iterations = int(result.counters.get("newton_iterations", 0))
-    return Trial(result.verdict, said, spent, iterations, result.quantities.get(quantity))
+    return Trial(result.verdict, said, spent, iterations, result.quantities.get(quantity), result.notes)
 
 
 def race(

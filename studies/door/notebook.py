@@ -210,7 +210,7 @@ def choose(
     """
     load_entry_points()
     seconds, wanted = parse_budget(str(budget)), parse_error(str(error))
-    options = {"contact": contact, "newton": newton, "model": model, "steps": steps}
+    options: dict[str, Any] = {"contact": contact, "newton": newton, "model": model, "steps": steps}
     with np.errstate(over="ignore", invalid="ignore"):
         return Chosen(choosing.choose(scene, settings, wanted, seconds, of, mesh=mesh, **options))
 

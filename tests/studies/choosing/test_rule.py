@@ -1,4 +1,4 @@
-"""When a mesh is enough, by planted values: crossings, limits that are not settled, the uncertainty of the reference."""
+"""When a mesh is enough, by planted values: crossings, limits that are not settled, what the reference leaves."""
 
 from __future__ import annotations
 
