@@ -15,7 +15,8 @@ import numpy as np
 from studies.choosing.ladder import mesh_of
 from studies.choosing.offers import Offer
 from studies.choosing.question import Question
-from studies.choosing.trials import NOT_TRIED, Trial
+from studies.choosing.trials import NOT_TRIED, Trial, beside
+from studies.choosing.variants import REFERENCE
 from studies.choosing.verdict import NO_MESH, NOT_SETTLED, Verdict
 from studies.friction.settings import rubbing
 from studies.refinement.limits import Estimate
@@ -34,8 +35,8 @@ class Choice:
     """The answer.
 
     limit: of the exact measure, the reference.  verdicts: measures, options of the element, models, the reference
-    first.  algorithms: by name, from rest on ``algorithms_mesh``.  offers: what is recommended, the runner-up, further
-    ones.  refused: offers that did not hold from rest.  waits: the grid of the reference that there was no time for.
+    first.  algorithms: from rest, on a coarse mesh and on one that is enough.  offers: what is recommended, the
+    runner-up, further ones.  refused: offers that did not hold from rest.  stopped: why the reference has no more grids.
     reason: why nothing is recommended.  seconds: of wall time.
     """
 
@@ -43,11 +44,10 @@ class Choice:
     request: Request
     budget: float
     quantity: str
-    waits: str = ""
+    stopped: str = ""
     limit: Estimate | None = None
     verdicts: list[Verdict] = field(default_factory=list)
-    algorithms: dict[str, Trial] = field(default_factory=dict)
-    algorithms_mesh: str = ""
+    algorithms: list[Trial] = field(default_factory=list)
     offers: list[Offer] = field(default_factory=list)
     refused: list[Offer] = field(default_factory=list)
     reason: str = ""
@@ -75,20 +75,19 @@ class Choice:
 
     @property
     def trials(self) -> list[dict[str, Any]]:
-        """A row an algorithm; agrees: its value with that of the one asked for, to the judge."""
-        own = self.algorithms.get(self.question.contact)
+        """A row an algorithm and mesh; agrees: its value with that of the one asked for, to the judge."""
         return [
             {
-                "name": name,
-                "mesh": self.algorithms_mesh,
+                "name": each.contact,
+                "mesh": each.mesh,
                 "ended": each.ended,
-                "agrees": None if own is None else each.agrees(own),
+                "agrees": each.agrees(beside(each, self.algorithms, self.question.contact)),
                 "value": each.value,
                 "seconds": each.seconds,
                 "newton_iterations": each.iterations,
                 "said": each.said,
             }
-            for name, each in self.algorithms.items()
+            for each in self.algorithms
         ]
 
     @property
@@ -96,8 +95,8 @@ class Choice:
         """What there was no time for."""
         ladders = [verdict.ladder for verdict in self.verdicts]
         waiting = [f"{each.variant.axis} {each.variant.name} {each.waits}" for each in ladders if each.waits]
-        algorithms = [f"algorithm {name}" for name, each in self.algorithms.items() if each.ended == NOT_TRIED]
-        return [*([f"measure {self.waits}"] if self.waits else []), *waiting, *algorithms]
+        algorithms = [f"algorithm {each.contact} {each.mesh}" for each in self.algorithms if each.ended == NOT_TRIED]
+        return [*waiting, *algorithms]
 
     @property
     def uncertain(self) -> list[str]:
@@ -120,6 +119,8 @@ class Choice:
             steps = 100 * np.abs(np.diff(values[-3:])) / (abs(values[-1]) or 1.0)
             if len(steps):
                 yield f"the rim of contact jumps from node to node: the last grids differ by {steps.max():.2g} %"
+        if self.stopped:
+            yield f"measure {REFERENCE}: {self.stopped}"
         if rubbing(self.request.settings):
             yield "with friction load steps leave an error, too, which is not in these errors"
         if self.recommended is not None and not self.recommended.holds:

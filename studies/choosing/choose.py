@@ -51,8 +51,8 @@ def choose(
     question = Question(name, scene, {**lines, **given}, options, error)
     cascade = Cascade(scene, error, quantity)
     with clock.share(OF_REFERENCE):
-        waits = follow(cascade, request, clock, progress)
-    found = Choice(question, request, budget, quantity or "", waits)
+        stopped = follow(cascade, request, clock, progress)
+    found = Choice(question, request, budget, quantity or "", stopped)
     limit = limit_stated(cascade)
     if isinstance(limit, str):
         found.reason = limit
@@ -62,7 +62,8 @@ def choose(
         offers = offers_of(question, found.verdicts, found.algorithms)
         found.offers = recommended(offers, cascade.name, limit, clock, progress)
         found.refused = [offer for offer in offers if not offer.holds and not offer.untried]
-        found.reason = "" if found.offers else f"nothing that was tried is surely within {100 * error:g} %"
+        if not found.offers:
+            found.reason = f"nothing is surely within {100 * error:g} % on grids up to {mesh_of(cascade.last)}"
     found.seconds = clock.spent
     return found
 
@@ -90,7 +91,6 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
             if axis != ALGORITHM:
                 climb([each for each in others if each.variant.axis == axis])
             elif has_contact(question.scene):
-                found.algorithms_mesh = mesh_of(path)
                 meshes = mesh_of(reference.paths[0]), mesh_of(path)
                 found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
     with clock.share(1.0, aside):

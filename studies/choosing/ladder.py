@@ -17,7 +17,7 @@ from studies.request import PartError, UsageError
 from studies.scene import Scene
 
 GROWTH = 1.25  # power of the unknowns that seconds grow with
-FEWEST = 3  # grids that say anything of a limit
+FEWEST = 4  # grids, each with twice the unknowns of the last, that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
 
 

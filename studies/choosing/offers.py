@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -78,7 +78,7 @@ class Offer:
         return f"{self.words}: {self.trial.ended} from rest: {why}"
 
 
-def offers_of(question: Question, verdicts: Sequence[Verdict], algorithms: Mapping[str, Trial]) -> list[Offer]:
+def offers_of(question: Question, verdicts: Sequence[Verdict], algorithms: Sequence[Trial]) -> list[Offer]:
     """All that is enough, by the algorithm asked for and by the fastest one that agrees with it, cheapest first.
 
     verdicts: that on the reference first.
@@ -99,14 +99,13 @@ def recommended(
     return held + [offer for offer in offers if offer.untried]
 
 
-def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Mapping[str, Trial]) -> Iterator[Offer]:
+def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Sequence[Trial]) -> Iterator[Offer]:
     ratios = {question.contact: 1.0}
-    base = algorithms.get(question.contact)
-    if base is not None and base.solved:
-        agree = {name: each.seconds for name, each in algorithms.items() if each.solved and each.agrees(base)}
-        fastest = min(agree, key=lambda name: agree[name])
-        if agree[fastest] < FASTER * base.seconds:
-            ratios[fastest] = agree[fastest] / base.seconds
+    base = next((each for each in reversed(algorithms) if each.contact == question.contact and each.solved), None)
+    if base is not None:
+        agree = [each for each in algorithms if each.mesh == base.mesh and each.solved and each.agrees(base)]
+        fastest = min(agree, key=lambda each: each.seconds)
+        ratios |= {fastest.contact: fastest.seconds / base.seconds}
     for verdict in verdicts:
         path, variant = verdict.enough, verdict.ladder.variant
         if path is None or verdict.first is None:

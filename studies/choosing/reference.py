@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 
 from studies.choosing.clock import Clock
+from studies.choosing.ladder import FAILURES
 from studies.choosing.rule import NONE, errors, first_enough
 from studies.choosing.variants import REFERENCE
 from studies.refinement.cascade import FINER, TOO_FINE, Cascade
@@ -16,31 +17,37 @@ from studies.refinement.point_loads import growth
 from studies.request import Request, UsageError
 
 DEARER = 2.8  # seconds of the next grid over those of the last, which has half the unknowns
+NO_TIME = "no time for "
 ENOUGH = 2  # grids that show what quantities there are
 
 
 def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> str:
-    """Follow the path on finer and finer grids until one of them is enough; returns the mesh that there is no time for.
+    """Follow the path on finer and finer grids until one of them is enough; returns why there are no more of them.
 
     request: on the coarsest grid.  Raises UsageError for a quantity that the scene does not have.
     """
     grid: Request | None = request
-    while grid is not None:
-        text = "{} {}x{}".format(REFERENCE, *grid.mesh)
+    lost, said = 0, ""
+    while grid is not None and lost < FAILURES:
+        text = "{}x{}".format(*grid.mesh)
         if cascade.grids and not clock.fits(DEARER * cascade.last.seconds):
-            return text
-        progress(text)
-        if not cascade.grow(grid) and (cascade.grids or element_size(grid) < TOO_FINE * element_size(request)):
+            return f"{NO_TIME}{text}"
+        progress(f"{REFERENCE} {text}")
+        said = f"the path is not followed to its end on {text}"
+        followed = cascade.grow(grid)
+        if not followed and not cascade.grids and element_size(grid) < TOO_FINE * element_size(request):
             break
-        if cascade.grids:
+        lost = lost + 1 if cascade.grids and not followed else 0
+        if followed:
+            said = ""
             _check_quantity(cascade)
             found = cascade.stated()
             if isinstance(found, Estimate):
                 progress(f"{cascade.name} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
                 if first_enough(errors(_values(cascade), found), NONE, cascade.error) is not None:
-                    break
+                    return ""
         grid = near(cascade.scene, grid, FINER)
-    return ""
+    return said
 
 
 def limit_stated(cascade: Cascade) -> Estimate | str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from contact.catalogue import ALGORITHMS
 from studies.choosing.clock import Clock, until
@@ -30,17 +30,24 @@ class Trial:
     iterations: int = 0
     value: float | None = None
     notes: Sequence[str] = ()
+    contact: str = ""
+    mesh: str = ""
 
     @property
     def solved(self) -> bool:
         """Whether the judge certifies what was found."""
         return self.ended in SOLVED and self.value is not None
 
-    def agrees(self, other: Trial) -> bool | None:
+    def agrees(self, other: Trial | None) -> bool | None:
         """Whether both have the same value, to the judge; None where one has none."""
-        if self.value is None or other.value is None:
+        if other is None or self.value is None or other.value is None:
             return None
         return abs(self.value - other.value) <= AGREE * max(abs(self.value), abs(other.value))
+
+
+def beside(trial: Trial, trials: Sequence[Trial], contact: str) -> Trial | None:
+    """The trial of an algorithm on the mesh of another trial."""
+    return next((each for each in trials if (each.contact, each.mesh) == (contact, trial.mesh)), None)
 
 
 def tried(
@@ -76,38 +83,38 @@ def tried(
 def race(
     question: Question,
     quantity: str,
-    meshes: tuple[str, str],
+    meshes: Sequence[str],
     foreseen: float,
     clock: Clock,
     progress: Callable[[str], None],
-) -> dict[str, Trial]:
-    """Every algorithm from rest on the second mesh, in the order of what they take on the first, a coarse one.
+) -> list[Trial]:
+    """Every algorithm from rest on the first mesh, a coarse one, and then on the second, in the order of their seconds.
 
-    The one asked for comes first; one that takes PATIENCE times as long is stopped, for it is not what is looked for.
-    The grid lines are those of the reference.  foreseen: seconds of the algorithm asked for.
+    One that takes PATIENCE times as long as the one asked for is stopped, for it is not what is looked for. The grid
+    lines are those of the reference.  foreseen: seconds of the algorithm asked for on the second mesh.
     """
+    own, (coarse, mesh) = question.contact, meshes
 
     def trial(name: str, mesh: str, seconds: float) -> Trial:
         progress(f"algorithm {name} {mesh}")
         ask = lambda: (question.scene, question.asked(mesh, {"contact": name}, {})[1])  # noqa: E731
-        return tried(ask, quantity, seconds, progress)
+        return replace(tried(ask, quantity, seconds, progress), contact=name, mesh=mesh)
 
-    coarse, mesh = meshes
-    own = question.contact
-    if not clock.fits(foreseen):
-        return {name: Trial(NOT_TRIED, f"no time on {mesh}") for name in ALGORITHMS}
-    found = {own: trial(own, mesh, clock.left)}
-    if not found[own].solved:
-        return found
-    base = found[own].seconds
-    heats = {name: trial(name, coarse, min(base * clock.wait, clock.left)) for name in ALGORITHMS}
-    for name in sorted(heats.keys() - {own}, key=lambda name: (heats[name].seconds, name)):
-        if heats[name].ended == REFUSED:
-            found[name] = heats[name]
+    if not clock.fits(foreseen * min(1.0, len(ALGORITHMS) / 4)):
+        return [Trial(NOT_TRIED, "no time", contact=name, mesh=mesh) for name in ALGORITHMS]
+    heats = {own: trial(own, coarse, clock.left)}
+    base = max(heats[own].seconds, 1e-9)
+    for name in ALGORITHMS:
+        heats[name] = heats.get(name) or trial(name, coarse, min(PATIENCE * base * clock.wait, clock.left))
+    found = {}
+    for name in sorted(heats, key=lambda name: (name != own, heats[name].seconds, name)):
+        if coarse == mesh or heats[name].ended == REFUSED:
             continue
-        times = min(heats[name].seconds / max(heats[own].seconds, 1e-9), PATIENCE)
-        if not clock.fits(base * times):
-            found[name] = Trial(NOT_TRIED, f"no time on {mesh}")
-        else:
-            found[name] = trial(name, mesh, min(clock.left, PATIENCE * base * clock.wait))
-    return found
+        expected = foreseen * min(heats[name].seconds / base, PATIENCE)
+        if not clock.fits(expected):
+            found[name] = Trial(NOT_TRIED, "no time", contact=name, mesh=mesh)
+            continue
+        found[name] = trial(name, mesh, clock.left if name == own else PATIENCE * foreseen * clock.wait)
+        if name == own:
+            foreseen = found[name].seconds
+    return [*heats.values(), *found.values()]

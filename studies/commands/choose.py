@@ -65,7 +65,7 @@ def lines(found: Choice) -> Iterator[str]:
         yield f"{found.question.name}, {found.quantity} within {percent}; the exact measure in the limit: {known}"
         yield from _table(found.variants, _variant)
     if found.algorithms:
-        yield f"contact algorithms from rest on {found.algorithms_mesh}:"
+        yield "contact algorithms, each from rest and judged:"
         yield from _table(found.trials, _trial)
     for name, offer in (("recommended", found.recommended), ("runner-up", found.runner_up)):
         if offer is not None:
@@ -106,6 +106,7 @@ def _variant(row: Mapping[str, Any]) -> dict[str, str]:
 def _trial(row: Mapping[str, Any]) -> dict[str, str]:
     return {
         "algorithm": row["name"],
+        "mesh": row["mesh"],
         "ended": row["ended"],
         "agrees": {None: "-", True: "yes", False: "no"}[row["agrees"]],
         "seconds": f"{row['seconds']:.3g}",
