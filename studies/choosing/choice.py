@@ -34,9 +34,9 @@ ANSWERED, NOT_ANSWERED = "answered", "not-converged"
 class Choice:
     """The answer.
 
-    limit: of the exact measure, the reference.  verdicts: measures, options of the element, models, the reference
-    first.  algorithms: from rest, on a coarse mesh and on one that is enough.  offers: what is recommended, the
-    runner-up, further ones.  refused: offers that did not hold from rest.  stopped: why the reference has no more grids.
+    stopped: why the reference has no more grids.  limit: of the reference, the exact measure.  verdicts: measures,
+    options of the element, models, the reference first.  algorithms: from rest, on a coarse mesh and on one that is
+    enough.  offers: what is recommended, the runner-up, further ones.  refused: offers that did not hold from rest.
     reason: why nothing is recommended.  seconds: of wall time.
     """
 

@@ -24,9 +24,10 @@ from studies.refinement.limits import Estimate
 from studies.scene import has_contact
 
 ALGORITHM = "algorithm"
-SHARES = {MEASURE: 0.5, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
+SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
 OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
 BUDGET = 60.0
+ASIDE = 1.5  # of the seconds foreseen for a solve from rest, kept for it
 
 
 def choose(
@@ -85,7 +86,7 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
         for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
             progress(text)
 
-    aside = foreseen * clock.wait if verdict(reference).enough else 0.0
+    aside = ASIDE * foreseen * clock.wait if verdict(reference).enough else 0.0
     for axis, part in SHARES.items():
         with clock.share(part, aside):
             if axis != ALGORITHM:

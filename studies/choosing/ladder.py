@@ -16,7 +16,6 @@ from studies.refinement.nested import LOOSE, Sketch, sketch
 from studies.request import PartError, UsageError
 from studies.scene import Scene
 
-GROWTH = 1.25  # power of the unknowns that seconds grow with
 FEWEST = 4  # grids, each with twice the unknowns of the last, that say anything of a limit
 FAILURES = 2  # grids in a row on which a path is not followed, after which no other is tried
 
@@ -68,21 +67,21 @@ class Ladder:
     def price(self, along: Ladder, quantity: str, error: float) -> float:
         """The seconds of the next grid, times 1 and the distance from the reference over ``error`` on the last one."""
         path = self.next_of(along)
-        seconds = 0.0 if path is None else self.foreseen(path)
+        seconds = 0.0 if path is None else self.foreseen(along, [path])
         if not self.paths:
             return seconds
-        beside = next(each for each in along.paths if each.request.mesh == self.paths[-1].request.mesh)
-        own, other = (each.quantities.get(quantity, math.nan) for each in (self.paths[-1], beside))
+        own, other = (each.quantities.get(quantity, math.nan) for each in (self.paths[-1], self._beside(along)))
         apart = abs(own - other) / (abs(other) or math.ulp(0.0))
         return seconds * (1 + (apart / error if math.isfinite(apart) else 0.0))
 
-    def foreseen(self, *beside: Sketch) -> float:
-        """CPU seconds on the grids of the reference's paths beside it."""
-        if not self.paths:
-            return sum(each.seconds for each in beside)
-        last = self.paths[-1]
-        times = (max(1.0, each.model.n_unknowns / last.model.n_unknowns) ** GROWTH for each in beside)
-        return last.seconds * sum(times)
+    def foreseen(self, along: Ladder, beside: Sequence[Sketch]) -> float:
+        """CPU seconds on the grids of these paths of the reference, which takes so much more there than on the last."""
+        seconds = sum(each.seconds for each in beside)
+        return seconds * self.paths[-1].seconds / self._beside(along).seconds if self.paths else seconds
+
+    def _beside(self, along: Ladder) -> Sketch:
+        """The reference's path on the last grid."""
+        return next(each for each in along.paths if each.request.mesh == self.paths[-1].request.mesh)
 
     def values(self, quantity: str) -> list[float]:
         """What was read off, by grid."""
@@ -113,7 +112,7 @@ def climb_all(
         sure = isinstance(apart, Difference) and apart.least > error
         if path is None or sure or ladder.said:
             open_.remove(ladder)
-        elif not clock.fits(ladder.foreseen(*ladder.begun(along))):
+        elif not clock.fits(ladder.foreseen(along, ladder.begun(along))):
             ladder.waits = mesh_of(path)
             open_.remove(ladder)
         else:
