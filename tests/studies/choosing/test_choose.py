@@ -64,11 +64,10 @@ def test_a_classical_measure_is_off_in_the_limit_as_on_a_fine_grid(ring: Path) -
 def test_the_files_of_an_answer(ring: Path) -> None:
     found = told(ring)
     assert found["outcome"] == ANSWERED
-    assert {"scene", "quantity", "error_asked", "budget_s", "settings", "reference", "recommended", "runner_up"} <= {
-        *found
-    }
+    keys = {"scene", "quantity", "error_asked", "budget_s", "settings", "reference", "recommended", "runner_up"}
+    assert keys <= {*found}
     assert {row["verdict"] for row in found["variants"]} <= {*WORDS}
-    assert [row["name"] for row in found["variants"]][0] == "exact"
+    assert found["variants"][0]["name"] == "exact"
     enough = [row for row in found["variants"] if row["verdict"] == ENOUGH]
     for row in enough:
         own = [grid for grid in found["grids"] if (grid["axis"], grid["name"]) == (row["axis"], row["name"])]
@@ -92,7 +91,6 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
     ticks = iter(range(10**6))
     monkeypatch.setattr(choosing, "Clock", lambda budget: Clock(budget, lambda: next(ticks) / 10, lambda: 0.0))
     found = choose("ring", {"delta_mm": "50"}, 0.05, 2.5)
-    assert found.seconds < 6
     assert found.limit is not None
     assert found.dropped
     assert any("no time" in sentence for sentence in found.uncertain)
@@ -103,9 +101,10 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
 
 
 def test_a_point_load_has_no_limit() -> None:
-    found = choose("pinched-cylinder", {}, 0.001, 1.0)
-    assert found.recommended is None
-    assert found.reason
+    """It grows by ln 2/(2 pi S) with every halving; an interval that is narrow on each ladder of grids would lie."""
+    found = choose("pinched-cylinder", {}, 0.005, 10.0, mesh="4x4")
+    assert (found.recommended, found.limit) == (None, None)
+    assert "has no limit in a theory with shear under a point load: it grows by 0.1" in found.reason
 
 
 @pytest.mark.parametrize(
@@ -158,6 +157,7 @@ def test_a_scene_from_outside(tmp_path, capsys) -> None:
     assert "no-drilling" in names
 
 
+@pytest.mark.slow
 def test_a_notebook_has_tables(tmp_path: Path) -> None:
     found = choose_in_notebook("ring", "5%", budget=2.0, delta_mm=50)
     assert {"name", "formulation_error", "within", "mesh"} <= {*found.variants.columns}
