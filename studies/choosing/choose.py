@@ -13,7 +13,7 @@ from typing import Any
 from studies.choosing.choice import Choice
 from studies.choosing.clock import Clock
 from studies.choosing.ladder import Ladder, climb_all, mesh_of
-from studies.choosing.offers import offers_of, recommended
+from studies.choosing.offers import Offer, offers_of, recommended
 from studies.choosing.question import Question
 from studies.choosing.reference import follow, limit_stated
 from studies.choosing.trials import FROM_REST, race
@@ -60,9 +60,6 @@ def choose(
     else:
         found.quantity, found.limit = cascade.name, limit
         _compare(found, cascade, limit, clock, progress)
-        offers = offers_of(question, found.verdicts, found.algorithms)
-        found.offers = recommended(offers, cascade.name, limit, clock, progress)
-        found.refused = [offer for offer in offers if not offer.holds and not offer.untried]
         if not found.offers:
             found.reason = f"nothing is surely within {100 * error:g} % on grids up to {mesh_of(cascade.last)}"
     found.seconds = clock.spent
@@ -70,7 +67,7 @@ def choose(
 
 
 def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, progress: Callable[[str], None]) -> None:
-    """Measures, algorithms, options of the element and models, into the choice."""
+    """Measures, algorithms, options of the element and models, what is recommended, and what there is time for then."""
     question, quantity = found.question, cascade.name
     reference = Ladder(Variant(MEASURE, REFERENCE, cascade.grids[0].request), cascade.grids)
     others = [Ladder(each) for each in variants(question.scene, reference.variant.request)]
@@ -78,22 +75,27 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     def verdict(ladder: Ladder) -> Verdict:
         return judged(ladder, reference, limit, quantity, question.error)
 
-    path = verdict(reference).enough or cascade.last
-    foreseen = FROM_REST * path.seconds
-    limits = lambda ladder: verdict(ladder).limit  # noqa: E731
-
     def climb(own: Sequence[Ladder]) -> None:
+        limits = lambda ladder: verdict(ladder).limit  # noqa: E731
         for text in climb_all(own, reference, quantity, limits, question.scene, question.error, clock):
             progress(text)
 
-    aside = ASIDE * foreseen * clock.wait if verdict(reference).enough else 0.0
+    def offers() -> list[Offer]:
+        found.verdicts = [verdict(each) for each in (reference, *others)]
+        return offers_of(question, found.verdicts, found.algorithms)
+
+    path = verdict(reference).enough or cascade.last
+    foreseen = FROM_REST * path.seconds
     for axis, part in SHARES.items():
-        with clock.share(part, aside):
+        with clock.share(part, ASIDE * foreseen * clock.wait):
             if axis != ALGORITHM:
                 climb([each for each in others if each.variant.axis == axis])
             elif has_contact(question.scene):
                 meshes = mesh_of(reference.paths[0]), mesh_of(path)
                 found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
-    with clock.share(1.0, aside):
-        climb(others)
-    found.verdicts = [verdict(each) for each in (reference, *others)]
+    first = offers()
+    found.offers = recommended(first, quantity, limit, clock, progress)
+    found.refused = [offer for offer in first if not offer.holds and not offer.untried]
+    climb(others)
+    known = {offer.words for offer in first}
+    found.offers += [offer for offer in offers() if offer.words not in known]

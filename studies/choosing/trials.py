@@ -17,7 +17,7 @@ from studies.solving import solve
 AGREE = 1e-6  # relative, of values of one problem: all algorithms are judged to the same tolerance
 REFUSED, SLOWER, NOT_TRIED = "refused", "slower", "not tried"
 PATIENCE = 2.0  # times the seconds of the algorithm asked for, after which another is stopped
-FROM_REST = 2.5  # seconds of a judged solve over those of a path from a coarser grid
+FROM_REST = 2.0  # seconds of a judged solve over those of a path from a coarser grid
 
 
 @dataclass(frozen=True)
