@@ -127,6 +127,11 @@ class Choice:
             yield "there was no time to solve what is recommended from rest"
         if self.recommended is not None and self.recommended.trial is not None:
             yield from self.recommended.trial.notes
+            faster = [offer for offer in self.offers if offer.untried and offer.price < self.recommended.price]
+            yield from (
+                f"{offer.words}: foreseen at {offer.seconds:.2g} s, and there was no time to solve it from rest"
+                for offer in faster
+            )
         yield from (offer.refusal for offer in self.refused)
         if self.dropped:
             yield f"no time within {self.budget:g} s for {len(self.dropped)} things: finer grids or trials, as they say"

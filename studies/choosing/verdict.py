@@ -93,9 +93,10 @@ class Verdict:
                 "unknowns": path.model.n_unknowns,
                 "value": value,
                 "error_at_most": most,
+                "enough": self.first is not None and k >= self.first,
                 "path_seconds": path.seconds,
             }
-            for path, value, most in zip(self.ladder.paths, self.values, self.most, strict=True)
+            for k, (path, value, most) in enumerate(zip(self.ladder.paths, self.values, self.most, strict=True))
         ]
 
 

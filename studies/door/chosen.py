@@ -6,6 +6,7 @@ from pathlib import Path
 
 from studies.choosing.choice import Choice
 
+AS_ASKED = "as asked for"  # of the element of the reference
 FIGURES = {"measure": "measures.svg", "element": "elements.svg"}
 
 
@@ -19,8 +20,13 @@ def write_choice(found: Choice, out: Path) -> None:
         named = [row["name"] for row in found.variants if row["axis"] == axis]
         if found.limit is None or not named:
             continue
-        first, *_ = found.variants
-        rows = [row for row in found.grids if row["axis"] == axis or row["name"] == first["name"]]
+        reference = (
+            found.verdicts[0].grids
+            if axis == "measure"
+            else [row | {"name": AS_ASKED} for row in found.verdicts[0].grids]
+        )
+        others = [row for verdict in found.verdicts[1:] for row in verdict.grids if row["axis"] == axis]
+        rows = [*reference, *others]
         pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.limit.uncertainty)()
     write_texts(out / "figures", pictures)
     found.write(out, [f"figures/{name}" for name in pictures])
