@@ -129,8 +129,7 @@ class Choice:
             yield from self.recommended.trial.notes
             faster = [offer for offer in self.offers if offer.untried and offer.price < self.recommended.price]
             yield from (
-                f"{offer.words}: foreseen at {offer.seconds:.2g} s, and there was no time to solve it from rest"
-                for offer in faster
+                f"{offer.words}: foreseen at {offer.seconds:.2g} s, but not solved from rest" for offer in faster
             )
         yield from (offer.refusal for offer in self.refused)
         if self.dropped:

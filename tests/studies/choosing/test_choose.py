@@ -100,6 +100,7 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
     assert "fewer than three grids" in spent.reason
 
 
+@pytest.mark.slow
 def test_a_point_load_has_no_limit() -> None:
     """It grows by ln 2/(2 pi S) with every halving; an interval that is narrow on each ladder of grids would lie."""
     found = choose("pinched-cylinder", {}, 0.005, 10.0, mesh="4x4")
