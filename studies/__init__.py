@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from studies.door.descriptions import Description
-    from studies.door.notebook import Run, describe, solve
+    from studies.door.notebook import Chosen, Run, choose, describe, solve
     from studies.scene import UsageError
 
-__all__ = ["Description", "Run", "UsageError", "describe", "solve"]
+__all__ = ["Chosen", "Description", "Run", "UsageError", "choose", "describe", "solve"]
 
 
 def __getattr__(name: str) -> Any:

@@ -25,6 +25,7 @@ COMMANDS = {
     "list": "what there is",
     "show": "what a scene, a measure or an algorithm is, and its settings",
     "solve": "solve one scene into a directory",
+    "choose": "which measure, algorithm, element and mesh is enough on a scene of yours, and its price",
     "resolve": "solve one frozen contact problem again, alone, and judge it",
     "export": "a scene as a deck, a mesh or a neutral sheet for another program",
     "problems": "frozen contact problems for other programs, and what their answers are worth",

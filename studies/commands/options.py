@@ -13,6 +13,7 @@ from studies.shown import behind, printable
 
 SETTINGS = "a setting of the scene or the algorithm, as often as wanted; footprint show SCENE has them"
 STORE = Path(".footprint/store")
+SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 
 
 def add_store(parser: argparse.ArgumentParser) -> None:
@@ -79,3 +80,16 @@ def progress_bar(name: str) -> Iterator[Callable[[int, int, str], None]]:
     with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
         task = bar.add_task(name, total=None)
         yield lambda done, planned, label: bar.update(task, completed=done, total=planned, description=printable(label))
+
+
+@contextmanager
+def progress_line() -> Iterator[Callable[[str], None]]:
+    """Say on the terminal what has been reached; where there is none, nothing, and nothing is loaded for it."""
+    if not sys.stderr.isatty():
+        yield lambda text: None
+        return
+    terminal = behind(sys.stderr)
+    try:
+        yield lambda text: print(f"{SAME_LINE}reached {printable(text)}", end="", file=terminal, flush=True)
+    finally:
+        print(SAME_LINE, end="", file=terminal, flush=True)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from contact.problem import Outcome
 from studies import branching
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.options import add_settings, pairs
+from studies.commands.options import add_settings, pairs, progress_line
 from studies.complete import complete
 from studies.door.columns import columns
 from studies.friction.settings import rubbing
@@ -21,13 +20,11 @@ from studies.refinement import mesh_error
 from studies.request import Request, UsageError
 from studies.result import UNSTABLE, WRONG, Result
 from studies.scene import Scene, has_contact
-from studies.shown import behind, printable
 from studies.solving import Interrupted
 from studies.step import Step
 from studies.store.atomic import write_by
 from studies.store.tables import Table
 
-SAME_LINE = "\r\x1b[2K"  # to its beginning, and empty it
 START_HELP = "of the path: nested, from its states on coarser grids, the default; or cold, from rest"
 COUNTED = ("newton_iterations", "limit_point")  # of the counters of a step, those that a terminal shows
 
@@ -65,7 +62,7 @@ def _run(options: argparse.Namespace) -> int:
     named = {name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")}
     scene, request, wanted = _asked(options, given, **named)
     _check_places(options, scene)
-    with _progress() as tell:
+    with progress_line() as tell:
         try:
             result, enough = _solved(options, scene, request, wanted, tell)
             step_lines = _step_error(result, tell) if not options.no_step_error else []
@@ -166,19 +163,6 @@ def _step_error(result: Result, tell: Callable[[str], None]) -> list[str]:
 
     load_steps.estimate(result, tell)
     return load_steps.lines(result)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[str], None]]:
-    """Say on the terminal what has been reached; where there is none, nothing, and nothing is loaded for it."""
-    if not sys.stderr.isatty():
-        yield lambda text: None
-        return
-    terminal = behind(sys.stderr)
-    try:
-        yield lambda text: print(f"{SAME_LINE}reached {printable(text)}", end="", file=terminal, flush=True)
-    finally:
-        print(SAME_LINE, end="", file=terminal, flush=True)
 
 
 def _print_table(result: Result) -> None:

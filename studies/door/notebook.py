@@ -14,11 +14,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from studies.choosing import choose as choosing
+from studies.choosing.choice import Choice
+from studies.choosing.choose import BUDGET
 from studies.complete import complete
 from studies.door import descriptions
+from studies.door.chosen import write_choice
 from studies.door.descriptions import Description
 from studies.door.plugins import load_entry_points
 from studies.friction.settings import rubbing
+from studies.refinement.cascade import parse_budget
+from studies.refinement.error_control import parse_error
 from studies.refinement.mesh_error import NESTED, STARTS, solve_with_error
 from studies.result import Result
 from studies.scene import UsageError
@@ -120,6 +126,47 @@ class Run:
         self.result.write(Path(directory))
 
 
+@dataclass(frozen=True, eq=False)
+class Chosen:
+    """An answer of :func:`choose`; where nothing is enough, what is known all the same."""
+
+    choice: Choice
+
+    @property
+    def recommended(self) -> dict[str, Any] | None:
+        """command, mesh, error_at_most and seconds of the cheapest that is enough; None where nothing is."""
+        return None if self.choice.recommended is None else self.choice.recommended.data
+
+    @property
+    def runner_up(self) -> dict[str, Any] | None:
+        """The same of the next one."""
+        return None if self.choice.runner_up is None else self.choice.runner_up.data
+
+    @property
+    def variants(self) -> pd.DataFrame:
+        """A row a measure, an option of the element, a model: its error in the limit of the meshes, and its mesh."""
+        return pd.DataFrame(self.choice.variants)
+
+    @property
+    def grids(self) -> pd.DataFrame:
+        """A row each of their grids."""
+        return pd.DataFrame(self.choice.grids)
+
+    @property
+    def algorithms(self) -> pd.DataFrame:
+        """A row an algorithm of contact: how it ended, from rest, on a mesh that is enough."""
+        return pd.DataFrame(self.choice.trials)
+
+    @property
+    def uncertain(self) -> list[str]:
+        """What this answer does not know."""
+        return self.choice.uncertain
+
+    def write(self, directory: str | Path) -> None:
+        """What ``footprint choose --out`` writes."""
+        write_choice(self.choice, Path(directory))
+
+
 def solve(
     scene: str,
     *,
@@ -156,6 +203,33 @@ def solve(
 
         load_steps.estimate(result)
     return Run(result)
+
+
+def choose(
+    scene: str,
+    error: str | float,
+    *,
+    budget: str | float = BUDGET,
+    of: str | None = None,
+    contact: str = "semismooth",
+    newton: str = "mixed",
+    mesh: str | Sequence[int] | None = None,
+    model: str = "auto",
+    steps: int = 1,
+    **settings: Any,
+) -> Chosen:
+    """Which measure, algorithm, element and mesh is enough on a scene; settings are its keys, as values or as text.
+
+    error: relative, "1%" or 0.01.  budget: seconds of wall time, 60 or "60s".  of: the quantity, by default the force,
+    or the first of the scene.  mesh: the coarsest grid.
+
+    Raises UsageError with one line for a wrong name, key or value.
+    """
+    load_entry_points()
+    seconds, wanted = parse_budget(str(budget)), parse_error(str(error))
+    options: dict[str, Any] = {"contact": contact, "newton": newton, "model": model, "steps": steps}
+    with np.errstate(over="ignore", invalid="ignore"):
+        return Chosen(choosing.choose(scene, settings, wanted, seconds, of, mesh=mesh, **options))
 
 
 def describe(name: str) -> Description:

@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from formulations.shell import ShellModel
+from studies.refinement.nested import Sketch
 from studies.result import Result
 from studies.scenes.statics import CurveModel, StaticModel
 
@@ -21,7 +22,7 @@ STEP = 1e-6  # of the largest displacement, for the slope of a quantity
 SHEAR = (slice(6, 8), slice(8, 10))  # 2E13 and 2E23 of both faces
 
 
-def growth(result: Result, quantity: str) -> float:
+def growth(result: Result | Sketch, quantity: str) -> float:
     """How much a quantity of the last state changes with every halving of the elements at its point loads; 0: none."""
     name, model, end = quantity.removeprefix("limit_"), result.model, result.end
     if not isinstance(model, StaticModel) or model.shell.forces is None or end is None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from pathlib import Path
 
 from studies.analysis.advice.choose import advise, lines
@@ -14,7 +15,7 @@ from studies.commands import FAILED, OK
 from studies.commands.options import STORE, add_settings, pairs, reading
 from studies.complete import complete
 from studies.refinement.error_control import parse_error
-from studies.request import Settings
+from studies.request import Settings, text_of
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.store.layout import Archive
@@ -48,7 +49,7 @@ def run(options: argparse.Namespace) -> int:
         raise
     _say_limit(options, Settings(question.values), tolerance)
     found = advise(question, tolerance)
-    print("\n".join([*lines(found), *filter(None, [worth(store)])]))
+    print("\n".join([*lines(found), *filter(None, [worth(store), *_beyond(options, question, given)])]))
     return OK if found.best is not None else FAILED
 
 
@@ -67,6 +68,22 @@ def _asked(options: argparse.Namespace, given: dict[str, str], store: Path | Non
     with reading(store):
         table = collect(store, options.campaign)
         return asked_question(table, verified(table), options.scene, options.quantity, given, options.cost)
+
+
+def _beyond(options: argparse.Namespace, question: Question, given: dict[str, str]) -> Iterator[str]:
+    """Where the advice goes beyond what was solved, and what answers for the reader's own settings."""
+    if options.scene not in SCENES:
+        return
+    asked = complete(options.scene, given)[1].settings
+    other = {key: text_of(asked[key]) for key in asked if key in question.settings}
+    other = {key: text for key, text in other.items() if text != question.settings[key]}
+    if other:
+        was = " ".join(f"{key}={question.settings[key]}" for key in other)
+        here = " ".join(f"{key}={text}" for key, text in other.items())
+        yield f"extrapolated: solved with {was}, not with {here}"
+    words = [f"--set {key}={text}" for key, text in given.items()]
+    line = " ".join(["footprint choose", options.scene, f"--error {options.error}", *words])
+    yield f"seconds are of the machine of the campaign; for your own scene, here: {line} --out DIR"
 
 
 def _say_limit(options: argparse.Namespace, settings: Settings, tolerance: float) -> None:

@@ -1,0 +1,119 @@
+"""``footprint choose``: which measure, algorithm, element and mesh is enough on a scene of the reader's own."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studies.choosing.choice import Choice
+from studies.choosing.choose import BUDGET, choose
+from studies.choosing.offers import Offer
+from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
+from studies.commands.options import add_settings, pairs, progress_line
+from studies.door.chosen import write_choice
+from studies.door.columns import columns
+from studies.refinement.cascade import parse_budget
+from studies.refinement.error_control import parse_error
+from studies.scene import UsageError
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """The scene, the error, the budget, and where the answer goes."""
+    parser.add_argument("scene", help="footprint list scenes")
+    parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
+    parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
+    parser.add_argument(
+        "--budget", default=f"{BUDGET:g}s", metavar="SECONDS", help=f"of wall time, default {BUDGET:g}s"
+    )
+    parser.add_argument("--contact", default="semismooth", help="the algorithm of reference; by default semismooth")
+    parser.add_argument("--newton", default="mixed", help="plain or mixed, the default")
+    parser.add_argument("--mesh", help="N1xN2, the coarsest grid; by default a quarter of that of the scene")
+    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
+    parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
+    add_settings(parser)
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the answer goes")
+
+
+def run(options: argparse.Namespace) -> int:
+    """Choose, write and print; 3 where nothing is surely within the error. What is interrupted writes nothing."""
+    if options.out.exists() and not options.out.is_dir():
+        raise UsageError(f"--out {options.out} is a file, not a directory")
+    error, budget = parse_error(options.error), parse_budget(options.budget)
+    named = {name: getattr(options, name) for name in ("contact", "newton", "model", "steps")}
+    given = pairs(options.settings)
+    try:
+        with np.errstate(over="ignore", invalid="ignore"), progress_line() as tell:
+            found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **named)
+    except KeyboardInterrupt:
+        print("footprint: interrupted; nothing is written", file=sys.stderr)
+        return INTERRUPTED
+    write_choice(found, options.out)
+    print("\n".join(lines(found)))
+    return OK if found.recommended is not None else NOT_CONVERGED
+
+
+def lines(found: Choice) -> Iterator[str]:
+    """The answer for a terminal."""
+    percent = f"{100 * found.question.error:g} %"
+    if found.limit is not None:
+        known = f"{found.limit.limit:.6g} +- {_percent(found.limit.uncertainty)}"
+        yield f"{found.question.name}, {found.quantity} within {percent}; the exact measure in the limit: {known}"
+        yield from _table(found.variants, _variant)
+    if found.algorithms:
+        yield "contact algorithms, each from rest and judged:"
+        yield from _table(found.trials, _trial)
+    for name, offer in (("recommended", found.recommended), ("runner-up", found.runner_up)):
+        if offer is not None:
+            yield from _offer(name, offer)
+    yield from (f"uncertain: {sentence}" for sentence in found.uncertain)
+    yield f"{found.seconds:.3g} s of {found.budget:g} s"
+    if found.reason:
+        yield f"no recommendation: {found.reason}"
+
+
+def _offer(name: str, offer: Offer) -> Iterator[str]:
+    took = "from rest" if offer.holds else "foreseen"
+    yield f"{name}: {offer.words}: error at most {_percent(offer.error_at_most)}, {offer.seconds:.3g} s {took}"
+    yield f"  {offer.command}"
+
+
+def _table(rows: Sequence[Mapping[str, Any]], shown: Any) -> Iterator[str]:
+    told = [shown(row) for row in rows]
+    yield from columns([list(told[0]), *(list(row.values()) for row in told)], "  ")
+
+
+def _variant(row: Mapping[str, Any]) -> dict[str, str]:
+    apart = row["formulation_error"]
+    limit = "-" if apart is None else f"{100 * apart:+.3g} +- {_percent(row['within'])}"
+    return {
+        "axis": row["axis"],
+        "name": row["name"],
+        "limit off by": limit,
+        "settled": {None: "-", True: "yes", False: "no"}[row["settled"]],
+        "verdict": row["verdict"],
+        "mesh": row["mesh"] or "-",
+        "error at most": "-" if row["error_at_most"] is None else _percent(row["error_at_most"]),
+        "path [s]": "-" if row["path_seconds"] is None else f"{row['path_seconds']:.2g}",
+        "": row["said"],
+    }
+
+
+def _trial(row: Mapping[str, Any]) -> dict[str, str]:
+    return {
+        "algorithm": row["name"],
+        "mesh": row["mesh"],
+        "ended": row["ended"],
+        "agrees": {None: "-", True: "yes", False: "no"}[row["agrees"]],
+        "seconds": f"{row['seconds']:.3g}",
+        "iterations": str(row["newton_iterations"]),
+        "": row["said"],
+    }
+
+
+def _percent(value: float) -> str:
+    return f"{100 * value:.2g} %"
