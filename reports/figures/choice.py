@@ -10,9 +10,11 @@ from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from reports.figures.drawing import GREY, canvas, looks, svg
 
+MARKS = (1.0, 2.0, 5.0)  # of a decade, with a number
 BELOW = 0.8  # of what the reference leaves, where the axis ends
 
 
@@ -37,6 +39,10 @@ def error_over_seconds(rows: Sequence[Mapping[str, Any]], quantity: str, error: 
     bottom = min(axes.get_ylim()[0], BELOW * 100 * uncertainty) or axes.get_ylim()[0]
     axes.axhspan(bottom, max(100 * uncertainty, bottom), color=GREY, alpha=0.2, linewidth=0, label="known no better")
     axes.set_ylim(bottom=bottom)
+    for axis in (axes.xaxis, axes.yaxis):  # less than a decade has marks, too
+        axis.set_major_locator(LogLocator(subs=MARKS))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
     axes.set_xlabel("CPU time of the path on a grid, started from the grid before [s]")
     axes.set_ylabel(f"error of {quantity}, at most [%]")
     figure.legend(loc="outside right center")

@@ -27,6 +27,7 @@ ALGORITHM = "algorithm"
 SHARES = {MEASURE: 0.6, ALGORITHM: 0.5, ELEMENT: 0.6, MODEL: 1.0}  # of what is left, in this order
 OF_REFERENCE = 0.7  # without a mesh of the exact measure that is enough nothing is
 BUDGET = 60.0
+ERROR = "1%"
 CHOOSING = 0.92  # of the budget; the rest is for loading, drawing and writing
 ASIDE = 1.5  # of the seconds foreseen for a solve from rest, kept for it
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from studies.choosing.choice import Choice
-from studies.choosing.choose import BUDGET, choose
+from studies.choosing.choose import BUDGET, ERROR, choose
 from studies.choosing.offers import Offer
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, pairs, progress_line
@@ -25,7 +25,7 @@ from studies.scene import UsageError
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The scene, the error, the budget, and where the answer goes."""
     parser.add_argument("scene", help="footprint list scenes")
-    parser.add_argument("--error", required=True, metavar="E", help="relative, e.g. 1%%")
+    parser.add_argument("--error", default=ERROR, metavar="E", help=f"relative, by default {ERROR}%")
     parser.add_argument("--of", metavar="QUANTITY", help="by default the force, or the first of the scene")
     parser.add_argument(
         "--budget", default=f"{BUDGET:g}s", metavar="SECONDS", help=f"of wall time, default {BUDGET:g}s"

@@ -16,7 +16,7 @@ import pandas as pd
 
 from studies.choosing import choose as choosing
 from studies.choosing.choice import Choice
-from studies.choosing.choose import BUDGET
+from studies.choosing.choose import BUDGET, ERROR
 from studies.complete import complete
 from studies.door import descriptions
 from studies.door.chosen import write_choice
@@ -207,7 +207,7 @@ def solve(
 
 def choose(
     scene: str,
-    error: str | float,
+    error: str | float = ERROR,
     *,
     budget: str | float = BUDGET,
     of: str | None = None,
