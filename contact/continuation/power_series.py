@@ -28,7 +28,7 @@ from contact.continuation.equilibrium_curve import ArcPoint
 
 DEGREE = 48  # of the interpolant of the load on a piece, whose roots are events
 LENGTHS = np.geomspace(1e-2, 10.0, 150)  # over the radius of the series, at which its precision is looked at
-TINY = 1e-300
+TINY = 1e-60  # of the last order over the first, below which the curve is a line; no power of a radius overflows
 REAL = 1e-6  # imaginary part of a root of it over the length of the piece, below which it is a point of the curve
 
 

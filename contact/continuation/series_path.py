@@ -54,7 +54,7 @@ class PowerSeries:
         targets: Sequence[float],
         on_point: Callable[[float], None] = lambda t: None,
     ) -> Trace:
-        """The curve from rest to the last target, with its limit points and a point at every target.
+        """The curve from rest to the last target: a point at every target, limit point and end of a piece.
 
         As :meth:`contact.continuation.arc_length.ArcLength.trace`; expand(u, order): the recurrence at u.
         """
@@ -92,26 +92,20 @@ class _March:
             except SingularMatrixError as error:
                 failed = f": {error}"
             if found is None:
-                self._stop(at)
                 return Outcome.STEP_LIMIT, f"power series after t = {at.factor:.6g}{failed}"
             piece, lin = found
             ended = self._pass(piece)
             if ended is not None:
                 return ended
             before, at = at, self._balanced(piece, piece.length, lin=lin)
+            self.points.append(replace(at, along=sum(each.length for each in self.pieces)))
             on_point(at.factor)
             lin = self.curve.loaded(at.u, at.factor) if at.iterations else lin
             self.moved += float(np.linalg.norm(at.u - before.u))
             self.loaded += abs(at.factor - before.factor)
             self.curve = self.curve.scaled(self.moved, self.loaded)
             direction = self._scaled(piece.tangent(piece.length))
-        self._stop(at)
         return Outcome.ITERATION_LIMIT, f"{len(self.pieces)} series of the curve did not reach t = {self.ahead[0]:g}"
-
-    def _stop(self, at: ArcPoint) -> None:
-        """Record where the march gave up, unless that is recorded."""
-        if at.factor != self.points[-1].factor:
-            self.points.append(replace(at, along=sum(piece.length for piece in self.pieces)))
 
     def _scaled(self, tangent: np.ndarray) -> np.ndarray:
         """The unit vector along dx/da in the scale of the curve."""

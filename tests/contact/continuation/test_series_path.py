@@ -69,11 +69,14 @@ def load_of(u):
 def test_snap_through() -> None:
     trace = traced()
     assert trace.outcome is Outcome.CONVERGED
-    assert [point.limit for point in trace.points] == [False, False, True, True, False]
-    limits = [point for point in trace.points if point.limit]
+    ends = np.cumsum([piece.length for piece in trace.curve.pieces])[:-1]
+    rest, *events = [point for point in trace.points if point.along not in ends]
+    assert len(trace.points) == len(ends) + 5
+    assert [point.limit for point in events] == [False, True, True, False]
+    limits = [point for point in events if point.limit]
     assert [p.u[0] for p in limits] == pytest.approx(U_LIMITS, abs=ON_CURVE)
     assert [p.factor for p in limits] == pytest.approx([load_of(u) for u in U_LIMITS], abs=ON_CURVE)
-    assert [p.factor for p in (trace.points[1], trace.points[-1])] == [0.2, 1.0]
+    assert [p.factor for p in (rest, events[0], events[-1])] == [0.0, 0.2, 1.0]
     for point in (*trace.points, *trace.curve.sampled(20)):
         assert point.factor == pytest.approx(load_of(point.u[0]), abs=ON_CURVE)
     assert np.all(np.diff([point.along for point in trace.points[1:]]) > 0)

@@ -87,10 +87,10 @@ def test_the_files_of_an_answer(ring: Path) -> None:
 
 
 def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A clock of its own: every look at it is a tenth of a second."""
+    """A clock of its own: every look at it is a minute, beside which a slow machine's seconds are few."""
     ticks = iter(range(10**6))
-    monkeypatch.setattr(choosing, "Clock", lambda budget: Clock(budget, lambda: next(ticks) / 10, lambda: 0.0))
-    found = choose("ring", {"delta_mm": "50"}, 0.05, 2.5)
+    monkeypatch.setattr(choosing, "Clock", lambda budget: Clock(budget, lambda: 60.0 * next(ticks), lambda: 0.0))
+    found = choose("ring", {"delta_mm": "50"}, 0.05, 1500.0)
     assert found.limit is not None
     assert found.dropped
     assert any("no time" in sentence for sentence in found.uncertain)

@@ -88,8 +88,9 @@ def test_snap_pressure_converges_to_the_shallow_equations(meshes) -> None:
 @pytest.mark.slow
 def test_the_curve_is_that_of_the_shallow_equations(meshes) -> None:
     """At every point up to a sag of the rise, far beyond the snap: 1 % of the snap pressure."""
-    points = [(step["w_apex_mm"], step["load_fraction"]) for step in meshes[2].steps]
-    w, p = np.array([point for point in points if point[0] <= RISE]).T
+    (curve,) = meshes[2].tables["curve"]
+    w, p = (np.array(curve.columns[name]) for name in ("w_apex_mm", "load_fraction"))
+    w, p = w[w <= RISE], p[w <= RISE]
     assert len(w) >= 12
     classical = classical_pressure(1e4, NU, RADIUS, thickness(4.0))
     np.testing.assert_allclose(p, shallow_cap(4.0).curve(w) / classical, rtol=0, atol=0.006)
