@@ -1,10 +1,14 @@
-"""Fixtures of all tests: a seeded generator and the patches."""
+"""Fixtures of all tests: a seeded generator, the patches, and catalogues that plug-ins leave as they were."""
 
 from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 
+from studies.door import plugins
 from support.problems.shells import PATCHES, Patch
 
 
@@ -21,3 +25,16 @@ def patch(request: pytest.FixtureRequest) -> Patch:
 @pytest.fixture(params=[name for name in PATCHES if name != "plate"])
 def curved_patch(request: pytest.FixtureRequest) -> Patch:
     return PATCHES[request.param]
+
+
+@pytest.fixture
+def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """What is run in this process leaves catalogues and modules as they were."""
+    known, modules = {group: dict(parts) for group, parts in plugins.GROUPS.items()}, set(sys.modules)
+    monkeypatch.setattr(sys, "path", [*sys.path])
+    yield
+    for group, parts in plugins.GROUPS.items():
+        parts.clear()
+        parts.update(known[group])
+    for name in {"stranger", "broken", "half"} & sys.modules.keys() - modules:
+        del sys.modules[name]

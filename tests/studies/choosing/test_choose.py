@@ -149,7 +149,7 @@ def test_nothing_that_is_enough_is_not_converged(tmp_path, capsys) -> None:
 
 
 @pytest.mark.slow
-def test_a_scene_from_outside(tmp_path, capsys) -> None:
+def test_a_scene_from_outside(tmp_path, capsys, put_back) -> None:
     words = ["choose", "pressed-arch", "--error", "3%", "--use", str(PLUGIN), "--out", str(tmp_path)]
     assert main(words) == OK
     lines = capsys.readouterr().out.splitlines()

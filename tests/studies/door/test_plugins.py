@@ -7,13 +7,12 @@ import os
 import subprocess
 import sys
 import tomllib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from studies.cli import main
-from studies.door import plugins
 
 ROOT = Path(__file__).parents[3]
 PLUGIN = ROOT / "tests" / "plugin"
@@ -39,19 +38,6 @@ def footprint(*words: object, path: Path | None = None) -> tuple[int, str, str]:
         check=False,
     )
     return done.returncode, done.stdout, done.stderr
-
-
-@pytest.fixture
-def put_back(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """What is run in this process leaves catalogues and modules as they were."""
-    known, modules = {group: dict(parts) for group, parts in plugins.GROUPS.items()}, set(sys.modules)
-    monkeypatch.setattr(sys, "path", [*sys.path])
-    yield
-    for group, parts in plugins.GROUPS.items():
-        parts.clear()
-        parts.update(known[group])
-    for name in {"stranger", "broken", "half"} & sys.modules.keys() - modules:
-        del sys.modules[name]
 
 
 @pytest.fixture
