@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -43,10 +44,11 @@ def run(options: argparse.Namespace) -> int:
     tolerance, given, store = parse_error(options.error), pairs(options.settings), _store(options)
     try:
         question = _asked(options, given, store)
-    except UsageError:
-        if options.scene in SCENES:
-            _say_limit(options, complete(options.scene, given)[1].settings, tolerance)
-        raise
+    except UsageError as error:
+        if options.scene not in SCENES:
+            raise
+        _say_limit(options, complete(options.scene, given)[1].settings, tolerance)
+        raise UsageError(f"{error}; for your own scene: {_choose(options, given)}") from None
     _say_limit(options, Settings(question.values), tolerance)
     found = advise(question, tolerance)
     print("\n".join([*lines(found), *filter(None, [worth(store), *_beyond(options, question, given)])]))
@@ -81,9 +83,13 @@ def _beyond(options: argparse.Namespace, question: Question, given: dict[str, st
         was = " ".join(f"{key}={question.settings[key]}" for key in other)
         here = " ".join(f"{key}={text}" for key, text in other.items())
         yield f"extrapolated: solved with {was}, not with {here}"
-    words = [f"--set {key}={text}" for key, text in given.items()]
-    line = " ".join(["footprint choose", options.scene, f"--error {options.error}", *words])
-    yield f"seconds are of the machine of the campaign; for your own scene, here: {line} --out DIR"
+    yield f"seconds are of the machine of the campaign; for your own scene, here: {_choose(options, given)}"
+
+
+def _choose(options: argparse.Namespace, given: dict[str, str]) -> str:
+    """The command line that answers for the reader's own settings."""
+    words = [f"--set {shlex.quote(f'{key}={text}')}" for key, text in given.items()]
+    return " ".join(["footprint choose", options.scene, f"--error {options.error}", *words, "--out DIR"])
 
 
 def _say_limit(options: argparse.Namespace, settings: Settings, tolerance: float) -> None:

@@ -164,8 +164,16 @@ def test_advice_on_the_command_line(solved: Path, capsys: pytest.CaptureFixture[
     asked = ["advise", "cantilever", "--store", str(solved / "store"), "--campaign", "small"]
     asked += ["--cost", "dofs", "--error"]  # seconds rank as the machine is busy
     assert main([*asked, "1%"]) == 0
-    assert "cheapest: exact semismooth mixed refined 8x1" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "cheapest: exact semismooth mixed refined 8x1" in said
+    assert said.endswith("for your own scene, here: footprint choose cantilever --error 1% --out DIR\n")
+    assert "extrapolated: solved with load_fraction=0.25, not with load_fraction=0.25,0.5,0.75,1\n" in said
+    assert main([*asked, "1%", "--set", "load_fraction=0.25"]) == 0
+    assert "extrapolated" not in capsys.readouterr().out
     assert main([*asked, "0.01%"]) == 1
     assert "none qualifies of 3 cells" in capsys.readouterr().out  # the linear ones are wrong, not inaccurate
     assert main([*asked, "1%", "--quantity", "force_N"]) == 2
     assert "no verified quantity 'force_N'" in capsys.readouterr().err
+    assert main([*asked, "1%", "--set", "load_fraction=0.3"]) == 2
+    choose = "footprint choose cantilever --error 1% --set load_fraction=0.3 --out DIR"
+    assert capsys.readouterr().err.endswith(f"; for your own scene: {choose}\n")
