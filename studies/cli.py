@@ -34,7 +34,7 @@ COMMANDS = {
     "merge": "take the cells of another store, recomputed before they are believed",
     "table": "the cells of a campaign, what was asked and what became of them",
     "time": "time the converged cells of a campaign, one at a time",
-    "analyse": "the tables of fronts, profiles, attribution and advice of a campaign",
+    "analyse": "the tables that the pages are made of",
     "report": "write the pages of a store",
     "advise": "the cheapest configuration of a scene that meets a tolerance",
     "check": "compare a fresh campaign with the committed baseline",

@@ -44,7 +44,8 @@ ALONG = 0.1  # cosine of path and mode below which the path has no part in it
 SAME_MODE = 0.7  # cosine of two modes that are one
 FOLD_LAW = 0.5  # half-way between the exponents of the speed along the mode at a bifurcation, 0, and at a fold, 1
 MODES = 8
-PRECISE = 1e-9  # of an eigenvalue
+PRECISE, ROUGH = 1e-9, 1e-4  # of an eigenvalue; of one whose sign and mode are wanted
+BASIS = 40  # vectors for those: on 96x96 elements of the hemisphere 575 products, by 20 to PRECISE 1323
 ROUNDING = 1e-12  # of the largest compliance: less is that of a motion which the foundation holds
 DENSE = 20  # unknowns up to which all eigenvalues are cheap
 State = tuple[float, ContactSolution]
@@ -258,7 +259,8 @@ def _largest(
         C, start = LinearOperator((n, n), matvec=comply, dtype=float), np.random.default_rng(0).normal(size=n)
         try:
             if symmetric and negative:
-                values, vectors = eigsh(C, k=min(negative, MODES), which="SA", v0=start, tol=PRECISE)
+                k, basis = min(negative, MODES), min(n, BASIS)
+                values, vectors = eigsh(C, k=k, which="SA", v0=start, tol=ROUGH, ncv=basis)
             else:
                 values, vectors = (eigsh if symmetric else eigs)(C, k=MODES, which="LM", v0=start, tol=PRECISE)
         except ArpackNoConvergence as error:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import math
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -16,6 +17,7 @@ from typing import Any, ParamSpec
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
+from matplotlib.colors import Colormap
 from matplotlib.figure import Figure
 
 from reports.figures.hover import with_values
@@ -28,6 +30,9 @@ BLUE, VERMILION, PURPLE = "#0072B2", "#D55E00", "#CC79A7"
 WINE, OLIVE, INDIGO = "#661100", "#999933", "#332288"  # Tol's, told apart from those
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, WINE, INDIGO, OLIVE)
 GREY = "#777777"
+COMMENT = re.compile(r"\s*<!--.*?-->", re.DOTALL)
+LONG_PLACE = re.compile(r"(?<!scale\()\b\d+\.\d{3,}\b")  # the scale of letters stays
+SHADES = 33  # odd: none is between the signs
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 LINES = ("-", "--", ":", "-.")
 CLASSICAL = ("exact", "linear", "von-karman", "donnell", "sanders", "novozhilov")
@@ -93,6 +98,11 @@ def looks(names: Iterable[Any]) -> dict[Any, Look]:
     others = [name for name in unique if name not in known]
     order = known + (sorted(others, key=str) if known else others)
     return {name: look(order.index(name)) for name in unique}
+
+
+def shades(name: str) -> Colormap:
+    """A colour map of few colours, which the eye distinguishes as well as many: each is a shape in the file."""
+    return mpl.colormaps[name].resampled(SHADES)
 
 
 def svg(draw: Callable[P, Figure]) -> Callable[P, Picture]:
@@ -164,5 +174,10 @@ def to_svg(figure: Figure) -> str:
         collected.append(figure)
     buffer = io.BytesIO()
     figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    lines = with_values(figure, buffer.getvalue().decode()).splitlines()
-    return "\n".join(line.rstrip() for line in lines) + "\n"
+    lines = with_values(figure, _rounded(buffer.getvalue().decode())).splitlines()
+    return "\n".join(line.strip() for line in lines) + "\n"
+
+
+def _rounded(text: str) -> str:
+    """Places to a hundredth of a point, which no eye resolves, and no comments."""
+    return LONG_PLACE.sub(lambda place: f"{float(place[0]):.2f}", COMMENT.sub("", text))

@@ -16,7 +16,7 @@ from PIL import Image
 
 FINER = 2  # points of the raster a point of the picture, each way
 BANDS = 16  # of colour
-COLOURS = 120  # of a picture, with its shades
+COLOURS = 48  # of a picture, with its shades
 AMBIENT = 0.62  # of the light that a face seen from the side still has
 LINE, LINE_SHADE, DENSE = (
     0.55,
@@ -138,21 +138,19 @@ def _normals(seen: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.asarray(normals / np.where(length > 0, length, 1.0)[:, None])
 
 
-def png(found: Raster, colours: np.ndarray) -> str:
-    """The picture as base64 of a PNG with few colours, nothing where nothing is; colours (..., 3) of every point."""
+def webp(found: Raster, colours: np.ndarray) -> str:
+    """The picture as base64 of a lossless WebP with few colours, clear where nothing is; colours (..., 3) of points."""
     there = np.isfinite(found.depth)
     lit = colours * (found.light * np.where(found.line, 1 - LINE_SHADE, 1.0))[..., None]
     lit = np.where(there[..., None], lit, 1.0)
     height, width = (n // FINER for n in there.shape)
     mean = lit.reshape(height, FINER, width, FINER, 3).mean(axis=(1, 3))
     seen = there.reshape(height, FINER, width, FINER).any(axis=(1, 3))
-    image = Image.fromarray(np.round(255 * mean).astype(np.uint8)).quantize(COLOURS, dither=Image.Dither.NONE)
-    indices = np.where(seen, np.asarray(image), COLOURS).astype(np.uint8)
-    flat = Image.fromarray(indices, mode="P")
-    known = (image.getpalette() or [])[: 3 * COLOURS]
-    flat.putpalette([*known, *[0] * (3 * COLOURS - len(known)), 255, 255, 255])
+    few = Image.fromarray(np.round(255 * mean).astype(np.uint8)).quantize(COLOURS, dither=Image.Dither.NONE)
+    opaque = np.dstack([np.asarray(few.convert("RGB")), np.where(seen, 255, 0).astype(np.uint8)])
+    opaque[~seen] = 0
     file = io.BytesIO()
-    flat.save(file, format="png", transparency=COLOURS, optimize=True)
+    Image.fromarray(opaque).save(file, format="webp", lossless=True, quality=100, method=6)
     return base64.b64encode(file.getvalue()).decode("ascii")
 
 

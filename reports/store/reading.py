@@ -21,14 +21,12 @@ class StoreError(ValueError):
     """A store that cannot be reported; its message is the one line the user reads."""
 
 
-def read_table(
-    path: Path, columns: Iterable[str] = (), comment: str | None = None, prose: Iterable[str] = ()
-) -> pd.DataFrame:
+def read_table(path: Path, columns: Iterable[str] = (), prose: Iterable[str] = ()) -> pd.DataFrame:
     """A CSV file with at least these columns; raises StoreError when it is missing or damaged.
 
     prose: columns of whole sentences, which have code and emphasis in them.
     """
-    table = _read(path, lambda: pd.read_csv(path, comment=comment))
+    table = _read(path, lambda: pd.read_csv(path))
     table.columns = [as_words(str(name)) for name in table.columns]
     for name in table.columns:
         if table[name].dtype.kind == "O":  # texts, be they of pandas' own type or of Python's

@@ -6,7 +6,7 @@ Nothing is computed here beyond looking things up. Whatever is wrong with a stor
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -41,6 +41,7 @@ WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON | OF_A_FINDING  # columns o
 
 PROSE: Mapping[str, tuple[str, ...]] = {  # columns of whole sentences
     **{"statements": ("text", "scope"), "statement_values": ("word",), "sheet_parts": ("about", "source")},
+    **{"claims": ("sentence", "source", "regime", "measured")},
 }
 
 
@@ -142,10 +143,6 @@ class Store:
     def rules(self) -> Mapping[str, float]:
         """The thresholds by which the analysis judges, by name."""
         return {str(name): float(value) for name, value in self.analysis("rules").iloc[0].items() if name != "campaign"}
-
-    def reference_table(self, name: str, columns: Iterable[str] = ()) -> pd.DataFrame:
-        """A raw reference table, its # lines skipped; raises StoreError when it is missing or damaged."""
-        return read_table(self.path / "references" / name, columns, comment="#")
 
 
 def load_store(path: Path, campaign: str | None = None) -> Store:

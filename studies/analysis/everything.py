@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.advice.choose import advice_table
 from studies.analysis.advice.held_out import held_out, summary
 from studies.analysis.advice.shipped import shipped_tables
 from studies.analysis.cells.answers import Answers
@@ -15,6 +14,7 @@ from studies.analysis.cells.collect import collect
 from studies.analysis.cells.machines import machines
 from studies.analysis.cells.published import published
 from studies.analysis.cells.rows import reference_rows
+from studies.analysis.claims.ledger import claims_table
 from studies.analysis.comparisons.disagreements import disagreements
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
@@ -22,63 +22,53 @@ from studies.analysis.comparisons.error_statements import TIMES, error_statement
 from studies.analysis.comparisons.friction import COST_BARS, FULL, GRECO, friction_tables
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.ladders import summary as summary_of_ladders
-from studies.analysis.comparisons.law_strain import law_offsets, law_rules
+from studies.analysis.comparisons.law_strain import law_rules
 from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY, contact_orders, manufactured_orders
-from studies.analysis.comparisons.measure_errors import measure_errors
 from studies.analysis.comparisons.peer_factors import peer_factors
-from studies.analysis.comparisons.printed_pressures import DEPTH, tyre_comparison
 from studies.analysis.comparisons.program_agreement import program_tables
-from studies.analysis.comparisons.solid_shell import solid_shell
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
-from studies.analysis.comparisons.tyre_models import SAME, grids_reaching, tyre_models
+from studies.analysis.comparisons.tyre.budget import tyre_budget
+from studies.analysis.comparisons.tyre.models import BEHIND, SAME, grids_reaching, tyre_models
+from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison
+from studies.analysis.comparisons.tyre.readings import tyre_readings
+from studies.analysis.comparisons.tyre.solid_shell import solid_shell
 from studies.analysis.findings.contact_summary import contact_summary
-from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_accuracy
 from studies.analysis.findings.outcomes import outcomes
-from studies.analysis.findings.price_of_accuracy import price_of_accuracy
-from studies.analysis.findings.regimes import regimes
-from studies.analysis.powers import LEVEL, NOTHING_LEFT, SOFT, curved_beam_limits, epsilon_laws, rigid_body_powers
-from studies.analysis.predicted_seconds import predicted_seconds
-from studies.analysis.ranking.attribution import attribution
-from studies.analysis.ranking.fronts import family_fronts, fronts
-from studies.analysis.ranking.profiles import profiles, solved
-from studies.analysis.ranking.unsolved import unsolved
+from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, rigid_body_powers
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
-from studies.analysis.shell_limits.boundaries import boundaries, parts
+from studies.analysis.shell_limits.boundaries import boundaries
 from studies.analysis.statements.tables import statement_tables
-from studies.analysis.suspicious import flags
 from studies.analysis.verify import verified
-from studies.bench.scaling import FITTED_FROM, exponents
 from studies.catalogue.tables import catalogue_tables
+from studies.choosing.trials import PATIENCE
+from studies.experiments.accuracy.choices import measure_limits
 from studies.scene import UsageError
 from studies.store.atomic import write_table
 
 FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # by the table that they are fitted to
+    "measure_limits": ("choices", measure_limits),
     "grids_reaching": ("work_precision", grids_reaching),
     "rigid_body_powers": ("small_motions", rigid_body_powers),
-    "curved_beam_limits": ("curved_beam", curved_beam_limits),
     "epsilon_laws": ("epsilon", epsilon_laws),
     "error_statements": ("error_coverage", error_statements),
     "stated_errors": ("error_coverage", statements),
     "ring_budget": ("crushed_ring", error_budget),
     "ring_inputs": ("crushed_ring", input_effects),
     "ring_states": ("crushed_ring", axial_states),
-    "law_offsets": ("law_strain", law_offsets),
     "law_rules": ("law_strain", law_rules),
-    "scaling_exponents": ("scaling", lambda scaling: pd.DataFrame([exponents(scaling)])),
     "peer_factors": ("peers", peer_factors),
     "manufactured_orders": ("manufactured", manufactured_orders),
     "manufactured_contact_orders": ("manufactured_contact", contact_orders),
     "shell_boundaries": ("shell_limits", boundaries),
-    "shell_parts": ("shell_limits", parts),
 }
 
 RULES = {  # thresholds that the pages state
     **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
-    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME},
-    **{"fitted_from": FITTED_FROM, "core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
+    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME, "behind": BEHIND},
+    **{"core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
     **{"near_order": NEAR, "coarse_below": BELOW},
     **{**{name.replace("error_", "theory_"): order for name, order in THEORY.items()}},
-    **{"epsilon_soft": SOFT, "epsilon_level": LEVEL, "expensive": TIMES},
+    **{"expensive": TIMES, "patience": PATIENCE},
     **{"friction_full": FULL, "friction_greco": GRECO, **COST_BARS},
 }
 
@@ -87,9 +77,10 @@ def analyse(store: Path, campaign: str) -> list[Path]:
     """Write the tables of a campaign; returns their paths. Raises UsageError when it has no cell with an answer."""
     table = collect(store, campaign)
     tables = analysed(table) | compared(store, campaign, table)
-    paths = written(store, campaign, tables | concluded(table, tables))
+    paths = written(store, campaign, tables)
     paths += written(store, campaign, catalogue_tables(store, campaign, tables["convergence"]))
-    return [*paths, *written(store, campaign, statement_tables(store, campaign))]
+    paths += written(store, campaign, statement_tables(store, campaign))
+    return [*paths, *written(store, campaign, claims_table(store, campaign))]
 
 
 def written(store: Path, campaign: str, tables: Mapping[str, pd.DataFrame]) -> list[Path]:
@@ -106,7 +97,7 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
     """The tables that hold answers beside other answers, and what is fitted to the tables of experiments."""
     answers = Answers.of(store, campaign)
     sequences, errors = convergence(answers, table)
-    curves, limits = measure_errors(answers)
+    solids = solid_shell(answers)
     every = pd.concat([table, collect(store, campaign, apart=True)], ignore_index=True)
     made = {name: (store / "tables" / f"{source}.csv", fit) for name, (source, fit) in FITTED.items()}
     return {
@@ -118,28 +109,14 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         "convergence_summary": summary_of_ladders(sequences, errors),
         "element_choice": element_choice(sequences),
         "thickness_share": thickness_share(answers, sequences, errors),
-        "measure_errors": curves,
-        "measure_limits": limits,
         **tyre_comparison(answers),
-        "solid_shell": solid_shell(answers),
+        "tyre_readings": tyre_readings(answers),
+        "solid_shell": solids,
+        "tyre_budget": tyre_budget(answers, store / "tables", solids),
         "tyre_models": tyre_models(answers),
         **program_tables(store / "tables"),
         **friction_tables(store / "tables"),
         **{name: fit(pd.read_csv(path)) for name, (path, fit) in made.items() if path.exists()},
-    }
-
-
-def concluded(table: pd.DataFrame, tables: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
-    """What is to be said of measures and contact algorithms, from a collected table and those of the analysis."""
-    split, requests = tables["verified"], dict(zip(table["label"], table["request"], strict=True))
-    scenes = tables["fronts"].assign(request=tables["fronts"]["label"].map(requests))
-    return {
-        "outcomes": outcomes(table),
-        "contact_summary": contact_summary(table),
-        "regimes": regimes(table, split, tables["measure_errors"]),
-        "price_of_accuracy": price_of_accuracy(table, split),
-        "equal_accuracy": equal_accuracy(scenes),
-        "cheaper_measures": cheaper_measures(scenes),
     }
 
 
@@ -149,24 +126,13 @@ def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         raise UsageError("nothing to analyse: no cell of the campaign has converged")
     references = reference_rows(table)
     split = verified(table, references)
-    scenes = fronts(table, split)
-    profile, pairs, flips = profiles(scenes)
     cases = held_out(table, split)
     return {
         "verified": split,
-        "flags": flags(table, references),
-        "fronts": scenes.drop(columns="request"),
-        "family_fronts": family_fronts(scenes),
-        "profiles": profile,
-        "pairs": pairs,
-        "flips": flips,
-        "solved": solved(scenes),
-        "unsolved": unsolved(table),
+        "outcomes": outcomes(table),
+        "contact_summary": contact_summary(table),
         "disagreements": disagreements(table),
-        "attribution": attribution(table, scenes),
-        "advice": advice_table(table, split),
         "held_out": cases,
         "held_out_summary": summary(cases),
         **shipped_tables(table, split),
-        **predicted_seconds(table),
     }

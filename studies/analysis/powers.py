@@ -8,19 +8,18 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from studies.analysis.richardson import MeshSequence
+from studies.experiments.epsilon import CASES, wall
 
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
 STRAIGHT = 0.05  # local slopes this close to -1 belong to the law
-SOFT = 0.01  # error of the force above which epsilon is too soft
 LEVEL = 1e-12  # error of the force below which nothing but rounding is left
+TEN = 10.0  # times E/h
 MOTION = ("measure", "surface", "motion")
 STRAINS = ("strain", "declared", "largest")
 POWER_COLUMNS = (*MOTION, *(f"{name}_{part}" for name in STRAINS for part in ("rate", "coefficient")), "told")
 LAW_COLUMNS = (
-    "case",
-    *(f"{what}_{part}" for what in ("penetration", "force") for part in ("slope", "low", "high")),
-    *("soft_until", "level_from", "breaks_at", "best", "best_error"),
+    *("case", "wall", "element_over_h", "force_slope"),
+    *("error_at_wall", "growth_at_wall", "growth_at_ten", "fails_at"),
 )
 
 
@@ -52,38 +51,34 @@ def fitted_power(amounts: Sequence[float], strains: Sequence[float]) -> tuple[fl
     return rate, low + (low - high) / ((b / a) ** 2 - 1)
 
 
-def curved_beam_limits(curved_beam: pd.DataFrame) -> pd.DataFrame:
-    """Columns h_over_R, order, limit: of the ratio over all meshes.  curved_beam: of studies.experiments.locking."""
-    rows = []
-    for h, own in curved_beam.sort_values("elements").groupby("h_over_R", sort=False):
-        sequence = MeshSequence(tuple(1 / own["elements"]), tuple(own["ratio"]))
-        rows.append((h, sequence.orders[-1], sequence.limit))
-    return pd.DataFrame(rows, columns=["h_over_R", "order", "limit"])
-
-
 def epsilon_laws(study: pd.DataFrame) -> pd.DataFrame:
-    """LAW_COLUMNS, a row a case: the slopes, and where epsilon is too soft, as good as exact, and breaks down.
+    """LAW_COLUMNS, a row a case: what ε = E/h gives a penalty method, and what it costs the matrix.
 
-    study: of studies.experiments.epsilon.  *_low, *_high: the epsilons over which a slope was fitted.  best: of the
-    displacement form, with its error of the force.
+    study: of studies.experiments.epsilon.  wall: E/h [MPa/mm], with the largest modulus of the wall.  force_slope: of
+    the error over epsilon.  error_at_wall: of the force, by the displacement form.  growth_*: its
+    condition over that of exact contact, at E/h and at TEN times as much.  fails_at: the smallest epsilon with which
+    the displacement form does not reach the tolerance, over E/h; NaN where it always does.
     """
-    return pd.DataFrame(
-        [(case, *_laws(own)) for case, own in study.groupby("case", sort=False)], columns=list(LAW_COLUMNS)
-    )
+    walls = {case.label: wall(case) for case in CASES}
+    rows = [(case, *_laws(own, *walls[str(case)])) for case, own in study.groupby("case", sort=False)]
+    return pd.DataFrame(rows, columns=list(LAW_COLUMNS))
 
 
-def _laws(own: pd.DataFrame) -> tuple[float, ...]:
+def _laws(own: pd.DataFrame, modulus: float, thickness: float, side: float) -> tuple[float, ...]:
     multiplier = own[(own["form"] == "multiplier") & np.isfinite(own["epsilon"])]
-    displacement = own[own["form"] == "displacement"]
-    error = multiplier["force_error"].abs()
-    soft, level = multiplier["epsilon"][error > SOFT], multiplier["epsilon"][error > LEVEL]
-    after = multiplier["epsilon"][multiplier["epsilon"] > (level.max() if len(level) else 0.0)]
-    broken = displacement["epsilon"][displacement["outcome"] != "converged"]
-    converged = displacement[displacement["outcome"] == "converged"]
-    best = converged.iloc[int(converged["force_error"].abs().argmin())]
-    laws = (fitted_law(multiplier["epsilon"], multiplier[name]) for name in ("penetration_mm", "force_error"))
-    limits = (soft.max(), after.min(), broken.min(), best["epsilon"], abs(best["force_error"]))
-    return (*(number for law in laws for number in law), *map(float, limits))
+    exact = own.loc[~np.isfinite(own["epsilon"]), "condition"]
+    displacement = own[own["form"] == "displacement"].sort_values("epsilon")
+    stiff = modulus / thickness
+    fails_at = displacement.loc[displacement["outcome"] != "converged", "epsilon"].min() / stiff
+    error = _between(displacement, displacement["force_error"].abs(), stiff)
+    growths = (_between(displacement, displacement["condition"], at * stiff) / exact.iloc[0] for at in (1.0, TEN))
+    slope, _, _ = fitted_law(multiplier["epsilon"], multiplier["force_error"])
+    return (stiff, side / thickness, slope, error, *growths, float(fails_at))
+
+
+def _between(own: pd.DataFrame, value: pd.Series, at: float) -> float:
+    """At an epsilon between those that were solved, along straight lines in logarithms."""
+    return float(np.exp(np.interp(math.log(at), np.log(own["epsilon"]), np.log(value))))
 
 
 def fitted_law(epsilon: pd.Series, value: pd.Series) -> tuple[float, float, float]:

@@ -15,7 +15,6 @@ one of its own measure. Which one it is, is said. Errors are relative.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import astuple
 
 import numpy as np
@@ -84,11 +83,6 @@ def judged(table: pd.DataFrame, scene: str) -> list[str]:
 def questions(table: pd.DataFrame) -> pd.Series:
     """What each cell was asked: its request without all that may be chosen to answer it."""
     return keys(table, *choices())
-
-
-def family_of(scene: str) -> str:
-    """The family of a scene, as on the page of convergence."""
-    return next((ladder.family for ladder in LADDERS if ladder.scene == scene), scene)
 
 
 def verified(table: pd.DataFrame, references: pd.DataFrame | None = None) -> pd.DataFrame:
@@ -189,13 +183,3 @@ def _solver_errors(rows: pd.DataFrame) -> pd.Series:
     share = tightest["tolerance"] / following["tolerance"]
     left = (following["value"] - tightest["value"]).abs() * share / (1 - share)
     return (rows["value"] - tightest["value"]).abs().where(is_looser, left)
-
-
-def siblings(table: pd.DataFrame, setting: str) -> Iterator[pd.DataFrame]:
-    """Rows that differ in one numerical setting only, at least two of its values, sorted by it."""
-    if setting not in table:
-        return
-    rows = table.assign(**{setting: pd.to_numeric(table[setting], errors="coerce")}).dropna(subset=[setting])
-    for _, group in rows.groupby(keys(rows, setting), sort=False):
-        if group[setting].nunique() > 1:
-            yield group.sort_values(setting, kind="stable")

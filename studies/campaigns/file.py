@@ -83,6 +83,7 @@ TITLES = {  # of the lists, for people
     "agreement": "Every contact algorithm on one tyre, by loads and sections, and by other ways",
     "models": "Parts of the tyre beside the whole, and what they save",
     "sheets": "The pictures of the scenes' sheets",
+    "choices": "What is enough in each regime of deformation, to 5 and 1 % (a table)",
     "statements": "How often the interval of an error holds (a table)",
     "experiment": "A crushed ring that was measured (tables)",
     "truth": "Manufactured solutions (tables)",

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import Any
 
 from contact.catalogue import ALGORITHMS
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
-from formulations.strains.catalogue import MEASURES
 from studies.campaigns import ladder_cells as convergence_cells
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import ISOTROPIC
@@ -53,12 +52,36 @@ TYRE = (
             {"measure": measure, "contact": contact, "newton": newton, "steps": 4 if newton == "plain" else 1}
         ]
     ),
-    _tyre("consistent", {**_TO_20, "coupling": "consistent"}),
     _tyre("fine", _TO_20, mesh="84x80"),
-    _tyre("follower", {**_TO_20, "load": "follower", "pressure_area": "face"}),
-    _tyre("follower fine", {**_TO_20, "load": "follower", "pressure_area": "face"}, mesh="84x80"),
     _tyre("isotropic", ISOTROPIC),
     _tyre("isotropic fine", ISOTROPIC, mesh="84x80"),
+)
+_NEAR = {"delta_mm": "20,21,22,23,24,25"}  # mm, travels at which the printed table may be meant
+_FACE = {"load": "follower", "pressure_area": "face"}
+READINGS = (  # the paper's tyre with one thing changed, beside its printed table
+    *(_tyre(f"reading {measure}", _NEAR, measure=measure) for measure in ("von-karman", "sanders", "donnell")),
+    _tyre("reading linear", {"delta_mm": "14,16,18,19,20,21,22,24"}, measure="linear"),
+    _tyre("reading 84x80", _NEAR, mesh="84x80"),
+    _tyre("reading face area", {**_NEAR, "pressure_area": "face"}),
+    _tyre("reading follower", {**_NEAR, **_FACE}),
+    _tyre("reading full-3d", {**_NEAR, "section": "full-3d"}),
+    _tyre("reading consistent", {**_NEAR, "coupling": "consistent"}),
+    *(  # data within their rounding
+        _tyre(f"reading {key} {value}", {**_NEAR, key: value})
+        for key, values in (
+            ("gamma_deg", ("51.5", "52.5")),
+            ("ply_thickness_mm", ("1.15", "1.25")),
+            ("p0_MPa", ("0.145", "0.155")),
+        )
+        for value in values
+    ),
+)
+BUDGETED = {"follower": _FACE, "full-3d": {"section": "full-3d"}, "nonsymmetric": {"section": "nonsymmetric"}}
+BUDGET_MESHES = ("28x26", "42x40", "84x80")
+BUDGET = tuple(  # what another load or section changes, on three meshes, over the cells of one step
+    _tyre(f"budget {name} {mesh}", {**_TO_20, **settings}, mesh=mesh, model="half")
+    for name, settings in BUDGETED.items()
+    for mesh in BUDGET_MESHES
 )
 SOLID = (
     *(Cell(f"solid {mesh}", "tyre-solid", {"mesh": mesh}) for mesh in ("14x18", "28x36", "56x72")),  # each is nested
@@ -81,52 +104,12 @@ BENCHMARKS = (
 )
 
 
-@dataclass(frozen=True)
-class Growing:
-    """A scene solved with every measure while its load grows: the key of the load, the quantity that is judged."""
-
-    scene: str
-    mesh: str
-    load: str
-    quantity: str
-    loads: tuple[float, ...]
-
-    @property
-    def cells(self) -> tuple[Cell, ...]:
-        """One a measure."""
-        settings = {self.load: text_of(self.loads)}
-        return tuple(
-            Cell(f"{self.scene} by {measure}", self.scene, {"measure": measure, "mesh": self.mesh}, settings)
-            for measure in MEASURES
-        )
-
-
-def _shares(parts: int, first: int, last: int) -> tuple[float, ...]:
-    return tuple(i / parts for i in range(first, last + 1))
-
-
-GROWING = (
-    Growing("tyre", "20x20", "delta_mm", "force_N", _shares(1, 1, 20)),
-    Growing("hemisphere", "16x16", "load_fraction", "inward_mm", _shares(20, 1, 20)),
-    Growing("cantilever", "32x2", "load_fraction", "tip_deflection_mm", _shares(20, 1, 20)),
-    Growing("sze-pullout", "12x18", "load_fraction", "w_A_mm", _shares(20, 1, 20)),
-    Growing("sze-annulus", "6x30", "load_fraction", "w_B_mm", _shares(20, 1, 20)),
-    Growing("ring", "1x32", "delta_mm", "P_R2_over_EI", tuple(2.5 * i for i in range(1, 21))),
-    Growing("roof-a", "8x8", "load_fraction", "w_C_mm", _shares(20, 1, 14)),
-    Growing("roof-d", "8x8", "load_fraction", "w_C_mm", _shares(80, 1, 14)),
-    Growing("shallow-cap", "32x4", "load_fraction", "w_apex_mm", _shares(40, 2, 22)),
-)
 OPTIONS = tuple(
     Cell(f"hemisphere {n} {' '.join(chosen)}", "hemisphere", {"mesh": f"{n}x{n}"}, {"load_fraction": "1", **options})
     for chosen in product(INTERPOLATIONS, THICKNESS_STRAINS, MEMBRANES)
     for options in [dict(zip(("interpolation", "thickness_strain", "membrane"), chosen, strict=True))]
     for n in (8, 16, 32)
 )
-
-
-def measured() -> tuple[Cell, ...]:
-    """Every measure of the catalogue under growing loads, and all options of the element."""
-    return (*(cell for growing in GROWING for cell in growing.cells), *OPTIONS)
 
 
 CONVERGENCE = (
@@ -195,16 +178,17 @@ MODELS = _of(
     ),
 )
 LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked for: catalogues grow
-    "tyre": lambda: TYRE,
+    "tyre": lambda: (*TYRE, *READINGS, *BUDGET),
     "benchmarks": lambda: BENCHMARKS,
-    "measures": measured,
+    "measures": lambda: OPTIONS,
     "solid": lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
     "convergence": lambda: CONVERGENCE,
     "shares": lambda: tuple(share_cells()),
     "agreement": lambda: (*agreement(), *ROBUSTNESS),
     "models": lambda: MODELS,
     "sheets": lambda: tuple(sheet_cells()),
-    "statements": lambda: (),  # a table alone
+    "choices": lambda: (),  # a table alone
+    "statements": lambda: (),  # likewise
     "experiment": lambda: (),  # tables alone
     "truth": lambda: (),  # tables alone
     "limits": lambda: (),  # a table alone
@@ -212,13 +196,14 @@ LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked f
     "arena": lambda: (),  # likewise
     "friction": lambda: (),  # likewise
     "report": lambda: (
-        *(*TYRE, *SOLID, *BENCHMARKS, *measured(), *CONVERGENCE),
+        *(*TYRE, *READINGS, *BUDGET, *SOLID, *BENCHMARKS, *OPTIONS, *CONVERGENCE),
         *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
     ),
 }
 TABLES_OF: dict[str, Sequence[str]] = {
+    "choices": ("choices",),
     "measures": ("rigid_body", "small_motions", "rotation_sweep", "rotations"),
-    "models": ("work_precision", "contact_sizes"),
+    "models": ("work_precision",),
     "agreement": ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
     "experiment": ("crushed_ring", "law_strain"),
     "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),

@@ -127,5 +127,5 @@ def _limit(scene: str, quantity: str, cell: Cell, convergence: pd.DataFrame) -> 
     ):
         return {}
     row = own.iloc[-1]
-    told = {"limit": row["limit"], "limit_uncertainty": row["uncertainty"]}
+    told = {"limit": row["limit"], "limit_uncertainty": row["uncertainty"] / (abs(row["limit"]) or 1.0)}
     return {**told, "finest_mesh": row["mesh"], "verdict": row["verdict"]}

@@ -102,15 +102,19 @@ def climb_all(
     All of them on the coarsest grid; then each on as many as a limit takes, if there is time for those; then the rest.
     The next is the cheapest, those that are far from the reference on their last grid counted dearer: they come later,
     and are not judged by that.  along: the reference.  limit: f of a ladder so far; a variant whose limit is surely off
-    by more than the error goes no further.
+    by more than the error comes last: finer grids only say by how much.
     """
-    open_ = [ladder for ladder in ladders if not ladder.variant.refused]
-    while open_:
-        ladder = min(open_, key=lambda each: (each.turn, each.price(along, quantity, error)))
-        path = ladder.next_of(along)
+
+    def turn(ladder: Ladder) -> tuple[bool, int, float]:
         apart = limit(ladder) if ladder.paths else NONE
         sure = isinstance(apart, Difference) and apart.least > error
-        if path is None or sure or ladder.said:
+        return sure, ladder.turn, ladder.price(along, quantity, error)
+
+    open_ = [ladder for ladder in ladders if not ladder.variant.refused]
+    while open_:
+        ladder = min(open_, key=turn)
+        path = ladder.next_of(along)
+        if path is None or ladder.said:
             open_.remove(ladder)
         elif not clock.fits(ladder.foreseen(along, ladder.begun(along))):
             ladder.waits = mesh_of(path)

@@ -15,6 +15,7 @@ from studies.choosing.verdict import Verdict
 from studies.refinement.limits import Estimate
 
 FASTER = 0.8  # of the seconds, what a change of what is asked for may take at the most
+LOADING = 1.0  # s that every solve takes before it begins: beside it small differences are none
 TRIALS, ENOUGH = 4, 2  # offers that are tried at the most, and that have to hold
 
 
@@ -48,8 +49,8 @@ class Offer:
 
     @property
     def price(self) -> float:
-        """The seconds, dearer by what every change has to save: a tie is for what is asked for."""
-        return self.seconds / FASTER**self.changes
+        """Seconds with those of loading, dearer by what every change has to save: a tie is for what is asked for."""
+        return (LOADING + self.seconds) / FASTER**self.changes
 
     @property
     def command(self) -> str:

@@ -10,7 +10,16 @@ where the error of a mesh and that of a formulation cancel on one grid, finer gr
 
 f is known from both limits, and from the limit of the differences of both on the same grids, in which the jumps of a
 rim of contact cancel. Both intervals hold, so f is in what they share; where they share nothing, one of them does not
-hold, and f is taken to be anywhere in both. Nothing is solved here.
+hold, and f is taken to be anywhere in both.
+
+A variant that has fewer grids than the reference is extrapolated from coarse ones. How far such grids can be trusted
+the reference shows: from the same grids its own limit is L', which corrects the last value by c' and misses L by
+|L' - L|. The correction c of the variant is then uncertain by at least the same part of it::
+
+    SAFETY |L' - L|/|c'| |c|
+
+Of 98 intervals from 3 to 7 grids, of measures, elements and models on seven scenes that also have one to five finer
+grids, all contain the limit of the finer grids, 95 without this. Nothing is solved here.
 """
 
 from __future__ import annotations
@@ -19,7 +28,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from studies.refinement.limits import Estimate, Seen, limit_of
+from studies.refinement.limits import SAFETY, Estimate, Seen, limit_of
 
 NOISE = 1e-5  # of the value: what the iteration on a grid may leave
 
@@ -59,18 +68,19 @@ def difference(
     """
     pairs = [Seen(a.size, a.value - b.value) for a, b in zip(own, beside, strict=True)]
     limit, apart = limit_of(own, touching=touching), limit_of(pairs, touching=touching)
-    found = []
+    part = SAFETY * _missed(limit_of(beside, touching=touching), beside[-1].value, reference)
+    found = list[tuple[float, float, float]]()  # value, its uncertainty, and that which the reference shows
     if isinstance(limit, Estimate):
-        width = _width(limit) + _width(reference)
-        found.append((limit.limit - reference.limit - width, limit.limit - reference.limit + width))
+        width, shown = _width(limit), part * abs(limit.limit - own[-1].value)
+        found.append((limit.limit - reference.limit, width + _width(reference), shown + _width(reference)))
     if isinstance(apart, Estimate):
         width = max(_width(apart), NOISE * abs(own[-1].value))
-        found.append((apart.limit - width, apart.limit + width))
+        found.append((apart.limit, width, part * abs(apart.limit - pairs[-1].value)))
     if not found:
         return str(limit)
-    low, high = max(low for low, _ in found), min(high for _, high in found)
-    if low > high:
-        low, high = min(low for low, _ in found), max(high for _, high in found)
+    meet = max(value - width for value, width, _ in found) <= min(value + width for value, width, _ in found)
+    lows, highs = zip(*((value - max(w, s), value + max(w, s)) for value, w, s in found), strict=True)
+    low, high = (max(lows), min(highs)) if meet else (min(lows), max(highs))
     scale = abs(reference.limit) or math.ulp(0.0)
     return Difference((low + high) / 2 / scale, (high - low) / 2 / scale)
 
@@ -92,6 +102,13 @@ def first_enough(most: Sequence[float], limit: Difference | str, error: float) -
     while first > 0 and most[first - 1] <= error:
         first -= 1
     return first if first < len(most) else None
+
+
+def _missed(from_these: Estimate | str, last: float, reference: Estimate) -> float:
+    """The part of its correction by which the reference's limit from some grids misses that from all of them."""
+    if isinstance(from_these, str):
+        return 1.0
+    return abs(from_these.limit - reference.limit) / (abs(from_these.limit - last) or math.ulp(0.0))
 
 
 def _width(found: Estimate) -> float:

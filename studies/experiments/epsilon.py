@@ -7,7 +7,7 @@ method does: the matrix loses its condition, and the pressure, epsilon times a g
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -22,6 +22,7 @@ from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise, superlu
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.scenes.contact import plate, strip
 from studies.walk import walk
 
 EPSILONS = tuple(10.0**k for k in range(-2, 15))  # MPa/mm
@@ -30,10 +31,39 @@ STEADY = 8  # iterations on one contact set after which what is left is rounding
 FORMS = ("multiplier", "displacement")
 
 
-CASES = (  # problems at the end of a path
-    Cell("tyre", "tyre", {"mesh": "20x20", "measure": "exact"}, {"delta_mm": "20", "element": "paper"}),
-    Cell("strip", "strip-contact", {"mesh": "64x1", "measure": "linear"}, {"load_fraction": "5"}),
+def _tyre(label: str, n: int = 20, settings: Mapping[str, str] | None = None) -> Cell:
+    given = {"delta_mm": "20", "element": "paper"} | dict(settings or {})
+    return Cell(label, "tyre", {"mesh": f"{n}x{n}", "measure": "exact"}, given)
+
+
+def _beam(label: str, scene: str, n: int) -> Cell:
+    return Cell(label, scene, {"mesh": f"{n}x1", "measure": "linear"}, {"load_fraction": "5"})
+
+
+_RUBBER = {"delta_mm": "10", "nu": "0.45"}
+CASES = (  # problems at the end of a path; walls of other moduli and thicknesses, and other elements
+    _tyre("tyre"),
+    _beam("strip", "strip-contact", 64),
+    _tyre("tyre, coarse", 10),
+    _tyre("rubber tyre", settings={"E_MPa": "20", **_RUBBER}),
+    _tyre("rubber tyre, thin", settings={"E_MPa": "20", "ply_thickness_mm": "0.3", **_RUBBER}),
+    _tyre("isotropic tyre, stiff", settings={"E_MPa": "2000", **_RUBBER}),
+    _beam("strip, coarse", "strip-contact", 16),
+    _beam("plate", "plate-contact", 16),
 )
+
+
+def wall(case: Cell) -> tuple[float, float, float]:
+    """Largest modulus [MPa], thickness [mm] and shortest mean side of an element [mm] of a case."""
+    request = complete(case.scene, case.settings, **case.options, model="full")[1]
+    first = request.mesh[0]
+    if case.scene != "tyre":
+        of = {"strip-contact": strip, "plate-contact": plate}[case.scene]
+        return of.E, of.H, of.A / first
+    modulus = next(request.number(name) for name in ("E_MPa", "E_L_MPa") if name in request.settings)
+    thickness = request.number("plies") * request.number("ply_thickness_mm")
+    meridian = 2 * np.deg2rad(request.number("clamp_deg")) * (request.number("R1_mm") + thickness / 2)
+    return modulus, thickness, float(meridian) / first
 
 
 def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPSILONS) -> pd.DataFrame:

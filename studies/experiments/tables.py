@@ -11,10 +11,11 @@ import pandas as pd
 
 from studies.arena.collected.rule import left_out, manifest
 from studies.door.plugins import modules
-from studies.experiments.contact_sizes import contact_sizes
+from studies.experiments.accuracy.choices import choices
+from studies.experiments.accuracy.error_coverage import error_coverage
+from studies.experiments.accuracy.work_precision import work_precision_study
 from studies.experiments.crushed_ring import crushed_ring_study
 from studies.experiments.epsilon import epsilon_study
-from studies.experiments.error_coverage import error_coverage
 from studies.experiments.extremes.limits import limits_table
 from studies.experiments.extremes.maps import axes_table, check_table, extremes_table
 from studies.experiments.friction.closed_forms.drum import capstan_table, drum_table
@@ -43,7 +44,6 @@ from studies.experiments.rigid_body import rigid_body_table, rotation_sweep, sma
 from studies.experiments.rotations import rotations_table
 from studies.experiments.shell_limits.catalogue import shell_limits
 from studies.experiments.solids.greco_plate import greco_table
-from studies.experiments.work_precision import work_precision_study
 from studies.store.atomic import SCHEMA, write_table_once
 from studies.store.source_hash import packages_of, sources_hash
 
@@ -68,8 +68,8 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "extremes_check": check_table,
     "extremes_limits": limits_table,
     "shell_limits": shell_limits,
+    "choices": choices,
     "work_precision": work_precision_study,
-    "contact_sizes": contact_sizes,
     "error_coverage": error_coverage,
     "crushed_ring": crushed_ring_study,
     "law_strain": law_strain_study,

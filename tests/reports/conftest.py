@@ -23,7 +23,7 @@ from studies.analysis.everything import written
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import LADDERS, Ladder
 from studies.campaigns.plan import Row
-from studies.campaigns.report_cells import GROWING, LISTS
+from studies.campaigns.report_cells import LISTS
 from studies.campaigns.sheet_cells import GROUP as SHEETS
 from studies.catalogue.models import built
 from studies.catalogue.tables import catalogue_tables
@@ -117,15 +117,10 @@ def tyre_step(delta: float, measure: str) -> dict[str, Any]:
 
 
 def static_step(scene: str, n: int, fraction: float) -> dict[str, Any]:
-    """The references of the scene, approached with second order; between their loads, shares of the last.
-
-    Of a curve that is known by its limit point, the displacement that the page draws is the load fraction.
-    """
+    """The references of the scene, approached with second order; between their loads, shares of the last."""
     kind = "exact" if scene == "cantilever" else "read"
     error = 1.0 - 0.1 * (16 / n) ** 2
     known = {(r.quantity, r.at.get("load_fraction")): r.value for r in SCENES[scene].references if r.kind == kind}
-    if any(load is None for _, load in known):
-        known = {(growing.quantity, 1.0): 1.0 for growing in GROWING if growing.scene == scene}
     names = dict.fromkeys(name for name, _ in known)
     values = {name: error * known.get((name, fraction), fraction * known[name, 1.0]) for name in names}
     return {"load_fraction": fraction, **values, **JUDGED, "rounding": 1e-8} | {
@@ -256,7 +251,7 @@ def precision_table() -> pd.DataFrame:
     for element, part in (("paper", 1.0), ("refined", 0.5)):
         for family, law in PRECISION.items():
             before = {"adapted": 2.0, "local": 1.0, "extrapolated": 1.0}.get(family, 0.0)
-            for n in (500, 1001, 2001, 4001, 8001):
+            for n in (500, 1001, 2001, 4001, 8001, 16001, 32001):
                 error = 0.02 if math.isnan(law) else part * law / n
                 rows.append((element, family, f"{n}x1", n, 2000 * (1 + error), error, n / 1000, n / 1000 + before))
     names = ["element", "family", "mesh", "unknowns", "force_N", "error", "own_s", "total_s"]

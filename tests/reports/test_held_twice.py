@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import pytest
 
-from reports.chapters.answers import sections
-from reports.chapters.validation import experiment
+from reports.chapters.limits import ring_part
 from reports.store import reading
 from studies.analysis.comparisons import error_budget
-from studies.analysis.statements.trade import prices
 from studies.store import atomic
 
 
 @pytest.mark.parametrize(
     ("here", "there"),
-    [(sections.TOLD, prices.TOLD), (experiment.PARTS, error_budget.PARTS), (reading.SCHEMA, atomic.SCHEMA)],
-    ids=["errors that are priced", "parts of the budget", "schema of records"],
+    [(ring_part.PARTS, error_budget.PARTS), (reading.SCHEMA, atomic.SCHEMA)],
+    ids=["parts of the budget", "schema of records"],
 )
 def test_a_constant_on_both_sides_is_one(here: object, there: object) -> None:
     assert here == there

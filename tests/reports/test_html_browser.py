@@ -170,7 +170,7 @@ def test_words_are_found_by_keyboard(browser: Browser) -> None:
     press(browser, "ArrowDown")
     assert focus(browser, "closest('.found').id") == "found"
     press(browser, "Enter", "\r")
-    until(browser, "document.getElementById('rigid-body').classList.contains('shown')")
+    until(browser, "document.getElementById('invariance').classList.contains('shown')")
     assert focus(browser, "getBoundingClientRect().top") < browser.run("innerHeight")
     assert focus(browser, "getBoundingClientRect().bottom") > 0
     closed = "document.querySelector('.found').hidden"
@@ -236,7 +236,7 @@ def test_heads_of_tables_and_first_columns_stay(browser: Browser) -> None:
 
 
 def test_contents_lead_to_the_headings_of_the_page(browser: Browser) -> None:
-    go(browser, "rigid-body")
+    go(browser, "invariance")
     links = "[...document.querySelectorAll('.shown .contents a')]"
     listed = browser.run(f"{links}.map(a => [decodeURIComponent(a.hash.slice(1)), a.textContent])")
     heads = browser.run("[...document.querySelectorAll('.shown h2, .shown h3')].map(h => [h.id, h.textContent])")
@@ -267,7 +267,7 @@ NAMED = {"button", "link", "searchbox", "combobox", "img", "image", "region", "n
 def test_whatever_can_be_used_or_seen_has_a_name(browser: Browser) -> None:
     """As a screen reader has it, on pages of every kind."""
     roles = set()
-    for name in ("index", "tyre", "symmetry", "data"):
+    for name in ("index", "tyre", "invariance", "data"):
         go(browser, name)
         browser.call("Accessibility.enable")
         nodes = browser.call("Accessibility.getFullAXTree")["nodes"]

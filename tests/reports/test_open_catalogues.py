@@ -19,10 +19,7 @@ from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import analysed
 from studies.analysis.findings.contact_summary import contact_summary
-from studies.analysis.findings.equal_accuracy import cheaper_measures, equal_accuracy
 from studies.analysis.findings.outcomes import outcomes
-from studies.analysis.ranking.fronts import fronts
-from studies.analysis.verify import verified
 from studies.store.atomic import write_json, write_table
 from support.stores.sweeps import cells
 
@@ -38,13 +35,12 @@ EXTENDED = (  # tables in which a measure or an algorithm has rows of its own
         "symmetry",
         "mirror",
         "false_success",
-        "contact_sizes",
         "contact_summary",
         "outcomes",
         "membrane",
         "greco_plate",
     ),
-    *("fronts", "family_fronts", "profiles", "pairs", "solved", "measure_limits", "measure_errors"),
+    "choices",
 )
 Names = tuple[str, ...]
 
@@ -57,9 +53,9 @@ def extended(table: pd.DataFrame, measures: Names, algorithms: Names) -> pd.Data
             names = measures if column == "measure" else algorithms
             own = table[table[column] == (known if (table[column] == known).any() else "linear")]
             parts += [own.assign(**{column: name}) for name in names]
-    for column in {"competitor", "a"} & set(table.columns):
-        for known, names in (("exact", measures), ("semismooth", algorithms)):
-            parts += [table[table[column] == known].assign(**{column: name}) for name in names]
+    if "row" in table:  # of choices: both kinds in one column
+        for axis, known, names in (("measure", "linear", measures), ("algorithm", "lcp", algorithms)):
+            parts += [table[(table["axis"] == axis) & (table["name"] == known)].assign(name=name) for name in names]
     return pd.concat(parts, ignore_index=True)
 
 
@@ -79,8 +75,6 @@ def all_pages(root: Path, measures: Names, algorithms: Names, draw: bool) -> dic
         path = root / "cells" / f"{row['id']}.json"
         record = json.loads(path.read_text())
         copies = []
-        if row["label"].endswith(" by linear"):
-            copies = [copied(row, record, "measure", name) for name in measures]
         if row["label"].startswith("agreement trial-and-error "):
             copies = [copied(row, record, "contact", name) for name in algorithms]
         for new, its in copies:
@@ -95,9 +89,7 @@ def all_pages(root: Path, measures: Names, algorithms: Names, draw: bool) -> dic
         ],
         ignore_index=True,
     )
-    scenes = fronts(sweep, verified(sweep))
-    tables = {"equal_accuracy": equal_accuracy(scenes), "cheaper_measures": cheaper_measures(scenes)}
-    tables |= {"outcomes": outcomes(sweep), "contact_summary": contact_summary(sweep)}
+    tables = {"outcomes": outcomes(sweep), "contact_summary": contact_summary(sweep)}
     for name, table in {**analysed(sweep), **tables}.items():
         write_table(root / "tables" / f"{name}.csv", table.assign(campaign="report"))
     for path in (root / "tables" / f"{name}.csv" for name in EXTENDED):
@@ -114,9 +106,9 @@ def test_every_page_takes_made_up_measures_and_algorithms(all_of_them: bool, dra
     measures, algorithms = (names if all_of_them else names[:2] for names in (MEASURES, ALGORITHMS))
     files = all_pages(own_store, measures, algorithms, draw)
     assert {each.file for each in CHAPTERS} | {"index.md", REPORT} <= set(files)
-    for page in ("measures.md", "rigid-body.md", "symmetry.md", "tradeoff.md"):
+    for page in ("measures.md", "invariance.md", "index.md"):
         assert [name for name in measures if name not in files[page]] == [], page
-    for page in ("contact-agreement.md", "algorithms.md", "tradeoff.md", "index.md"):
+    for page in ("algorithms.md", "data.md", "index.md"):
         assert [name for name in algorithms if name not in files[page]] == [], page
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from reports.figures.relief import View, Window, outline, palette, png, raster
+from reports.figures.relief import View, Window, outline, palette, raster, webp
 
 CUBE = np.array([[x, y, z] for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)])
 FACES = np.array([[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]])
@@ -71,7 +71,7 @@ def test_where_nothing_is_the_picture_is_transparent(grey: bool) -> None:
     """Also with fewer colours than the palette holds."""
     found = raster(CUBE[:4], FACES[:1], CUBE[:4, 0], Window.around(CUBE[:4], 40, 40, margin=0.25))
     colours = np.full((*found.value.shape, 3), 0.86) if grey else palette(found.value, 0.0, 1.0)
-    image = Image.open(io.BytesIO(base64.b64decode(png(found, colours)))).convert("RGBA")
+    image = Image.open(io.BytesIO(base64.b64decode(webp(found, colours)))).convert("RGBA")
     alpha = np.asarray(image)[..., 3]
     assert image.size == (40, 40)
     assert (alpha[:9] == 0).all()

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from formulations.recovery import energy_products, recovery_errors, refined
-from studies.analysis.comparisons.tyre_models import reaching
-from studies.experiments.work_precision import work_precision
+from studies.analysis.comparisons.tyre.models import reaching
+from studies.experiments.accuracy.work_precision import work_precision
 from studies.scene import UsageError
 from studies.scenes.tyre.grid_lines import GROWTH, LineSize, tyre_lines
 from studies.scenes.tyre.model import TyreModel

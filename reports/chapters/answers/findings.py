@@ -1,39 +1,24 @@
-"""The page of all findings: every sentence of conclusion with what it rests on and what it holds for."""
+"""The part of findings: every sentence of conclusion with what it rests on and what it is true of."""
 
 from __future__ import annotations
 
-from reports.chapter import Chapter
 from reports.markdown import Part, joined, machine, prose
-from reports.store.statements import TABLES, statements
+from reports.store.statements import Said, statements
 from reports.store.tables import Store
 
 
-def findings_page(store: Store) -> Part:
-    """The whole page."""
+def findings_part(store: Store) -> Part:
+    """The whole part; those that depend on the machine come last."""
     found = statements(store)
-    text = prose(f"""# All findings
+    if not found:
+        return Part("")
+    text = prose(f"""## Findings
 
-{len(found)} sentences of conclusion are made of the tables of this campaign; pages print them from one place, so that a
-number is the same wherever it stands. *Problems*: how many solved problems, or cases, a sentence rests on. *Holds for*:
-its scope; outside of it nothing is said.""")
-    parts = []
-    for timed in (False, True):
-        own = [each for each in found if each.machine == timed]
-        if own:
-            title = "Findings that depend on the machine" if timed else "Findings"
-            lines = (
-                f"- {each.text} *Rests on {each.problems}; holds for {each.scope}.* [{each.page}]({each.page}.md)"
-                for each in own
-            )
-            made = "\n".join([f"## {title}", "", *lines])
-            parts.append(machine(made) if timed else made)
-    return joined(text, *parts)
+{len(found)} sentences of conclusion, computed from the tables of this campaign; pages print them from one place. Behind
+each: the number of solved problems, or cases, that it rests on, and its scope.""")
+    steady, timed = ([_line(each) for each in found if each.machine == kind] for kind in (False, True))
+    return joined(text, "\n".join(steady), machine("\n".join(timed)) if timed else "")
 
 
-CHAPTER = Chapter(
-    "findings",
-    "All findings",
-    "every sentence of conclusion, with how many problems it rests on and what it holds for.",
-    findings_page,
-    needs=TABLES,
-)
+def _line(each: Said) -> str:
+    return f"- {each.text} *{each.problems}; {each.scope}.* [{each.page}]({each.page}.md)"

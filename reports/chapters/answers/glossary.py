@@ -1,12 +1,10 @@
-"""The page of words: what each means here, one meaning a word."""
+"""The part of words: what each means here, one meaning a word."""
 
 from __future__ import annotations
 
-from reports.chapter import Chapter
 from reports.markdown import Part, joined, listing, prose
-from reports.store.tables import Store
 
-INTRODUCTION = prose("""# Glossary
+INTRODUCTION = prose("""## Words
 
 One meaning a word. Where everyday language has several, the pages use one name for each: *exact* is a strain measure
 only (a reference is *of closed form*, contact without regularisation is the *exact condition*); *wrong* is what the
@@ -77,11 +75,10 @@ WORDS = {
         "regime": "scenes whose shells move alike",
     },
     "Cost": {
-        "seconds": "processor time of a solve, the median of the timing lane where the cell was timed",
+        "seconds": "processor time of a solve, others beside it; the median of the timing lane where it was timed",
         "operations": "floating-point operations of assembly, factorisations, solutions, pivots and iterations, all of "
         "them; the same on every machine",
         "unknowns": "of the linear systems: degrees of freedom and multipliers",
-        "front": "the cells to which no other one is both cheaper and more accurate",
         "profile": "the share of problems that are solved within a factor of the cheapest",
         "both": "problems that both of two solve, on which alone their costs are compared",
         "regret": "cost of the advice over that of the cheapest cell that meets the tolerance",
@@ -99,17 +96,7 @@ WORDS = {
 }
 
 
-def glossary_page(store: Store) -> Part:
-    """The whole page, the same for every campaign."""
-    parts = [
-        joined(f"## {title}", listing(title, _rows(words), "word | meaning", "{word} | {meaning}", words=2))
-        for title, words in WORDS.items()
-    ]
-    return joined(INTRODUCTION, *parts)
-
-
-def _rows(words: dict[str, str]) -> list[dict[str, str]]:
-    return [{"word": word, "meaning": meaning} for word, meaning in words.items()]
-
-
-CHAPTER = Chapter("glossary", "Glossary", "one meaning a word.", glossary_page)
+def words_part() -> Part:
+    """The whole part, the same for every campaign."""
+    rows = [{"word": word, "meaning": meaning} for words in WORDS.values() for word, meaning in words.items()]
+    return joined(INTRODUCTION, listing("Words", rows, "word | meaning", "{word} | {meaning}", words=2))

@@ -1,237 +1,204 @@
-"""The page of the arena: the collection of frozen problems, and public solvers and our algorithms on it.
+"""The arena: public solvers and our algorithms on frozen contact problems, and how to enter one's own.
 
-A section is a function of the store, in the order of SECTIONS; one whose tables are missing says how to make them.
+A part of the page of contact algorithms; nothing is known here of paths of loads.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Iterator
 
 import pandas as pd
 
-from reports.chapter import Chapter
-from reports.chapters.arena.collection import collection_part
 from reports.chapters.arena.figures import profiles
-from reports.formats import number, share
-from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose, table
+from reports.formats import NOTHING, fixed, number, scientific, share
+from reports.markdown import Part, commands, joined, machine, picture, prose, table
 from reports.store.tables import Store
 
-COMMAND = "footprint bench solvers --problems DIR --out .footprint/store"
+RUN = "footprint bench solvers --problems problems --out .footprint/store"
+MAKE = "footprint problems make --out problems"
+NEEDED = ("problems", "problems_left_out")
 CONVEX, ALL = "convex", "all"
-SIZES = {"all": "all", "small": "below 1000", "medium": "1000 to 10,000", "large": "above"}
-KINDS = {
-    "convex": "convex quadratic programmes",
-    "not convex": "a symmetric matrix that is not definite",
-    "not symmetric": "no symmetric matrix, as of a follower load",
-    "consistent coupling": "pressures that are no multipliers",
+FORMS = ("scaled", "condensed")  # of the programme that a public solver is given
+CYCLES, SIZE = "the contact set repeats itself", "too many"  # in what is said of a step that was left out
+REASONS = {  # in what is said, the first that fits: why no answer is certified
+    CYCLES: "`semismooth` cycles and its pivots do not settle it",
+    "kernels of BLAS": "with other kernels of BLAS the path leads elsewhere",
+    "singular": "the equations are singular to working precision",
+    "presses other candidates": "the interior point finds another contact set",
+    "wrong sign": "a force or gap has the wrong sign on the set that was found",
 }
-REPEATED = 0.95
+OTHER = "another condition of the certificate fails"
+ROOM = "studies.arena.solvers"  # of the example below
+ENTRY = """```python
+# my_solver.py: public solvers of the arena are entries like this one
+from dataclasses import dataclass
+from {room}.base import Answer, Solver
+from {room}.catalogue import SOLVERS
 
 
-def arena_page(store: Store) -> Part:
-    """The whole page."""
-    return joined(_introduction(), collection_part(store), _solver_table(store))
+@dataclass(frozen=True)
+class Mine(Solver):
+    def answer(self, step, tolerance):  # step.K, r, G, gap, weights: K du + r = G' W p, g + G du >= 0, p >= 0
+        du, pressure, claimed, iterations = my_method(step, tolerance)
+        return Answer(du, pressure, claimed, iterations)
 
 
-def _introduction() -> str:
-    return prose("""# The arena
+SOLVERS["mine"] = Mine("mine")
+```
 
-Others' algorithms, solvers and programs on our problems, judged from the files alone. A *frozen problem* is one
-linearised contact problem of a shell, a solid or a published collection: stiffness, loads, gaps and areas. Whoever
-reads the file may answer; `footprint problems judge` recomputes what the answer claims. `footprint card` judges an
-algorithm, a strain measure or a solver of yours and writes one page about it; `footprint card --template` lays out a
-repository that does so at every change.""")
+```sh
+footprint card my_solver.py                     # judged beside ours in minutes; --check: exit 1 where a claim is false
+footprint problems judge problems/NAME.npz answer.json   # any language: {"du": [...], "pressure": [...]}
+```"""
 
 
-def _solver_table(store: Store) -> Part:
-    """All that is known of solvers, where they were put to the problems."""
-    heading = "## Solvers on the collection"
+def arena_part(store: Store) -> Part:
+    """The whole part; nothing where the campaign has no collection."""
+    if not all(map(store.has_table, NEEDED)):
+        return Part("")
+    ranked = "" if store.has_table("solver_summary") else f" `{RUN}` ranks public solvers on them, on this page."
+    introduction = prose(f"""## The arena: public solvers on frozen problems
+
+A *frozen problem* is one step of Newton's method of a shell, a solid or a published collection: stiffness, loads, gaps
+and areas in a file. Every answer is judged from that file alone.{ranked}""")
+    parts = (ranking_part, picture_part, osqp_part, entry_part, dropped_part, limits_part)
+    return joined(introduction, *(part(store) for part in parts))
+
+
+def ranking_part(store: Store) -> Part:
+    """Who solves how many in which time, and who claims too much: a line a solver, in the form that suits it best."""
     if not store.has_table("solver_summary"):
-        return joined(heading, machine(f"Not measured here; `{COMMAND}` does, with the extra qp."))
-    return joined(heading, _conditions(store), *(section(store) for section in SECTIONS))
-
-
-def _conditions(store: Store) -> str:
+        return Part("")
+    found = store.table("solver_summary")
+    every = found[(found["size"] == ALL) & (found["kind"] == CONVEX)]
+    found = middle(found)
+    whole = found[found["size"] == ALL]
+    convex = whole[(whole["kind"] == CONVEX) & (whole["refused"] < whole["problems"])]
+    others = whole[whole["kind"] != CONVEX].groupby("solver")[["problems", "solved", "refused", "false"]].sum()
     kinds = store.table("solver_problems")["kind"].value_counts()
     told = ", ".join(f"{count} {kind}" for kind, count in kinds.items())
-    return prose(f"""{kinds.sum()} problems ({told}) are put to every solver in turn: to our algorithms,
-from rest and without a first set, and to public solvers of quadratic programmes, each as it comes, once with the
-programme in N and mm and once *scaled* (unit diagonal, unit rows, displacements about 1), some also *condensed* on
-the candidates. What is not convex, not symmetric or coupled is no quadratic programme, and its solvers refuse it.
+    text = prose(f"""### Who solves how many?
 
-An answer is judged from the file alone: imbalance, penetration, tension and complementarity, each over a force or a
-length that no answer can enlarge; the largest is its *accuracy*. It is a *solution* when the solver claims it and the
-accuracy is what the solver was asked for. A claim that is less accurate is *false*. Whatever is no solution is a
-failure, and costs the time limit in every mean: what is refused, killed, not claimed or falsely claimed.""")
-
-
-def tolerances(found: pd.DataFrame) -> list[float]:
-    """From loose to strict."""
-    return sorted(found["tolerance"].unique(), reverse=True)
-
-
-def _solvers(store: Store) -> Part:
-    """Solutions and false claims of every solver by tolerance, kind after kind."""
-    found = store.table("solver_summary")
-    whole = found[found["size"] == ALL]
-    blocks: list[Part | str] = [
-        prose("""### Who solves what
-
-Columns are what was asked for. *Worst claim* is the accuracy of the worst claim over what was asked; *own* counts
-claims that do not even keep the solver's own criterion. Times are of the processor, set-up included; their mean is
-geometric, shifted by 0.01 s. Memory is the median of the peaks of single solves.""")
-    ]
-    for kind in [kind for kind in KINDS if kind in set(whole["kind"])]:
-        own = whole[whole["kind"] == kind]
-        none = own.groupby("solver")["refused"].transform("min") >= own["problems"]
-        refusing = own[none].drop_duplicates("solver")
-        blocks += [f"#### {KINDS[kind].capitalize()}", machine(_counts(own[~none], kind), _times(own[~none]))]
-        if len(refusing):
-            line = "{solver} | {problems} | {why_not}"
-            heads = "solver | problems | commonest reason"
-            blocks.append(
-                fold(f"{len(refusing)} solvers refuse all of them", listing("Refused", refusing, heads, line))
-            )
-    return joined(*blocks)
+{kinds.sum()} problems ({told}), asked for {scientific(found["tolerance"].iloc[0], 0)}. Solved: the solver claims it,
+and imbalance, penetration, tension and complementarity are as small as asked; *false*: it claims it, and they are not.
+What is not solved costs the time limit in the mean, geometric, shifted by 0.01 s, of processor time with set-up.
+Public solvers get the programme in N and mm, *scaled* or *condensed* on the candidates; each stands here in the form
+with most solutions, the last columns count its other forms. Problems that are not convex are no quadratic programmes:
+those solvers refuse them. One linear problem is not a path of loads: what a path costs is
+[above](#what-do-they-cost).""")
+    strict = every[every["tolerance"] == every["tolerance"].min()].set_index("solver")
+    heads = ["solver", "form", "convex: solved", "false", "killed", "mean [s]", "not convex: solved", "false"]
+    heads += [f"convex, {scientific(every['tolerance'].min(), 0)}: solved", "false", "other forms: solved", "false"]
+    made = table("Ranking", heads, list(_ranked(convex, others, strict)), words=2)
+    return joined(text, machine(made))
 
 
-def _counts(own: pd.DataFrame, kind: str) -> str:
-    """Problems, solutions and false claims by tolerance."""
-    asked = tolerances(own)
-    header = [
-        "solver",
-        "problems",
-        *(f"solved, {each:.0e}" for each in asked),
-        *(f"false, {each:.0e}" for each in asked),
-    ]
-    rows = [
-        [solver, rows["problems"].max(), *_each(rows, asked, "solved"), *_each(rows, asked, "false")]
-        for solver, rows in _by_solved(own)
-    ]
-    return table(f"Solutions and false claims, {KINDS[kind]}", header, rows)
+def middle(found: pd.DataFrame) -> pd.DataFrame:
+    """The rows of the middle tolerance."""
+    asked = sorted(found["tolerance"].unique(), reverse=True)
+    return found[found["tolerance"] == asked[len(asked) // 2]]
 
 
-def _times(own: pd.DataFrame) -> str:
-    """What becomes of the strictest tolerance."""
-    strict = own[own["tolerance"] == own["tolerance"].min()]
-    heads = "solver | problems | failed, at the limit | refused | timed out | false | tenfold | own | worst claim | "
-    heads += "mean [s] | memory [MB]"
-    line = "{solver} | {problems} | {failed_at_limit} | {refused} | {timed_out} | {false} | {false_tenfold} | "
-    line += "{false_own} | {worst_claim:.1e} | {mean_s:.3f} | {memory_MB:.1f}"
-    ordered = strict.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable")
-    return listing(f"Asked for {strict['tolerance'].min():.0e}: failures, false claims, costs", ordered, heads, line)
+def _ranked(convex: pd.DataFrame, others: pd.DataFrame, strict: pd.DataFrame) -> Iterator[list[str]]:
+    """Most solutions first, then the quickest; strict: the strictest tolerance, by solver."""
+    parts = convex["solver"].str.rpartition(", ")
+    formed = parts[2].isin(FORMS)
+    named = convex.assign(bare=parts[0].where(formed, convex["solver"]), form=parts[2].where(formed, NOTHING))
+    ordered = named.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable")
+    for bare, own in ordered.groupby("bare", sort=False):
+        best, rest = own.iloc[0], own.iloc[1:]
+        beyond = ["refused", NOTHING]
+        if best["solver"] in others.index:
+            other = others.loc[best["solver"]]
+            if other["refused"] < other["problems"]:
+                beyond = [f"{other['solved']:.0f}/{other['problems']:.0f}", f"{other['false']:.0f}"]
+        yield [
+            *(str(bare), str(best["form"]), f"{best['solved']}/{best['problems']}", str(best["false"])),
+            *(str(best["timed_out"]), fixed(best["mean_s"], 3), *beyond),
+            *(str(strict.loc[best["solver"], name]) for name in ("solved", "false")),
+            *(", ".join(map(str, rest[name])) or NOTHING for name in ("solved", "false")),
+        ]
 
 
-def _by_solved(own: pd.DataFrame) -> Iterable[tuple[Any, pd.DataFrame]]:
-    """Rows of each solver, most solutions first."""
-    order = own.groupby("solver", sort=False)["solved"].sum().sort_values(ascending=False, kind="stable").index
-    return ((solver, own[own["solver"] == solver]) for solver in order)
-
-
-def _each(rows: pd.DataFrame, asked: list[float], column: str) -> list[object]:
-    known = rows.set_index("tolerance")[column]
-    return [known.get(each, "–") for each in asked]
-
-
-def _profiles(store: Store) -> Part:
-    """The figure, at the middle tolerance."""
-    found = store.table("solver_profiles")
-    middle = tolerances(found)[len(found["tolerance"].unique()) // 2]
-    own = found[(found["kind"] == CONVEX) & (found["size"] == ALL) & (found["tolerance"] == middle)]
+def picture_part(store: Store) -> Part:
+    """Profiles at the middle tolerance."""
+    if not store.has_table("solver_profiles"):
+        return Part("")
+    found = middle(store.table("solver_profiles"))
+    own = found[(found["kind"] == CONVEX) & (found["size"] == ALL)]
     if own.empty:
         return Part("")
-    text = prose(f"""### Profiles
-
-On the {own["problems"].iloc[0]} convex problems, asked for {middle:.0e}: left the share of problems that a solver
-solves in at most so many times what the quickest takes for each (Dolan, Moré, Math. Program. 91 (2002) 201-213),
-right within so many factorisations of the stiffness (Moré, Wild, SIAM J. Optim. 20 (2009) 172-191). No curve rises
-above the share that is solved at all; problems that nobody solves count. Nine solvers with the largest areas are
-named, the others are grey. A profile depends on who is in it.""")
-    shown = picture(
-        "arena-profiles.svg", "Performance and data profiles of the solvers on convex problems", profiles(own)
-    )
+    text = prose("""Left the share of convex problems that a solver solves in at most so many times what the quickest
+takes for each (Dolan, Moré, Math. Program. 91 (2002) 201-213), right within so many factorisations of the stiffness
+(Moré, Wild, SIAM J. Optim. 20 (2009) 172-191). Problems that nobody solves count; the other solvers are grey.""")
+    shown = picture("arena-profiles.svg", "Shares of convex problems solved over time, by solver", profiles(own))
     return joined(text, Part(machine(shown.text), shown.pictures))
 
 
-def _sizes(store: Store) -> Part:
-    """Solved shares by size of convex problems, and by kind."""
-    found = store.table("solver_summary")
-    middle = tolerances(found)[len(found["tolerance"].unique()) // 2]
-    own = found[found["tolerance"] == middle]
-    convex = own[own["kind"] == CONVEX]
-    text = prose(f"""### By size and kind
-
-Solutions of so many problems, and the shifted mean in seconds, asked for {middle:.0e}; sizes are numbers of
-unknowns.""")
-    by_size = _cross(f"Convex problems by size, {middle:.0e}", convex, "size", SIZES)
-    whole = own[own["size"] == ALL]
-    by_kind = _cross(f"All problems by kind, {middle:.0e}", whole, "kind", {kind: kind for kind in KINDS})
-    return joined(text, machine(by_size, by_kind))
-
-
-def _cross(title: str, found: pd.DataFrame, column: str, names: dict[str, str]) -> str:
-    """Solver by what is in a column."""
-    there = [name for name in names if name in set(found[column])]
-    rows = []
-    for solver, own in _by_solved(found):
-        known = {row[column]: row for row in own.to_dict("records")}
-        rows.append([solver, *(_cell(known.get(name)) for name in there)])
-    return table(title, ["solver", *(names[name] for name in there)], rows)
-
-
-def _cell(row: dict[Any, Any] | None) -> str:
-    if row is None:
-        return "–"
-    return "refused" if row["refused"] == row["problems"] else f"{row['solved']}/{row['problems']}, {row['mean_s']:.3f}"
-
-
-def _ablation(store: Store) -> Part:
-    """What each setting of OSQP is worth."""
-    heading = "### OSQP, setting by setting"
+def osqp_part(store: Store) -> Part:
+    """Which setting of OSQP helps, and which harms."""
     if not store.has_table("osqp_effects"):
-        return joined(heading, machine(f"Not measured here; `{COMMAND} --ablation` does."))
-    found = store.table("osqp_effects")
-    middle = tolerances(found)[len(found["tolerance"].unique()) // 2]
-    own = found[(found["tolerance"] == middle) & (found["size"] == ALL) & (found["kind"] == CONVEX)]
-    text = prose(f"""One setting at a time is another than by default, asked for {middle:.0e}; *times* is the shifted
-mean over that of the defaults on the same scale, below 1 where the setting is quicker. Algebras other than the builtin
-one, with which OSQP solves the reduced system by conjugate gradients, come with other wheels and are refused without
-them. A warm start sets out from the exact answer of 0.99 of loads and gaps.""")
-    heads = "programme | setting | problems | solved more | false more | mean [s] | times"
-    line = "{scale} | {setting} | {problems} | {more_solved:+.0f} | {more_false:+.0f} | {mean_s:.3f} | {time_ratio:.2f}"
-    made = listing(f"Against the defaults, convex problems, {middle:.0e}", own, heads, line, words=2)
-    return joined(heading, text, machine(made))
+        return Part("")
+    found = middle(store.table("osqp_effects"))
+    own = found[(found["size"] == ALL) & (found["kind"] == CONVEX)]
+    usual = own["setting"] == "defaults"
+    if own[~usual].empty:
+        return Part("")
+    changed = own[~usual].sort_values(["more_solved", "time_ratio"], ascending=[False, True], kind="stable")
+    told = [
+        f"- {row['scale']}, {row['setting']}: {row['more_solved']:+.0f} solved, {row['more_false']:+.0f} false claims, "
+        f"{fixed(row['time_ratio'], 2)} times the time"
+        for row in pd.concat([changed.head(3), changed.tail(2)]).drop_duplicates().to_dict("records")
+    ]
+    text = prose(f"""### OSQP
+
+One setting at a time against its defaults, on {own["problems"].max()} convex problems; of {len(changed)} changes the
+three that gain and the two that lose most:""")
+    return joined(text, machine("\n".join(told)))
 
 
-def _limits(store: Store) -> Part:
+def entry_part(store: Store) -> str:
+    """Ten lines, and two commands."""
+    return joined("### Enter your own", ENTRY.replace("{room}", ROOM)).text
+
+
+def dropped_part(store: Store) -> Part:
+    """What the rule would have taken and nobody certifies."""
+    rows = store.table("problems_left_out")
+    if rows.empty:
+        return joined("### What was left out", "No step was left out for want of a certificate.")
+    large = rows["why"].str.contains(SIZE)
+    causes = rows.loc[~large, "why"].map(_cause)
+    text = prose(f"""### What was left out of the collection
+
+A step enters when its classes (size, candidates, share pressed, kind of matrix, coupling, condition) are new in its
+family and two ways certify its answer. {len(rows)} steps were left out before: {large.sum()} for the size of their
+file, {(~large).sum()} because no way certifies an answer. The rule so favours `semismooth`, which is tried first, but
+not where it fails: in {(causes == REASONS[CYCLES]).sum()} steps it cycles, and whoever solves those is not rewarded
+here.""")
+    counted = [[why, count] for why, count in causes.value_counts(sort=True).items()]
+    return joined(
+        text, table("Not certified, because", ["reason of the first way", "steps"], counted), commands([MAKE])
+    )
+
+
+def _cause(why: str) -> str:
+    first = why.split(";")[0]
+    return next((words for part, words in REASONS.items() if part in first), OTHER)
+
+
+def limits_part(store: Store) -> Part:
     """What bounds all this, and the machine."""
-    run = store.table("solver_run").astype(str)
-    about = dict(run.itertuples(index=False, name=None))
+    if not store.has_table("solver_run"):
+        return Part("")
+    about = dict(store.table("solver_run").astype(str).itertuples(index=False, name=None))
     whole = store.table("solver_summary")
     asked = whole[whole["size"] == ALL]
     killed = share(float(asked["timed_out"].sum() / asked["problems"].sum()), 1)
-    text = prose(f"""### Limits and machine
+    text = prose(f"""### Limits
 
-A solve is killed after {number(float(about["limit_s"]))} s of processor time ({killed} of all that was to be solved),
-so that shares of large problems are shares within that limit. Who was killed over a tolerance is not asked for a
-stricter one of the same problem, which counts as killed. The tolerance is handed to each solver for all that it can be
-asked for; what it is measured by differs from solver to solver, which is the point of a common judge. Solvers keep
-their other defaults, but for the number of iterations. One thread.""")
-    rows = [[name, value] for name, value in about.items()]
-    against = f"{COMMAND.replace('DIR', 'problems')} --against OTHER_STORE"
-    repeat = prose(f"""Two runs say the same when the ranks of the solvers by their means correlate (Spearman) by at
-least {REPEATED}; `--against` compares them.""")
-    listed = machine(table("Conditions of the run", ["what", "value"], rows, words=2))
-    return joined(text, repeat, listed, commands([COMMAND, f"{COMMAND} --ablation", against]))
-
-
-SECTIONS: tuple[Callable[[Store], Part], ...] = (_solvers, _profiles, _sizes, _ablation, _limits)
-
-CHAPTER = Chapter(
-    "arena",
-    "The arena",
-    "a collection of frozen contact problems, public solvers and our algorithms on it, and how to enter one's own.",
-    arena_page,
-    needs=("problems", "problems_left_out"),
-)
+A solve is killed after {number(float(about["limit_s"]))} s of processor time ({killed} of all that was to be solved).
+The tolerance is handed to each solver for all that it can be asked for; what it is measured by differs, which is the
+point of a common judge. Solvers keep their other defaults, but for the number of iterations. One thread.""")
+    conditions = ", ".join(f"{name} {value}" for name, value in about.items() if name != "limit_s")
+    return joined(text, machine(f"Run with {conditions}."), commands([RUN, f"{RUN} --ablation"]))

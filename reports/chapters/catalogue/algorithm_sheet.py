@@ -13,11 +13,6 @@ OUTCOME_HEADS = "scene | put to it | solved | path ends | failed | refused | cau
 OUTCOME_LINE = (
     "{scene:code} | {planned:.0f} | {solved:.0f} | {path_ends:.0f} | {failed:.0f} | {refused:.0f} | {cause:said}"
 )
-SIZE_HEADS = "mesh | unknowns | seconds | operations | seconds over default | operations over default | outcome"
-SIZE_LINE = (
-    "{mesh} | {unknowns:.0f} | {seconds:.3g} | {operations:.2e} | {seconds_over_default:.2f}"
-    " | {operations_over_default:.2f} | {outcome}"
-)
 LIMIT_HEADS = "limit | last certified | error there | fails at | kind | reason"
 LIMIT_LINE = "{limit} | {value:.3g} | {error:.2e} | {fails:.3g} | {kind:said} | {reason:said}"
 
@@ -30,7 +25,6 @@ def algorithm_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
         about(sheet.about),
         catalogue.settings("algorithm", sheet.part),
         _cost(summary),
-        _sizes(catalogue.store, sheet.part),
         _outcomes(catalogue.store, sheet.part),
         _limits(catalogue.store, sheet.part),
         f"## Source\n\n{sheet.source} In `{sheet.module}`." if sheet.source else "",
@@ -70,11 +64,6 @@ Over `{base}`: {" and ".join(ratios)}, {on}; the intervals are those of drawing 
 def _ratio(summary: pd.Series, cost: str) -> str:
     middle, low, high = (fixed(summary[f"{cost}_{end}"]) for end in ("ratio", "low", "high"))
     return f"{middle} [{low}, {high}] of its {cost}"
-
-
-def _sizes(store: Store, name: str) -> str:
-    own = store.rows("contact_sizes", algorithm=name)
-    return "" if own.empty else machine(listing("The tyre by size", own, SIZE_HEADS, SIZE_LINE))
 
 
 def _outcomes(store: Store, name: str) -> str:

@@ -12,7 +12,7 @@ import pandas as pd
 from reports.chapters.catalogue.bodies import FROM_BELOW, Body, view_of
 from reports.chapters.catalogue.symbols import corners_of, legend, plane, symbols
 from reports.figures.drawing import Picture
-from reports.figures.relief import BANDS, View, Window, outline, palette, png, raster
+from reports.figures.relief import BANDS, View, Window, outline, palette, raster, webp
 from reports.formats import formatted
 
 WIDE, HIGH, TOP, FOOT = 470, 330, 24, 64  # points: of a panel, above and below it
@@ -46,9 +46,9 @@ def text(words: str, x: float, y: float, size: int = 12, anchor: str = "start") 
 
 
 def image(data: str, width: int, height: int, at: tuple[float, float] = (0, 0)) -> str:
-    """A PNG."""
+    """A raster."""
     place = f'x="{at[0]}" y="{at[1]}" width="{width}" height="{height}"'
-    return f'<image {place} href="data:image/png;base64,{data}"/>'
+    return f'<image {place} href="data:image/webp;base64,{data}"/>'
 
 
 def _at_rest(body: Body, marks: pd.DataFrame, view: View, at: tuple[int, int]) -> Iterator[str]:
@@ -60,7 +60,7 @@ def _at_rest(body: Body, marks: pd.DataFrame, view: View, at: tuple[int, int]) -
     yield text("At rest: supports and loads", at[0] + 4, 16, 13)
     yield f'<g transform="translate({at[0]} {at[1]})">'
     yield from (plane(each, view, window) for each in planes)
-    yield image(png(found, np.full((*found.value.shape, 3), GREY)), WIDE, HIGH)
+    yield image(webp(found, np.full((*found.value.shape, 3), GREY)), WIDE, HIGH)
     yield from symbols(marks, view, window)
     yield "</g>"
     yield from axes(view, (at[0] + 34, at[1] + HIGH - 30))
@@ -81,7 +81,7 @@ def _deformed(body: Body, marks: pd.DataFrame, view: View, at: tuple[int, int]) 
     yield f'<g transform="translate({at[0]} {at[1]})">'
     yield from (plane(each, view, window) for each in planes)
     yield dashed(before, body.quads, window)
-    yield image(png(found, palette(found.value, 0.0, largest)), WIDE, HIGH)
+    yield image(webp(found, palette(found.value, 0.0, largest)), WIDE, HIGH)
     yield "</g>"
     yield from bar("displacement |u| [mm]", largest, (at[0] + 40, at[1] + HIGH + 10))
 
@@ -137,7 +137,7 @@ def _filmstrip(bodies: list[tuple[str, Body]], columns: int) -> str:
         found = raster(points, body.quads, body.pressure, window)
         colours = palette(found.value, 0.0, largest)
         colours[found.value <= 0] = GREY
-        parts += [text(words, x + width / 2, y, 13, "middle"), image(png(found, colours), width, height, (x, y + 4))]
+        parts += [text(words, x + width / 2, y, 13, "middle"), image(webp(found, colours), width, height, (x, y + 4))]
     rows = -(-len(bodies) // columns)
     foot = 20 + rows * (height + 24)
     parts += bar("contact pressure [MPa]; grey: none", largest, (40, foot))
@@ -158,7 +158,7 @@ def _thumbnails(bodies: list[tuple[str, str, Body]], columns: int) -> str:
         found = raster(seen, body.quads, body.moved, Window.around(seen, width, height, margin=0.08))
         colours = palette(found.value, 0.0, float(body.moved.max()))
         parts += [
-            image(png(found, colours), width, height, (x, y)),
+            image(webp(found, colours), width, height, (x, y)),
             text(words, x + width / 2, y + height + 14, 12, "middle"),
         ]
     return svg(columns * width, (height + 26) * -(-len(bodies) // columns), parts)

@@ -1,1 +1,1 @@
-"""Pages of contact: agreement and costs of the algorithms, the regularisation."""
+"""The page of contact algorithms: agreement, costs, false claims, cycles, penalties."""

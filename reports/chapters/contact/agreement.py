@@ -1,107 +1,162 @@
-"""The page of agreement: do all contact algorithms give the same set and the same force, whatever the case?"""
+"""Part of the page of algorithms: do all of them give the same contact set and force, whatever the case?"""
 
 from __future__ import annotations
 
-from reports.chapter import Chapter
-from reports.chapters.contact.agreement_cases import CASE, OF_CASE, SAME, Entry, entries, refusals
-from reports.chapters.tyre.figures import load_deflection
-from reports.formats import digits, scientific
-from reports.markdown import Part, commands, joined, listing, machine, picture, prose, table
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+from reports.chapters.tyre.cells import change, sets_unlike
+from reports.formats import NOTHING, code, fixed, scientific
+from reports.markdown import Part, commands, joined, listing, machine, prose, table
+from reports.store.cells import Cell
+from reports.store.reading import StoreError
 from reports.store.tables import Store
 
+SAME = 1e-7  # relative difference of forces below which two algorithms agree
+STUDY = {"scene": "tyre", "model": "half", "delta_mm": (5, 10, 15, 20)}
+REFUSAL = " does not apply: "  # before its reason
 
-def agreement_page(store: Store) -> Part:
-    """The whole page."""
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """One algorithm on one case, beside the reference of that case."""
+
+    cell: Cell
+    reference: Cell
+    own: tuple[str, ...]  # what of its settings, other than epsilon, is not its default
+
+    @property
+    def case(self) -> tuple[str, str]:
+        """Load and section."""
+        return str(self.cell.settings["load"]), str(self.cell.settings["section"])
+
+    @property
+    def exact(self) -> bool:
+        """Was the contact condition itself asked for, and not its regularisation?"""
+        return bool(self.cell.settings["epsilon"] == "inf")
+
+    @property
+    def way(self) -> str:
+        """The algorithm with what distinguishes it from its defaults, for a table."""
+        return ", ".join([code(self.cell.result["contact"]), *self.own])
+
+    @property
+    def travels(self) -> list[float]:
+        """Those of the reference [mm]."""
+        return [float(step["delta_mm"]) for step in self.reference.steps]
+
+    @cached_property
+    def difference(self) -> float:
+        """The largest of the forces over all travels, relative to the reference; NaN when a travel is missing."""
+        found = [abs(change(self.cell, self.reference, delta=delta)) for delta in self.travels]
+        return math.nan if any(map(math.isnan, found)) else max(found, default=math.nan)
+
+    @cached_property
+    def nodes_unlike(self) -> int | None:
+        """In contact in only one of both sets, the most over all travels; None when a travel is missing."""
+        known = [n for n in sets_unlike(self.cell, self.reference, self.travels) if n is not None]
+        return max(known) if known and len(known) == len(self.travels) else None
+
+    @property
+    def penetration(self) -> float:
+        """The largest of all travels [mm]."""
+        return max((float(step["kkt"]["penetration"]) for step in self.cell.steps), default=math.nan)
+
+    @property
+    def agrees(self) -> bool:
+        """Same contact set and same force at every travel?"""
+        return self.nodes_unlike == 0 and self.difference <= SAME
+
+
+def unusual(cell: Cell, usual: Cell) -> tuple[str, ...]:
+    """The settings of a cell, other than epsilon, that another one has otherwise: "settle 1"."""
+    own = {key: value for key, value in cell.settings.items() if usual.settings.get(key) != value}
+    own.pop("epsilon", None)
+    return tuple(f"{key} {value:g}" if isinstance(value, float) else f"{key} {value}" for key, value in own.items())
+
+
+def entries(store: Store) -> Iterator[Entry]:
+    """Every cell of the study, in the order of the campaign; raises StoreError when a reference is missing.
+
+    The first cell of an algorithm on a case is that with its defaults.
+    """
+    for cell in store.select(**STUDY):
+        case = {key: cell.settings[key] for key in ("load", "section")}
+        usual = store.select(**STUDY, **case, contact=cell.result["contact"])[0]
+        references = store.select(**STUDY, **case, contact="semismooth", epsilon=math.inf)
+        if not references:
+            raise StoreError(f"{store.path}: no reference by semismooth with the exact condition for {case}")
+        yield Entry(cell, references[0], unusual(cell, usual))
+
+
+def agreement_part(store: Store) -> Part:
+    """The pressed tyre by every algorithm, a line each, and problems of the campaign with several answers."""
     found = list(entries(store))
-    exact = [entry for entry in found if entry.exact and not entry.cell.unsupported]
-    others = [entry for entry in exact if entry.cell is not entry.reference]
-    refused = [entry for entry in found if entry.cell.unsupported]
-    same = sum(entry.agrees for entry in others)
-    mesh = found[0].reference.result["mesh"]
-    introduction = prose(f"""# Agreement of the algorithms
+    put = [entry for entry in found if entry.exact and entry.cell is not entry.reference]
+    solved = [entry for entry in put if not entry.cell.unsupported]
+    cases = len({entry.case for entry in found})
+    text = prose(f"""## Do they agree?
 
-The paper's tyre on a mesh of {mesh}, inflated and pressed, by every contact algorithm of the catalogue, under a dead
-and under a follower pressure (with which the tangent is no longer symmetric), with the symmetric section
-`constant-s33` and with the paper's non-symmetric one. The equations are the same, so contact set and force must be: the
-reference of a case is `semismooth` with the exact condition, and two algorithms agree when no node is in contact in one
-set only and the forces differ by at most {scientific(SAME, 0)} of their value, at every travel. That holds for {same}
-of {len(others)} other solves with the exact condition; {len(refused)} of {len(found)} requests were refused by the
-algorithm. A finite ε solves other equations, and its difference is that of the [regularisation](epsilon.md).""")
-    curves = {", ".join(e.case): _curve(e) for e in exact if e.cell is e.reference}
-    drawn = load_deflection(curves, "travel of the plane [mm]", "force [N]", loc="upper left")
-    return joined(
-        introduction,
-        _exact(others),
-        _disagreements(others),
-        _forces(found),
-        picture("contact-forces.svg", "Force over the travel of the plane, by load and section", drawn),
-        _finite(found),
-        refusals(refused) if refused else "No algorithm refuses any of the cases.",
-        _elsewhere(store),
-        _answers(store),
-        commands(entry.cell.command for entry in found),
+The paper's tyre, mesh {found[0].reference.result["mesh"]}, pressed by {max(found[0].travels, default=0):g} mm in
+{len(found[0].travels)} travels: {cases} cases, a dead and a follower pressure with a symmetric and the paper's
+non-symmetric section. `semismooth` with exact contact is the reference. Two solves agree when every node is in contact
+in both or in neither and forces differ by at most {scientific(SAME, 0)} of their value, at every travel:
+{sum(entry.agrees for entry in solved)} of {len(solved)} do, and {len(put) - len(solved)} requests were refused.
+{_finite(found)}""")
+    ways = dict.fromkeys(entry.way for entry in put)
+    heads = ["algorithm", "cases", "agree", "force differs by at most", "nodes in one set only", "refused"]
+    rows = [_row(way, [entry for entry in put if entry.way == way]) for way in ways]
+    made = machine(table("Against the reference, exact contact", heads, rows))  # the differences are rounding
+    told = commands(entry.cell.command for entry in found if not entry.own and entry.case == found[0].case)
+    return joined(text, made, _refused(put), _odd(solved), told, _answers(store))
+
+
+def _row(way: str, own: list[Entry]) -> list[object]:
+    solved = [entry for entry in own if not entry.cell.unsupported]
+    reached = [entry for entry in solved if entry.nodes_unlike is not None]
+    off = scientific(max((entry.difference for entry in reached), default=math.nan))
+    nodes = fixed(max((float(entry.nodes_unlike or 0) for entry in reached), default=math.nan))
+    agree = f"{sum(entry.agrees for entry in solved)} of {len(solved)}" if solved else NOTHING
+    return [way, len(own), agree, off, nodes, len(own) - len(solved) or NOTHING]
+
+
+def _refused(put: list[Entry]) -> str:
+    """Who refuses what, the first reason of each."""
+    ways: dict[str, list[Entry]] = {}
+    for entry in put:
+        if entry.cell.unsupported:
+            ways.setdefault(str(entry.cell.result["contact"]), []).append(entry)
+    told = [f"- {code(name)} refuses {len(own)}: {_reason(own)}." for name, own in ways.items()]
+    return "\n".join(["Refused, with the first reason of each:", "", *told]) if told else "No request is refused."
+
+
+def _reason(own: Iterable[Entry]) -> str:
+    reason = next(iter(own)).cell.reason
+    return reason.partition(REFUSAL)[2] or reason
+
+
+def _odd(solved: list[Entry]) -> str:
+    """Who does not agree, and why."""
+    odd = [entry for entry in solved if not entry.agrees]
+    heads, line = (
+        "algorithm | load | section | outcome | reason",
+        "{way} | {case[0]} | {case[1]} | {cell.result[outcome]} | {cell.reason}",
     )
+    return listing("Solves that do not agree", odd, heads, line, words=5) if odd else ""
 
 
-def _curve(entry: Entry) -> tuple[list[float], list[float]]:
-    return entry.travels, [entry.reference.value("force_N", delta_mm=delta) for delta in entry.travels]
-
-
-def _forces(found: list[Entry]) -> str:
-    """The reference of every case."""
-    rows = [
-        [*entry.case, *(f"{digits(step['force_N'], 9)} ({step['contact_nodes']})" for step in entry.cell.steps)]
-        for entry in found
-        if entry.cell is entry.reference
-    ]
-    header = ["load", "section", *(f"{delta:g} mm" for delta in found[0].travels)]
-    return table(
-        f"Force [N] (and nodes in contact) by the reference, mesh {found[0].reference.result['mesh']}",
-        header,
-        rows,
-        words=2,
-    )
-
-
-def _exact(others: list[Entry]) -> str:
-    """Every other solve with the exact condition, at the travel where it differs most."""
-    heads = f"{CASE} | nodes in one set only, at most | force off, at most | agrees"
-    line = OF_CASE + " | {most_nodes_unlike:.0f} | {largest_difference:.1e} | {agrees:word}"
-    # the differences are rounding
-    return machine(
-        listing(
-            "Against the reference, the exact condition, over all travels", others, heads, line, words=3, word=_word
-        )
-    )
-
-
-def _word(agrees: bool) -> str:
-    return "yes" if agrees else "no"
-
-
-def _disagreements(others: list[Entry]) -> str:
-    """Who does not agree, and how it ended."""
-    odd = [entry for entry in others if not entry.agrees]
-    heads, line = f"{CASE} | outcome | reason", f"{OF_CASE} | {{cell.result[outcome]}} | {{cell.reason}}"
-    if not odd:
-        return "No solve with the exact condition disagrees."
-    return listing("Solves that do not agree", odd, heads, line, words=5)
-
-
-def _elsewhere(store: Store) -> Part:
-    """Where in the whole campaign an algorithm has failed."""
-    if not store.has_analysis("outcomes"):
-        return Part("")
-    found = store.analysis("outcomes")
-    own = found[(found["axis"] == "contact") & (found["scene"] != "") & (found["failed"] > 0)]
-    heads = "algorithm | scene | why not solved | problems | solved | failed"
-    line = "{name:code} | {scene:code} | {cause} | {planned} | {solved} | {failed}"
-    text = prose(f"""## Where algorithms do not end
-
-Agreement is shown above for solves that end; not all do. Over all scenes with contact an algorithm has failed
-in {len(own)} of {int(((found["axis"] == "contact") & (found["scene"] != "")).sum())} pairs of algorithm and scene;
-[solved and failed](tradeoff.md#solved-and-failed) has all of them, with paths that end.""")
-    return joined(text, listing("Algorithms and scenes with failures", own, heads, line, words=3) if len(own) else "")
+def _finite(found: list[Entry]) -> str:
+    """What a finite epsilon, the default of some algorithms, changes."""
+    soft = [entry for entry in found if not entry.exact and not entry.cell.unsupported]
+    if not soft:
+        return ""
+    stiffness = ", ".join(dict.fromkeys(f"{entry.cell.settings['epsilon']:g}" for entry in soft))
+    off = max((entry.difference for entry in soft if entry.nodes_unlike is not None), default=math.nan)
+    depth = max(entry.penetration for entry in soft)
+    return f"""A finite ε of {stiffness} MPa/mm is another problem: {len(soft)} solves differ by at most
+{scientific(off)} in the force and penetrate by at most {scientific(depth)} mm."""
 
 
 def _answers(store: Store) -> Part:
@@ -109,32 +164,12 @@ def _answers(store: Store) -> Part:
     if not store.has_analysis("disagreements"):
         return Part("")
     found = store.analysis("disagreements")
-    text = prose(f"""## Problems with more than one answer
-
-A certified state is one answer, not the only one. Over all cells of the campaign that ask the same problem, solved to
-the default tolerance, {len(found)} further answers differ from that of most cells by more than the certificates leave.
-Why is said from facts alone: with friction, whether the path was followed in other load steps; without it, whether both
-states are stable, and whether a model of a part is symmetric where that of the whole is not.""")
-    heads = "scene | mesh | quantity | most cells | by | steps | other cells | by | steps | apart | why"
-    line = (
-        "{scene:code} | {mesh} | {quantity} | {value:.6g} | {contact:code}, {model} | {substeps:.0f} | "
-        "{other_value:.6g} | {other_contact:code}, {other_model} | {other_substeps:.0f} | {difference:.1e} | {why}"
-    )
-    return joined(text, listing("Further answers", found, heads, line, words=3) if len(found) else "")
-
-
-def _finite(found: list[Entry]) -> str:
-    """What a finite epsilon, the default of some algorithms, changes."""
-    soft = [entry for entry in found if not entry.exact and not entry.cell.unsupported]
-    heads = f"{CASE} | force off, at most | nodes in one set only, at most | penetration [mm]"
-    line = OF_CASE + " | {largest_difference:.1e} | {most_nodes_unlike:.0f} | {penetration:.1e}"
-    return listing("Against the reference, a finite ε", soft, heads, line, words=3) if soft else ""
-
-
-CHAPTER = Chapter(
-    "contact-agreement",
-    "Agreement of the algorithms",
-    "one tyre by every contact algorithm, load and section.",
-    agreement_page,
-    always=True,
-)
+    text = prose(f"""Agreement is no law: a problem may have several equilibria. Over all cells of the campaign that ask
+the same problem, solved to the default tolerance, {len(found)} answers differ from that of most cells by more than the
+certificates leave. The table `disagreements` has each with its commands.""")
+    rows = [
+        [why, len(own), ", ".join(map(code, dict.fromkeys(own["scene"]))), scientific(own["difference"].max())]
+        for why, own in found.groupby("why", sort=False)
+    ]
+    heads = ["why", "answers", "scenes", "differ by at most"]
+    return joined(text, table("Further answers to the same problem", heads, rows) if rows else "")

@@ -1,107 +1,206 @@
-"""The page of algorithms: what each of them costs on the same cases, in iterations, factorisations and time."""
+"""The page of contact algorithms: do they agree, what do they cost, who claims too much, which ε, when not."""
 
 from __future__ import annotations
 
+from math import prod
+
 from reports.chapter import Chapter
-from reports.chapters.contact.agreement_cases import CASE, OF_CASE, Entry, entries, refusals
-from reports.chapters.contact.robustness import robustness
-from reports.chapters.tyre.figures import iterations
-from reports.formats import fixed, share
-from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose, table
+from reports.chapters.arena.page import arena_part
+from reports.chapters.contact.agreement import agreement_part
+from reports.chapters.contact.penalty import penalty_part
+from reports.chapters.overview.decision import PROBLEM, choices_of, problem
+from reports.formats import NOTHING, code, digits, scientific, share
+from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.store.tables import Store
 
-COUNTERS = ("newton_iterations", "factorisations", "assemblies", "set_changes")
-PARTS = ("assembly", "factorisation", "solve", "contact")
+EXACT = 1e-9  # an error below it is no error
+ALONE = "alone"  # in the name of a solver that is taken at its word
+USUAL = "semismooth"
+WHEN_NOT = (  # what, when not, and why
+    (
+        "`semismooth`",
+        "alone on an indefinite tangent",
+        "pivots need not settle its cycles ([arena](#the-arena-public-solvers-on-frozen-problems))",
+    ),
+    ("`trial-and-error`", "on fine meshes", "every set is solved to the end, and patches of more nodes take more sets"),
+    ("`regularised`", "where contact or friction must be exact", "the wall penetrates by p/ε"),
+    (
+        "`augmented-lagrangian`",
+        "where exact contact can be had at once",
+        "it takes no fewer iterations; its use is in a penalty code",
+    ),
+    ("`qp`", "with follower loads or non-symmetric sections", "without an energy it refuses"),
+    ("`lcp`", "where thousands of nodes change at once", "it pivots on a dense system of the misplaced candidates"),
+    ("OSQP alone", "without a judge", "its tolerance is no bound on displacements"),
+)
 
 
 def algorithms_page(store: Store) -> Part:
     """The whole page."""
-    found = list(entries(store))
-    solved = [entry for entry in found if not entry.cell.unsupported]
-    refused = [entry for entry in found if entry.cell.unsupported]
-    names = ", ".join(dict.fromkeys(f"`{entry.contact}`" for entry in found))
-    introduction = prose(f"""# Costs of the algorithms
+    introduction = prose("""# Contact algorithms
 
-{names}: every algorithm of the catalogue on the four cases of [the agreement](contact-agreement.md), inflation and
-{len(found[0].travels)} travels of the plane. A *Newton iteration* is a linearised problem with a change of the
-displacements; a *set change* is one at which at least one node entered or left. What is not asked of an algorithm is
-listed with its reason, not left out.""")
-    return joined(
-        introduction,
-        _counters(solved),
-        _times(solved),
-        _histories(solved),
-        refusals(refused) if refused else "",
-        commands(entry.cell.command for entry in found),
-        robustness(store),
-    )
+Every algorithm solves the same equations and is judged by the same judge, which recomputes equilibrium, gaps and
+pressures and trusts no algorithm. Failures over all scenes are in the [appendix](data.md#solved-failed-refused);
+linear problems, with public solvers beside ours, [below](#the-arena-public-solvers-on-frozen-problems); friction
+[has a page of its own](friction.md).""")
+    parts = (agreement_part, costs_part, claims_part, cycles_part, penalty_part, when_not_part, known_part, arena_part)
+    return joined(introduction, *(part(store) for part in parts))
 
 
-def _counters(solved: list[Entry]) -> Part:
-    """Counters; those of a path with a rejected step are the machine's."""
-    heads = " | ".join([CASE, "outcome", *(name.replace("_", " ") for name in COUNTERS)])
-    line = " | ".join(
-        [OF_CASE, "{cell.result[outcome]}", *(f"{{cell.result[counters][{name}]:.0f}}" for name in COUNTERS)]
-    )
-    steady, cut = ([entry for entry in solved if bool(entry.cell.cuts) is rejected] for rejected in (False, True))
-    text = prose("""## Iterations
-
-How far an iteration gets is a matter of the algorithm: one that solves a whole complementarity problem in each counts
-one for it, one that guesses a set counts every guess.""")
-    first = [entry for entry in steady if entry.case == steady[0].case]
-    blocks: list[Part | str] = [
-        text,
-        listing(f"Counters, {' load, '.join(steady[0].case)}", first, heads, line, words=4),
-    ]
-    every = [listing("Counters over the whole path", steady, heads, line, words=4)]
-    if cut:
-        every.append(machine(listing("Counters of paths with a rejected step", cut, heads, line, words=4)))
-    return joined(*blocks, fold("Counters of all loads and sections", *every))
+def costs_part(store: Store) -> Part:
+    """What they cost, under its heading."""
+    shown = costs_table(store)
+    return joined("## What do they cost?", shown) if shown.text else shown
 
 
-def _times(solved: list[Entry]) -> Part:
-    """Wall times and where they go."""
+def costs_table(store: Store) -> Part:
+    """Seconds and iterations by algorithm, problem and mesh; each mesh once."""
+    data = choices_of(store)
+    own = data[data["row"] == "algorithm"] if len(data) else data
+    if own.empty:
+        return Part("")
+    errors = " and of ".join(share(error, 0) for error in sorted(own["asked"].unique(), reverse=True))
+    own = own.drop_duplicates([*PROBLEM, "mesh", "name"], keep="last")
+    own = own.assign(elements=[prod(map(int, mesh.split("x"))) for mesh in own["mesh"]])
+    names = sorted(dict.fromkeys(own["name"]), key=lambda name: name != USUAL)
     rows = []
-    for entry in solved:
-        times = entry.cell.result["timing_s"]
-        if "total" not in times:  # merged: of another machine
-            continue
-        total = float(times["total"])
-        shares = [share(float(times.get(name, 0.0)) / total, 0) for name in PARTS]
-        rows.append([entry.way, *entry.case, fixed(total, 2), *shares])
-    header = ["algorithm", "load", "section", "total [s]", *PARTS]
-    first = solved[0].case
-    shown = [row for row in rows if tuple(row[1:3]) == first]
-    body = machine(table(f"Wall time of the whole path and its parts, {' load, '.join(first)}", header, shown, words=3))
-    every = machine(table("Wall time of the whole path, and its parts", header, rows, words=3))
-    text = prose("""## Times
-
-One run each. *Assembly* is the shell, *factorisation* and *solve* the sparse linear algebra, *contact* what an
-algorithm does with sets, gaps and multipliers; the rest is the building of the model and the judge.""")
-    return joined(text, body, fold("Wall times of all loads and sections", every))
+    for _, solved in own.groupby(PROBLEM, sort=False):
+        for _, tried in solved.groupby("elements"):
+            by = {row["name"]: row for row in tried.to_dict("records")}
+            first = tried.iloc[0].to_dict()
+            rows.append([problem(first), first["mesh"], *(_spent(by.get(name)) for name in names)])
+    text = prose(f"""Seconds of the processor with the Newton iterations in brackets, from rest, with the default
+element on given grid lines: on the coarsest mesh, and on those that an error of {errors} takes. *slower*: stopped at
+{store.rules()["patience"]:g} times the seconds of `{USUAL}`;
+*refused*: it does not apply. An iteration is one linearised problem; what an algorithm does with sets inside it shows
+in the seconds. Below 0.2 s noise decides.""")
+    title = "Seconds and iterations by algorithm and mesh"
+    return joined(text, machine(table(title, ["problem", "mesh", *map(code, names)], rows, words=2)))
 
 
-def _histories(solved: list[Entry]) -> Part:
-    """Residuals and sets of the first case, the exact condition."""
-    exact = [entry for entry in solved if entry.exact]
-    first = [entry for entry in exact if entry.case == exact[0].case and not entry.own]
-    histories = {entry.contact: entry.cell.table("history") for entry in first}
-    load, section = exact[0].case
-    travels = first[0].travels
-    reached = f", to {max(travels):g} mm," if travels else ""
-    text = prose(f"""## Iterations of one step
+def _spent(row: dict | None) -> str:
+    if row is None:
+        return NOTHING
+    if row["verdict"] != "converged":
+        return str(row["verdict"])
+    return f"{digits(row['seconds'], 2)} ({row['iterations']:.0f})"
 
-The last step of the path{reached} under the {load} load with the section
-`{section}` and the exact condition, a panel an algorithm.""")
-    words = "Residual over the iterations of the last step, with the nodes in contact"
-    return joined(text, picture("contact-iterations.svg", words, iterations(histories)))
 
+def claims_part(store: Store) -> Part:
+    """Who says that it has solved a problem, and has not."""
+    found = store.table("false_success")
+    names = ("version", "worst", "worst_fails")
+    found = found.assign(**{name: found[name].astype(object).where(found[name].notna(), "") for name in names})
+    alone = found["contender"].str.contains(ALONE)
+    ours = found[~alone]
+    versions = ", ".join(sorted(set(found["version"]) - {""}))
+    text = prose(f"""## Who says "solved" and is wrong?
+
+{found["problems"].max()} small problems: published obstacle problems, classics of linear complementarity and linearised
+steps of shells. An answer that is called solved is judged twice: by the tolerance that the solver was asked for, in its
+own criterion, and by the judge of contact. Our {len(ours)} algorithms and settings
+({"; ".join(map(_quoted, ours["contender"]))}) make {ours["claimed"].sum()} claims, of which {ours["false"].sum()} are
+false. Solvers of quadratic programmes *alone* are taken at their word. Versions: {versions}.""")
+    heads = "solver | asked for | claims | false by its own criterion | false by the judge | "
+    heads += "largest error of a displacement | where | which condition fails"
+    line = "{contender} | {tolerance:.0e} | {claimed} of {problems} | {false_own} | {false} | {largest_error:error} | "
+    line += "{worst} | {worst_fails:said}"
+    made = listing("Claims of solvers alone", found[alone], heads, line, error=_error)
+    return joined(text, made, _in_the_arena(store))
+
+
+def _error(error: float) -> str:
+    return f"under {scientific(EXACT, 0)}" if error < EXACT else scientific(error, 0)
+
+
+def _quoted(way: str) -> str:
+    name, comma, setting = way.partition(",")
+    return f"`{name}`{comma}{setting}"
+
+
+def _in_the_arena(store: Store) -> str:
+    """The false claims of the default algorithm on harder problems."""
+    if not store.has_table("solver_summary"):
+        return ""
+    found = store.table("solver_summary")
+    strictest = found["tolerance"] == found["tolerance"].min()
+    rows = found[(found["solver"] == USUAL) & (found["size"] == "all") & strictest]
+    if rows.empty:
+        return ""
+    return machine(
+        prose(f"""The [arena](#the-arena-public-solvers-on-frozen-problems) is harder: of
+{rows["claimed"].sum()} claims of `{USUAL}` to
+{scientific(rows["tolerance"].min(), 0)} on {rows["problems"].sum()} problems there {rows["false"].sum()} are
+false. It has public solvers in all their forms, and what the settings of OSQP are worth.""")
+    )
+
+
+def cycles_part(store: Store) -> Part:
+    """Sets that repeat themselves."""
+    found = store.table("cycles")
+    ways = list(found.columns[2:])
+    text = prose("""## Where does the paper's active set cycle?
+
+The textbook's active set, which is the paper's, swaps all violating nodes at once, and on published problems returns to
+a set that it has had. No rule that does so is finite: the smallest counterexample has three unknowns and a symmetric
+positive definite matrix (3x3; Curtis, Han and Robinson, 2015). Our `trial-and-error` detects a set that returns and
+solves the linearised problem by principal pivots, which is finite for every P-matrix (Cottle, Pang and Stone, 1992):
+wherever the tangent is definite on the motions that contact leaves free, and contact is lumped. For an indefinite
+tangent there is no such theorem.""")
+    rows = [
+        [line["problem"], _period(line["plain_period"]), *(line[way] for way in ways)]
+        for line in found.to_dict("records")
+    ]
+    header = ["problem", "textbook", *map(_quoted, ways)]
+    return joined(text, table("From the set that the textbook begins with", header, rows, words=len(header)))
+
+
+def _period(period: int) -> str:
+    return f"cycles, period {period}" if period else "converged"
+
+
+def when_not_part(store: Store) -> Part:
+    """Advice that follows from the parts above."""
+    return Part(joined("## When not to use each", table("Do not use", ["what", "when", "why"], WHEN_NOT, words=3)).text)
+
+
+def known_part(store: Store) -> Part:
+    """Contact of other bodies than shells, with known answers; older stores have none."""
+    blocks = [part(store) for name, part in KNOWN.items() if store.has_table(name)]
+    return joined("## Bodies that are no shells", *blocks) if blocks else Part("")
+
+
+def _membrane(store: Store) -> Part:
+    """A membrane over a sphere, whose contact radius is known."""
+    data = store.table("membrane")
+    finest = data[data["level"] == data.groupby(["element", "algorithm"])["level"].transform("max")]
+    own = finest[finest["algorithm"] == USUAL]
+    text = prose(f"""A membrane over half a sphere (example 36 of MFEM) has closed forms. Theory: orders 2 in L2 and 1
+in the energy (H1) for linear elements, 3/2 in the energy for quadratic ones, as the second derivative jumps on the rim.
+The deflections of {data["algorithm"].nunique()} algorithms differ by at most {scientific(float(data["apart"].max()))}
+of the largest one.""")
+    heads = "element | unknowns | error of the force | of the contact radius | order, L2 | order, H1"
+    line = "{element} | {unknowns} | {force:.1e} | {radius:.1e} | {order_l2:.2f} | {order_h1:.2f}"
+    return joined(text, listing(f"A membrane over a sphere, finest meshes, `{USUAL}`", own, heads, line))
+
+
+def _plate(store: Store) -> Part:
+    """The GRECO plate without friction."""
+    data = store.table("greco_plate")
+    return Part(
+        prose(f"""The GRECO plate without friction, under a uniform load, must carry 50 MPa everywhere on its bottom:
+{data["algorithm"].nunique()} algorithms miss that by at most {scientific(float(data["pressure_error"].max()))} of it,
+and their deflections differ by at most {scientific(float(data["apart"].max()))} of the largest one.""")
+    )
+
+
+KNOWN = {"membrane": _membrane, "greco_plate": _plate}
 
 CHAPTER = Chapter(
     "algorithms",
-    "Costs of the algorithms",
-    'their iterations, factorisations and times, where they cycle, which says "solved" and is wrong.',
+    "Contact algorithms",
+    'do they agree, what do they cost, which says "solved" and is wrong, which ε, when not, and public solvers.',
     algorithms_page,
-    needs=("cycles", "false_success"),
+    needs=("cycles", "false_success", "epsilon", "epsilon_laws"),
     always=True,
 )

@@ -1,81 +1,59 @@
-"""The page of algorithms with friction: whether they agree, what they cost, and the answers that check them."""
+"""Parts of the page of friction: whether the algorithms agree, what they cost, and what they are checked by."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Hashable
 from typing import Any
 
 import pandas as pd
 
-from reports.chapter import Chapter
-from reports.chapters.friction.references import references_part
-from reports.formats import NOTHING, code, fixed, scientific, share
+from reports.formats import NOTHING, code, scientific, share
 from reports.markdown import Part, fold, joined, listing, machine, prose, table
 from reports.store.tables import Store
 
-NEEDS = ("friction_agreement", "friction_greco", "friction_klarbring", "friction_algorithms", "friction_orders")
 FIRST, SOLVED = "semismooth", ("converged", "unstable")
 
 
-def algorithms_page(store: Store) -> Part:
-    """The whole page."""
-    return joined(
-        _introduction(),
-        *(section(store) for section in (_agreement, _costs, _greco, _klarbring)),
-        references_part(store),
-        _public(store),
-    )
-
-
-def _introduction() -> str:
-    return prose(f"""# {CHAPTER.title}
-
-Each algorithm finds who is open, sticks and slips in a load step, by its own way: `semismooth` by Newton's method on a
-non-smooth function (Alart, Curnier 1991), `trial-and-error` by equilibrium on fixed states and a swap after it, the
-*naive set*, `regularised` by springs with radial return, `augmented-lagrangian` by such springs beside known forces,
-`qp` by friction bounds that are repeated until they fit, `lcp` by pivots on a polygon (Stewart, Trinkle;
-Anitescu, Potra), both ended on the exact law. The problem is one and the same, so the answer must be, but where there
-is more than one ([springs](#none-one-or-several-answers)) or the load steps differ.""")
-
-
-def _agreement(store: Store) -> Part:
-    """Every case by every algorithm."""
+def algorithms_part(store: Store) -> Part:
+    """Whether they agree, and what they cost."""
     data, summary = store.table("friction_agreement"), store.analysis("friction_algorithms")
     names = [name for name in summary["algorithm"] if name != FIRST]
-    text = prose("""## The same answer?
+    text = prose(f"""## Which algorithm
 
-*same*: every candidate is in the same state as by `semismooth` and the largest difference of a nodal force, over the
-largest force, is below the bound of agreement; else that difference stands there, with *states* that differ, and with
-the number of load steps where it is another one: a path that was cut otherwise is another path. `regularised` has no
-exact law to ask for, and is shown for its error. What does not end is named by its outcome and counts as failed.""")
+{data["case"].nunique()} scenes with friction by every algorithm from the same start. Costs are over those of
+`{FIRST}`, in the median of the scenes that both solve in the same load steps (*both*); what an unsolved scene cost is
+in no median. *Same*: every node is in the same state as by `{FIRST}` and nodal forces agree within the tolerance;
+else the largest difference over the largest force, with the nodes in another *state*, and the load steps where they
+differ, which is another path. `regularised` solves another law, so its difference is that of the law.""")
+    heads = "algorithm | scenes | solved | refused | failed | agrees | other steps | both | iterations"
+    heads += " | operations | seconds"
+    line = "{algorithm:code} | {cases} | {solved} | {refused} | {failed} | {agrees} | {other_steps} | {both}"
+    line += " | {iterations_ratio:.2f} | {operations_ratio:.2f} | {seconds_ratio:.2f}"
     first = data[data["algorithm"] == FIRST].set_index("case")["substeps"]
     rows = []
     for case, own in data.groupby("case", sort=False):
         by_name = {row["algorithm"]: row for row in own.to_dict("records")}
         rows.append([case, first[case], *(_cell(by_name.get(name), first[case]) for name in names)])
-    odd = data[~data["outcome"].isin(SOLVED)]
-    why = listing("Not solved, why", odd, "case | algorithm | reason", "{case} | {algorithm:code} | {reason}", words=3)
-    heads = "algorithm | cases | solved | share | refused | failed | agrees | in other steps | off in the same steps"
-    line = "{algorithm:code} | {cases} | {solved} | {share:.0%} | {refused} | {failed} | {agrees} | {other_steps}"
-    line += " | {off:.1e}"
-    shares = summary.assign(share=summary["solved"] / summary["cases"])
+    heads_of_cases = ["scene", "load steps", *map(code, names)]
+    cases = table(f"Against `{FIRST}`, at all loads", heads_of_cases, rows, words=len(heads_of_cases))
+    odd = data[~data["outcome"].isin(SOLVED)].assign(reason=lambda rows: rows["reason"].map(_short))
+    why = listing("Not solved, why", odd, "scene | algorithm | reason", "{case} | {algorithm:code} | {reason}", words=3)
     return joined(
         text,
-        machine(
-            table(
-                "Against `semismooth`, at all loads",
-                ["case", "load steps", *map(code, names)],
-                rows,
-                words=len(names) + 2,
-            )
-        ),
-        machine(listing("Solved, and agreed", shares, heads, line)),
-        fold(f"{len(odd)} solves that do not end", machine(why)) if len(odd) else "Every solve ends.",
+        machine(listing("Solved, agreed, and costs", summary, heads, line)),
+        machine(cases),
+        fold(f"The {len(odd)} not solved", machine(why)) if len(odd) else "",
     )
 
 
+def _short(reason: object) -> str:
+    """The first clause of a reason."""
+    return re.split(r"; | \(", str(reason))[0]
+
+
 def _cell(row: dict[Hashable, Any] | None, steps: int) -> str:
-    """What became of a case."""
+    """What became of a scene."""
     if row is None:
         return NOTHING
     if row["outcome"] not in SOLVED:
@@ -87,128 +65,76 @@ def _cell(row: dict[Hashable, Any] | None, steps: int) -> str:
     return ", ".join(filter(None, parts))
 
 
-def _costs(store: Store) -> Part:
-    """What each algorithm takes."""
-    data, summary = store.table("friction_agreement"), store.analysis("friction_algorithms")
-    text = prose("""## What they cost
-
-In the median over cases that an algorithm and `semismooth` both solve in the same load steps (*both*), over those of
-`semismooth`. What fails is not in a median: its cost is in the table of all solves, and was in vain.""")
-    heads = "algorithm | both | iterations | factorisations | operations"
-    line = "{algorithm:code} | {both} | {iterations_ratio:.2f} | {factorisations_ratio:.2f} | {operations_ratio:.2f}"
-    seconds = listing(
-        "Processor time over that of `semismooth`",
-        summary,
-        "algorithm | both | seconds",
-        "{algorithm:code} | {both} | {seconds_ratio:.2f}",
+def checks_part(store: Store) -> Part:
+    """Closed forms and orders, and problems that separate the algorithms."""
+    data = store.analysis("friction_orders").assign(size=lambda rows: rows["error"].abs())
+    families = data.groupby(["family", "theory"], sort=False).agg(
+        errors=("error", "size"), worst=("size", "max"), low=("order", "min"), high=("order", "max")
     )
-    every = listing(
-        "All solves",
-        data,
-        "case | algorithm | outcome | loads | certified | steps | iterations | factorisations | operations [10⁶]"
-        " | seconds",
-        "{case} | {algorithm:code} | {outcome} | {loads} | {judged} | {substeps} | {iterations} | {factorisations}"
-        " | {operations:.0f} | {cpu_s:.2f}",
-        words=3,
-    )
-    return joined(
-        text,
-        listing("Costs over those of `semismooth`", summary, heads, line),
-        machine(seconds),
-        fold(f"All {len(data)} solves", machine(every)),
-    )
+    text = prose("""## What the algorithms are checked by
+
+Closed forms, solved by `semismooth`: a bar dragged over a plane under uniform pressure (*strip*), a strip pulled over a
+*drum* in partial slip and in gross slip (*capstan*), a disc turned on the spot (*parking*), a block whose plane is
+dragged along a quarter circle (*path*). Errors are relative, on the finest mesh or in the finest steps; an error of
+rounding has no order.""")
+    heads, line = "reference | theory | errors | largest | orders", "{family} | {theory} | {errors} | {worst:.1e} | "
+    made = listing("Errors and orders", families.reset_index(), heads, line + "{low:.2f} to {high:.2f}")
+    return joined(text, made, *_separating(store))
 
 
-def _greco(store: Store) -> Part:
-    """The plate that separates methods."""
-    data, bound = store.table("friction_greco"), store.rules()["friction_greco"]
-    slips = [name for name in data.columns if name.startswith("slip_")]
-    text = prose(f"""## The GRECO plate
-
-An elastic square in plane strain, pressed on a plane with μ = 1 and pushed from the left (Code_Aster, SSNV128): the
-left corner is off the plane, then it slips, then it sticks. Slips at {len(slips)} places are compared with those of
-fine graded meshes of 9-node quadrilaterals; the bound is {share(bound)} of a slip, on the finest mesh here.""")
-    ended, finest = data["outcome"].isin(SOLVED), data["elements"] == data["elements"].max()
-    within = data["error"] <= bound
-    said = ["yes" if near else "no" for near in within]
-    named = data.assign(
-        kept=["not solved" if not end else word for end, word in zip(ended, said, strict=True)],
-        worst=data["error"].where(ended),
-        first=data[slips[0]].where(ended) * 100,
-        pull=data["friction_N"].where(ended),
-    )
-    heads = "elements | algorithm | outcome | iterations | factorisations | operations [10⁶] | corner [10⁻² mm]"
-    heads += " | friction [N/mm] | largest error | within"
-    line = "{elements} | {algorithm:code} | {outcome} | {newton_iterations} | {factorisations} | {operations:.0f}"
-    line += " | {first:.4f} | {pull:.1f} | {worst:.3%} | {kept}"
-    count = int((ended & finest & within).sum())
-    told = f"{count} of {int(finest.sum())} algorithms end within the bound on the finest mesh."
-    return joined(text, listing("The plate from rest", named, heads, line, words=3), told)
+def _separating(store: Store) -> tuple[str, str]:
+    """A row an algorithm: a plate, springs with none, one or several answers, and public problems."""
+    greco, springs = store.table("friction_greco"), store.table("friction_klarbring")
+    bound, public = store.rules()["friction_greco"], store.has_table("friction_public")
+    files = store.table("friction_public").dropna(subset=["algorithm"]) if public else pd.DataFrame()
+    finest = greco[greco["elements"] == greco["elements"].max()]
+    names = list(dict.fromkeys([*finest["algorithm"], *springs["algorithm"], *(files["algorithm"] if public else [])]))
+    rows = [
+        [code(name), _plate(finest, name, bound), *_found(springs, name), *(_public(files, name) if public else ())]
+        for name in names
+    ]
+    heads = ["algorithm", "GRECO plate", "one answer: found", "several: one found", "none: claimed", "claims wrong"]
+    heads += ["public: certified", "public: refused by the judge"] if public else []
+    words = prose(f"""The GRECO plate (Code_Aster, SSNV128) sticks, slips and is open on one side; within {share(bound)}
+of the slips of fine graded meshes counts as correct. Klarbring's two coupled springs (Ingenieur-Archiv 60, 1990) have
+one, several or no answers, all written down; where there is none, none may be claimed.""")
+    if public:
+        words += " " + prose(f"""The {files["problem"].nunique()} public problems are Siconos' rigid bodies with
+friction, with {files["contacts"].min():g} to {files["contacts"].max():g} contacts and a few seconds of the processor
+each; the claims of `regularised` obey another law and are not judged.""")
+    shown = table("Problems that separate the algorithms", heads, rows)
+    return words, machine(shown) if public else shown
 
 
-def _klarbring(store: Store) -> Part:
-    """None, one or several answers."""
-    data = store.table("friction_klarbring")
-    names = list(dict.fromkeys(data["algorithm"]))
-    text = prose("""## None, one or several answers
-
-One candidate on two springs that are coupled (Klarbring, Ingenieur-Archiv 60 (1990) 529-541): all answers can be
-written down. Where μ K_nt is below K_tt and the springs are definite there is one; beyond, slip may press the candidate
-on by itself, and there are up to three; springs that are not definite may leave none. That is a property of the law
-and no failure of an algorithm: which of several is found depends on the start, here from rest, and where there is none
-the right end is not to claim one. Not to find the only one is a failure.""")
-    rows = []
-    for case, own in data.groupby("case", sort=False):
-        row = own.iloc[0]
-        found = {each["algorithm"]: _found(each) for each in own.to_dict("records")}
-        there = row["which"] if isinstance(row["which"], str) else "none"
-        rows.append([case, fixed(row["mu_Knt_over_Ktt"], 2), there, *(found.get(name, NOTHING) for name in names)])
-    heads = ["springs", "μ K_nt/K_tt", "answers", *map(code, names)]
-    return joined(text, table("What is found, from rest", heads, rows, words=len(heads)))
+def _plate(finest: pd.DataFrame, name: str, bound: float) -> str:
+    own = finest[finest["algorithm"] == name]
+    if own.empty:
+        return NOTHING
+    row = own.iloc[0]
+    if row["outcome"] not in SOLVED:
+        return str(row["outcome"])
+    return f"{'within' if row['error'] <= bound else 'failed'}, {share(row['error'], 3)}"
 
 
-def _found(row: dict[Hashable, Any]) -> str:
-    found = row["found"]
-    return found if isinstance(found, str) else f"({row['outcome']})"
+def _found(springs: pd.DataFrame, name: str) -> list[str]:
+    own = springs[springs["algorithm"] == name]
+    if own.empty:
+        return [NOTHING] * 4
+    claimed, wrong = own["outcome"].isin(SOLVED), own["found"] == "wrong"
+    right = claimed & own["found"].notna() & ~wrong
+    kinds = (own["answers"] == 1, own["answers"] > 1)
+    none = own["answers"] == 0
+    counts = [f"{int(right[kind].sum())} of {int(kind.sum())}" for kind in kinds]
+    return [*counts, f"{int(claimed[none].sum())} of {int(none.sum())}", str(int(wrong.sum()))]
 
 
-def _public(store: Store) -> Part:
-    """Public problems of another program; nothing where they were not run."""
-    if not store.has_table("friction_public"):
-        return Part("")
-    files = store.table("friction_public")
-    data = files.dropna(subset=["algorithm"])
-    taken = data["certified"].map({True: 1.0, False: 0.0}).astype(float)
-    claimed = data["outcome"].isin(SOLVED)
-    kinds = data.assign(taken=claimed & (taken == 1), refused=claimed & (taken == 0), claimed=claimed)
-    summed = kinds.groupby("algorithm", sort=False).agg(
-        problems=("problem", "nunique"),
-        claimed=("claimed", "sum"),
-        taken=("taken", "sum"),
-        refused=("refused", "sum"),
-    )
-    ends = kinds[~claimed].groupby("algorithm")["outcome"].agg(_counted)
-    named = summed.assign(other=ends.reindex(summed.index).fillna("")).reset_index()
-    text = prose(f"""## Public problems
-
-{data["problem"].nunique()} problems with friction of Siconos, rigid bodies with {data["contacts"].min():g} to
-{data["contacts"].max():g} contacts, before our algorithms and the oracle, a few seconds of the processor each. *Taken*:
-called solved and certified by the judge; *refused*: called solved and not. What is regularised is judged by its own law
-and left out of both. {files["problem"].nunique() - data["problem"].nunique()} more files are no such problems.""")
-    heads = "algorithm | problems | called solved | taken | refused by the judge | others end by"
-    line = "{algorithm:code} | {problems} | {claimed} | {taken} | {refused} | {other:said}"
-    return joined(text, machine(listing("Public problems", named, heads, line)))
-
-
-def _counted(outcomes: pd.Series) -> str:
-    counts = outcomes.value_counts().sort_index()
-    return ", ".join(f"{name} {count}" for name, count in counts.items())
-
-
-CHAPTER = Chapter(
-    "friction-algorithms",
-    "Algorithms with friction, and what they are checked by",
-    "agreement and cost on every scene, problems with several answers or none, closed forms and their orders.",
-    algorithms_page,
-    needs=NEEDS,
-)
+def _public(files: pd.DataFrame, name: str) -> list[str]:
+    own = files[files["algorithm"] == name]
+    if own.empty:
+        return [NOTHING] * 2
+    judged = own["certified"].map({True: 1.0, False: 0.0}).astype(float)
+    claimed = own["outcome"].isin(SOLVED)
+    taken, refused = claimed & (judged == 1), claimed & (judged == 0)
+    if claimed.any() and not (taken | refused).any():
+        return [f"not judged, {int(claimed.sum())} claimed", NOTHING]
+    return [f"{int(taken.sum())} of {len(own)}", str(int(refused.sum()))]

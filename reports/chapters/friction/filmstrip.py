@@ -1,4 +1,4 @@
-"""The patch of a dragged tyre stop by stop, in mm: pressure and traction above, stick and slip below."""
+"""The patch of a dragged tyre at three stops, in mm: pressure and traction above, stick and slip below."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from reports.figures.drawing import BLACK, BLUE, ORANGE, canvas, svg
+from reports.figures.drawing import BLACK, BLUE, ORANGE, canvas, shades, svg
 
 COLUMNS = 3
 ROOM = 4.0  # mm around the patch
@@ -23,30 +23,24 @@ STATES = {1: ("sticks", BLUE), 0: ("slips", ORANGE)}
 
 @svg
 def filmstrip(table: pd.DataFrame) -> Figure:
-    """All stops, COLUMNS of them side by side: a row of pressures with tractions, a row of states below it."""
-    stops = [own for _, own in table.groupby("stop")]
-    rows = -(-len(stops) // COLUMNS)
-    figure, panels = canvas(2 * rows * COLUMNS, COLUMNS, width=11.0, height=1.95, head=0.9)
-    pressure = table["normal_N"] / table["area_mm2"]
-    traction = np.hypot(table["friction_y_N"], table["friction_z_N"]) / table["area_mm2"]
-    size = _cell(stops[0])
+    """COLUMNS stops side by side: a row of pressures with tractions, a row of states below it."""
+    chosen = shown_stops(table)
+    stops = [own for _, own in chosen.groupby("stop")]
+    figure, panels = canvas(2 * len(stops), len(stops), width=11.0, height=1.95, head=0.9)
+    pressure = chosen["normal_N"] / chosen["area_mm2"]
+    traction = np.hypot(chosen["friction_y_N"], chosen["friction_z_N"]) / chosen["area_mm2"]
+    size, farthest = _cell(stops[0]), float(table["drag_mm"].max())
     for k, own in enumerate(stops):
-        block, column = divmod(k, COLUMNS)
-        above, below = (panels[(2 * block + row) * COLUMNS + column] for row in (0, 1))
+        above, below = panels[k], panels[len(stops) + k]
         painted = _pressures(above, own, size, float(pressure.max()))
         _tractions(above, own, float(traction.max()))
         _states(below, own, size)
-        above.set_title(_title(k, stops))
+        above.set_title(_title(own, table, farthest))
         for axes in (above, below):
-            _bounds(axes, table)
-        if column == 0:
-            for axes in (above, below):
-                axes.set_ylabel("z [mm]")
+            _bounds(axes, chosen)
         below.set_xlabel("y [mm]")
-    for k in range(len(stops), rows * COLUMNS):
-        block, column = divmod(k, COLUMNS)
-        for row in (0, 1):
-            panels[(2 * block + row) * COLUMNS + column].set_visible(False)
+    for axes in panels[:: len(stops)]:
+        axes.set_ylabel("z [mm]")
     figure.colorbar(painted, ax=panels, label="pressure [MPa]", location="right", shrink=0.5, aspect=40)
     marks: list[Artist] = [Patch(color=colour, label=name) for name, colour in STATES.values()]
     arrow = f"traction of the plane on the tyre; the longest arrow is {float(traction.max()):.3f} MPa"
@@ -55,11 +49,19 @@ def filmstrip(table: pd.DataFrame) -> Figure:
     return figure
 
 
-def _title(k: int, stops: list[pd.DataFrame]) -> str:
-    drags = [float(own["drag_mm"].iloc[0]) for own in stops]
-    if k == 0:
+def shown_stops(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows of at most COLUMNS stops: the first of the drag, the farthest, the last."""
+    drags = table.groupby("stop")["drag_mm"].first()
+    chosen = {drags.index[min(1, len(drags) - 1)], drags.idxmax(), drags.index[-1]}
+    return table[table["stop"].isin(chosen)]
+
+
+def _title(own: pd.DataFrame, table: pd.DataFrame, farthest: float) -> str:
+    stop, drag = own["stop"].iloc[0], float(own["drag_mm"].iloc[0])
+    if stop == table["stop"].min():
         return "pressed"
-    return f"plane {'back ' if drags[k] < drags[k - 1] else ''}at {drags[k]:g} mm"
+    gone = bool((table[table["stop"] < stop]["drag_mm"] == farthest).any())
+    return f"plane {'back ' if gone else ''}at {drag:g} mm"
 
 
 def _cell(own: pd.DataFrame) -> tuple[float, float]:
@@ -81,7 +83,7 @@ def _rectangles(own: pd.DataFrame, size: tuple[float, float]) -> np.ndarray:
 
 
 def _pressures(axes: Axes, own: pd.DataFrame, size: tuple[float, float], most: float) -> PolyCollection:
-    painted = PolyCollection(list(_rectangles(own, size)), cmap="viridis", linewidths=0.0)
+    painted = PolyCollection(list(_rectangles(own, size)), cmap=shades("viridis"), linewidths=0.0)
     painted.set_array((own["normal_N"] / own["area_mm2"]).to_numpy(float))
     painted.set_clim(0.0, most)
     axes.add_collection(painted)

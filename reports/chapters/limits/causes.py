@@ -15,5 +15,8 @@ TANGENT = {  # what the end of a reason begins with, and what it says in short
 def cause(reason: str) -> str:
     """What stopped a solve, and what the tangent says of it, without numbers, so that equal causes are counted."""
     first, *more = str(reason).split("; ")
+    for begin, short in TANGENT.items():
+        if first.startswith(begin):
+            return short
     told = [short for clause in more for begin, short in TANGENT.items() if clause.startswith(begin)]
     return ", ".join([re.split(r" \(|, \d|: ", first)[0] if told else first, *told[:1]])

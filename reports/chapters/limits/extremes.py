@@ -1,39 +1,92 @@
-"""The page of extremes: maps of outcomes, how their boundaries were found, and each kind of failure in one sentence."""
+"""The page of extremes: how far each setting goes by measure and algorithm, and maps of outcomes over two settings."""
 
 from __future__ import annotations
-
-import re
 
 import numpy as np
 import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.limits.causes import cause
-from reports.chapters.limits.figures_extremes import LOOKS, outcome_map
-from reports.chapters.limits.limit_tables import limit_tables
-from reports.formats import fixed, share
-from reports.markdown import Part, commands, fold, joined, listing, machine, picture, prose, table
+from reports.chapters.limits.figures_extremes import LOOKS, PANELS, outcome_maps
+from reports.formats import NOTHING, code, formatted, share
+from reports.markdown import Part, commands, joined, machine, picture, prose, table
 from reports.store.tables import Store
 
-INTRODUCTION = prose("""# Extremes
-
-Where does solving stop? First a table of limits for every measure and every algorithm, with the error there; then maps.
-Each map takes two settings to their extremes and shows what comes of it; its picture is in a fold. Every point is a
-small solve of its own, by `semismooth` unless the map says otherwise, followed by the judge of contact. Colours and
-hatches are classes of outcomes: *converged*; converged though *nothing touches*; *converged, unstable*, where the
-tangent has negative eigenvalues on the motions that contact leaves free; *wrong*, which is what the algorithm calls
-converged and the judge does not certify; the *end of the path*, where the tangent shows a limit point or a
-bifurcation; *not converged* without such a reason; *refused*, by the range of a setting or by the algorithm; and
-*crashed*. Small numbers are the cost in Newton iterations, all load steps and rejected attempts included; between
-solved points a colour is inferred from those around.""")
 GOOD = ("converged", "converged, nothing touches")
+ENOUGH = 0.01  # relative error within which a result counts as right
+HALF = 0.5  # of the result
 
 
 def extremes_page(store: Store) -> Part:
     """The whole page."""
-    points, maps = store.table("extremes"), store.table("extremes_maps")
-    each = (_map(points[points["map"] == labels["map"]], labels) for _, labels in maps.iterrows())
-    return joined(INTRODUCTION, limit_tables(store), _overview(store), *each)
+    introduction = prose(f"""# {CHAPTER.title}
+
+Where does solving stop, and where is what it returns no longer right? One setting after another is taken to its
+extremes on small problems, then two at once. Everything that is called converged is judged.""")
+    return joined(introduction, _limits(store.table("extremes_limits")), _maps(store))
+
+
+def _limits(limits: pd.DataFrame) -> Part:
+    """A line a setting for measures and one for algorithms."""
+    text = prose("""## Limits by setting
+
+*Goes to*: the last value on the way from an ordinary one to the bound that is searched at which a solve converges, is
+certified and stable; the first failure is at most a factor of 1.26 farther. *Within 1 % to*: the last value up to which
+the result, too, stays within 1 % of the reference. Both are grouped by value: beyond the second a certified result is
+not a right one. Where the reference is a closed form, its error counts mesh and assumptions of the measure. Measures
+are solved by `semismooth` (`regularised` for ε), algorithms with `exact`; a rotation is made in one step that is not
+cut.""")
+    heads = ["setting, searched", "of", "reference", "goes to", "within 1 % to", "fails because"]
+    rows = [
+        [f"{limit}, {own['symbol'].iloc[0]}: {_way(own)}", f"{part}s", own["reference"].iloc[0], *_line(own)]
+        for (limit, part), own in limits.groupby(["limit", "part"], sort=False)
+    ]
+    shown = table("How far each setting goes", heads, rows, words=len(heads))
+    return joined(text, machine(*filter(None, (shown, _false(limits)))), commands(_examples(limits)))
+
+
+def _line(own: pd.DataFrame) -> list[str]:
+    bound = own["bound"].astype(bool)
+    reached = own["value"].map(_number).where(~bound, "the bound")
+    right = own["right"].map(lambda value: _number(value) if value == value else "not at all")
+    right = right.where(~(bound & (own["right"] == own["value"])), "the bound")
+    beyond = own[~bound]
+    why = _grouped(beyond["name"], beyond["reason"].map(cause)) if len(beyond) else NOTHING
+    return [_grouped(own["name"], reached), _grouped(own["name"], right), why]
+
+
+def _grouped(names: pd.Series, values: pd.Series) -> str:
+    """The values with the names that have them; "all" for every name."""
+    groups = list(names.groupby(values, sort=False))
+    if len(groups) == 1:
+        return f"{groups[0][0]} (all {len(names)})"
+    ordered = sorted(groups, key=lambda each: len(each[1]), reverse=True)
+    return "; ".join(f"{value}: {', '.join(map(code, own))}" for value, own in ordered)
+
+
+def _number(value: float) -> str:
+    return formatted(value, ".3g")
+
+
+def _way(rows: pd.DataFrame) -> str:
+    """From where to where is searched; two ends where measures and algorithms differ."""
+    return f"{_number(rows['ordinary'].iloc[0])} to {_number(rows['searched_to'].iloc[0])}"
+
+
+def _false(limits: pd.DataFrame) -> str:
+    """Certified and yet far from right, at an end of a way that begins right."""
+    wrong = limits[(limits["error"] > HALF) & (limits["error_ordinary"] < ENOUGH)]
+    if wrong.empty:
+        return ""
+    names = "; ".join(
+        f"{name} ({', '.join(map(code, own['name']))})" for name, own in wrong.groupby("limit", sort=False)
+    )
+    return f"Certified there, right at first, and wrong by half of the result or more: {names}."
+
+
+def _examples(limits: pd.DataFrame) -> list[str]:
+    """The command of the first name of each line."""
+    return limits.drop_duplicates(["limit", "part"])["command"].astype(str).tolist()
 
 
 def faults(store: Store) -> dict[str, int]:
@@ -43,91 +96,77 @@ def faults(store: Store) -> dict[str, int]:
     return {str(kind): int(count) for kind, count in bad["class"].value_counts().items()}
 
 
-def _overview(store: Store) -> Part:
-    """What was found, and at what share of the points."""
-    points = store.table("extremes")
-    titles = store.table("extremes_maps").astype(str).set_index("map")["title"].to_dict()
-    rows = []
-    for name, own in points.groupby("map", sort=False):
-        counts = own["class"].value_counts().reindex(list(LOOKS), fill_value=0)
-        spent = "" if own["complete"].all() else " (budget spent)"
-        title = titles[str(name)]
-        rows.append([f"[{title}](#{_anchor(title)})", f"{share(own['asked'].mean(), 0)}{spent}", *counts])
-    asked, whole = int(points["asked"].sum()), len(points)
-    found = faults(store)
-    told = ", ".join(f"{count} {kind}" for kind, count in found.items()) or "none"
-    text = prose(f"""## All maps
-
-{points["map"].nunique()} maps of {whole} points in all. Their boundaries are located by cutting blocks in four wherever
-two classes meet, down to single cells of the grid: {asked} points were solved, {share(asked / whole, 0)} of them.
-Of the points solved, those without success are: {told}. The counts of the table are of all points, solved or between
-solved ones of the same class. Of a boundary that was met both sides are solved; what is smaller than a block of the
-first grid, whose size stands beside each map, and touches no such boundary, is not seen and not counted.""")
-    header = ["map", "points solved", *LOOKS]
-    by_class = table("Points of each map by class", header, rows, words=2)
-    check = store.table("extremes_check")
-    heads = "map | points | solved by the search | points of another class | boundary off by at most [cells]"
-    line = "{map:name} | {points} | {asked} | {unlike} | {distance:off}"
-    missed, of = int(check["unlike"].sum()), int(check["points"].sum())
-    passed = ", ".join(f"*{titles[name]}*" for name in check["map"][check["unlike"] > 0])
-    where = f": away from the boundaries it met and smaller than a block of the first grid, in {passed}"
-    told = prose(f"""### Against all points
-
-{len(check)} of the maps are cheap enough to be solved at all of their points, and are shown so. The search, by which
-the others were made, takes {missed} of their {of} points for another class{where if missed else ""}.""")
-    title, named = "Boundaries found against brute force", titles.__getitem__
-    return joined(text, by_class, told, listing(title, check, heads, line, name=named, off=_distance))
-
-
-def _distance(cells: float) -> str:
-    return fixed(cells, 1) if np.isfinite(cells) else "missed"
-
-
-def _anchor(title: str) -> str:
-    """The fragment of a heading."""
-    return re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-")
-
-
-def _map(points: pd.DataFrame, labels: pd.Series) -> Part:
-    """One map: its picture and its failures."""
+def _maps(store: Store) -> Part:
+    """Counts and causes of every map, and the pictures of those with most failures."""
+    points, maps = store.table("extremes"), store.table("extremes_maps")
     asked = points[points["asked"]]
-    seen = _seen(labels)
-    seen += "" if points["complete"].all() else " The budget was spent before the whole boundary was known."
-    head = prose(f"""## {labels["title"]}
+    told = ", ".join(f"{count} {kind}" for kind, count in faults(store).items()) or "none"
+    text = prose(f"""## Two settings at once
 
-{len(asked)} of {len(points)} points solved ({share(points["asked"].mean(), 0)}); {labels["fixed"]}. {seen}""")
-    words = f"Outcomes over {labels['x_label']} and {labels['y_label']}"
-    shown = picture(f"extremes-{labels['map']}.svg", words, outcome_map(points, labels))
-    failures, lines = [], []
-    for kind, own in asked[~asked["class"].isin(GOOD)].groupby("class", sort=False):
-        causes = [group for _, group in own.groupby(own["reason"].map(cause), sort=False)]
-        told = []
-        for group in sorted(causes, key=len, reverse=True):
-            one = group.iloc[len(group) // 2]
-            told.append(f"{cause(one['reason'])} ({len(group)}, as at {_value(one['x'])}, {_value(one['y'])})")
-            lines.append(str(one["command"]))
-        points_of = "point" if len(own) == 1 else "points"
-        failures.append(f"- *{kind}* at {len(own)} solved {points_of}: {'; '.join(told)}.")
-    found = machine("\n".join(failures)) if failures else "Every solved point is a success."
-    return joined(head, found, fold("The map", shown, commands(lines) if lines else ""))
+{points["map"].nunique()} maps of small solves, by `semismooth` unless the map goes by algorithm. Boundaries between
+classes of outcomes are located by bisection: {len(asked)} of {len(points)} points are solved
+({share(len(asked) / len(points), 0)}), and between solved points a colour is inferred. Solved without success: {told}.
+*Unstable*: the tangent has negative eigenvalues on the motions that contact leaves free; *end of the path*: it shows a
+limit point or a bifurcation; *not converged*: neither explains it; *wrong*: called converged, and refused by the
+judge.{_budget(points)} {_passed(store)}""")
+    kinds = [kind for kind in LOOKS if kind != GOOD[0] and (asked["class"] == kind).any()]
+    own_of = {str(name): own for name, own in asked.groupby("map", sort=False)}
+    rows, lines = [], []
+    for labels in maps.to_dict("records"):
+        own = own_of[str(labels["map"])]
+        counts = own["class"].value_counts()
+        why, command = _cause(own)
+        lines += [command] if command else []
+        rows.append(
+            [labels["title"], f"{counts.get(GOOD[0], 0)} of {len(own)}", *(int(counts.get(k, 0)) for k in kinds), why]
+        )
+    heads = ["map", "converged", *(kind.removeprefix("converged, ") for kind in kinds), "cause"]
+    shown = machine(table("Solved points of each map by class", heads, rows))
+    chosen = _worst(points, maps)
+    words = f"Outcomes over two settings: {'; '.join(chosen['title'])}"
+    drawn = picture("extremes.svg", words, outcome_maps(points, chosen))
+    return joined(text, drawn, shown, commands(lines) if lines else "")
 
 
-def _seen(labels: pd.Series) -> str:
-    """What the map cannot have missed, and what it can."""
-    if labels["stride"] == 1:
-        return "Nothing was passed by."
-    across = "on a line" if labels["y_named"] else "each way"
-    return f"The first grid has blocks of {labels['stride']} cells {across}; what is smaller may have been passed by."
+def _budget(points: pd.DataFrame) -> str:
+    spent = int((~points.groupby("map")["complete"].all()).sum())
+    return f" On {spent} maps the budget was spent before the whole boundary was known." if spent else ""
 
 
-def _value(value: object) -> str:
-    return value if isinstance(value, str) else f"{value:g}"
+def _cause(own: pd.DataFrame) -> tuple[str, str]:
+    """The most frequent cause of what is neither a success nor merely unstable, and a command that shows it."""
+    failed = own[~own["class"].isin((*GOOD, "converged, unstable"))]
+    if failed.empty:
+        return NOTHING, ""
+    causes = failed["reason"].map(cause)
+    first = str(causes.value_counts().index[0])
+    same = failed[causes == first]
+    return f"{first} ({len(same)} of {len(failed)})", str(same.iloc[len(same) // 2]["command"])
+
+
+def _passed(store: Store) -> str:
+    """What the search misses, where it was held against all points."""
+    check = store.table("extremes_check")
+    missed, of = int(check["unlike"].sum()), int(check["points"].sum())
+    lost = int(np.isinf(check["distance"]).sum())
+    away = f", with whole boundaries on {lost} maps" if lost else ""
+    return (
+        f"On {len(check)} maps solved at all points the search takes {missed} of {of} points for another class{away}."
+    )
+
+
+def _worst(points: pd.DataFrame, maps: pd.DataFrame) -> pd.DataFrame:
+    """The maps of two settings with most points that fail, as many as there is room for, in their order."""
+    bad = points[~points["class"].isin((*GOOD, "converged, unstable"))].groupby("map").size()
+    pairs = maps[~maps["y_named"].astype(bool)]
+    chosen = pairs["map"].map(bad).fillna(0).sort_values(ascending=False, kind="stable").index[:PANELS]
+    return pairs.loc[sorted(chosen)]
 
 
 CHAPTER = Chapter(
     "extremes",
     "Extremes",
-    "where solving stops, as maps of outcomes over pairs of extreme settings.",
+    "how far each setting goes, where a certified answer is no longer right, and what stops a solve.",
     extremes_page,
     needs=("extremes", "extremes_maps", "extremes_check", "extremes_limits"),
     always=True,

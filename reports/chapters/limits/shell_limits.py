@@ -1,4 +1,4 @@
-"""The page "When is a shell not enough": from which thickness on, in which scene, why, and what a solid costs."""
+"""The page "When is a shell not enough": from which thickness on, in which scene, why, and beside a measured ring."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
+from reports.chapters.limits.ring_part import law_part, ring_part
 from reports.figures.drawing import BLACK, canvas, looks, svg
 from reports.formats import digits, scientific, share
 from reports.markdown import Part, joined, listing, machine, picture, prose, table
@@ -16,7 +17,6 @@ from reports.store.tables import Store
 DEFAULT = "default"
 PASSED = {"boundary_1": 0.01, "boundary_5": 0.05}
 SMALLEST = 1e-5  # of an error that is drawn
-SHOWN = 0.1  # thickness at which an error is taken apart
 
 
 def limits_page(store: Store) -> Part:
@@ -29,10 +29,11 @@ def limits_page(store: Store) -> Part:
         _opening(usual),
         drawn,
         _boundaries(usual),
-        _why(usual, store.analysis("shell_parts")),
-        _options(found),
         _costs(usual),
         _known(found),
+        _options(found),
+        law_part(store),
+        ring_part(store),
     )
 
 
@@ -40,16 +41,14 @@ def _opening(usual: pd.DataFrame) -> str:
     """What was compared, and what the sentence above leaves out."""
     far = usual[usual["boundary_5"] < math.inf]
     never = usual[usual["boundary_1"] == math.inf]["case"]
-    rest = f", 1 % within what was solved not in {', '.join(never)}" if len(never) else ""
-    return prose(f"""# When is a shell not enough
+    rest = f"; within what was solved the error stays below 1 % in: {', '.join(never)}" if len(never) else ""
+    return prose(f"""# {CHAPTER.title}
 
 The same body as a shell and as a solid of quadratic hexahedra, with the same St. Venant-Kirchhoff law, supports and
-loads; linear but for the three with contact. Where elasticity has a closed form, it is the judge and the solid
-stands beside it. Both are extrapolated over their meshes first, so that what is left is the model. 5 % of error are
-passed in {len(far)} of {len(usual)} scenes{rest}. h is the thickness,
-R the radius of the middle surface (of the tyre's tube inside), L the length of the cantilever, a the span of the plate
-and half of that of the strip. The shell has the section constant-s33, no shear correction, and the pressure on the area
-of its true face.""")
+loads; linear but for the three with contact. Both are extrapolated over their meshes, so that what is left is the
+error of the model. It exceeds 5 % in {len(far)} of {len(usual)} scenes{rest}. h is the thickness, R the radius of the
+middle surface (of the tyre's tube inside), L the length of the cantilever, a the span of the plate and half of that of
+the strip. The shell has the section constant-s33, no shear correction, and the pressure on its true face.""")
 
 
 @svg
@@ -75,14 +74,16 @@ def errors(points: pd.DataFrame, usual: pd.DataFrame) -> Figure:
 
 
 def _boundaries(usual: pd.DataFrame) -> Part:
-    heads = "scene | quantity | thickness | 1 % at | 5 % at | error grows as h to the | judge | known to"
+    heads = "scene | quantity | thickness | 1 % at | 5 % at | grows as h to the | judged by | known to"
+    heads += " | unknowns of the solid over the shell's | what the kinematics lack"
     line = "{case} | {quantity} | {thickness} | {boundary_1} | {boundary_5} | {order:.1f} | {judge} | {known_to:.2%}"
+    line += " | {unknowns_ratio:.1f} | {fails}"
     text = prose("""## From which thickness on
 
-Between the thicknesses that were solved the error is interpolated as a power of h. *Known to*: what the finest meshes
-leave, at the worst thickness; the picture leaves out errors smaller than that. A dash in the order: fewer than three
-errors differ from zero for certain, or they change their sign: then two errors partly cancel, and the boundary is later
-than either alone would have it.""")
+*Known to*: what the finest meshes leave, at the worst thickness. An error of a displacement or strain that is linear
+through the wall grows with h², one of the load or a support with h. A dash in the order: fewer than three errors differ
+from zero for certain, or they change their sign, and the boundary is later than either of two errors alone would have
+it. Unknowns are those of meshes equally good.""")
     return joined(text, listing("Boundaries of the usual shell", _worded(usual), heads, line, words=3))
 
 
@@ -98,22 +99,6 @@ def _boundary(at: float, row: dict) -> str:
     if at == math.inf:
         return f"not up to {row['thickest']:g}"
     return f"below {row['thinnest']:g}" if at == 0 else digits(at, 2)
-
-
-def _why(usual: pd.DataFrame, parts: pd.DataFrame) -> Part:
-    text = prose("""## Which part of the kinematics fails
-
-An error of a displacement or of a strain that is linear through the wall grows with h², as the terms do that it leaves
-out. One that grows with h is of the load or of a support: a pressure on the area of the middle surface instead of the
-face's, or a clamp.""")
-    listed = "\n".join(f"- *{row['case']}*: {row['fails']}." for row in usual.to_dict("records"))
-    told = prose("""Under pressure the error can be taken apart: a solid whose displacement is held linear through the
-wall has the shell's displacement and nothing else of it. The shell full-3d has that and the same law; what it is off
-beyond is due to its strain, linear between the faces, and its area, constant through the wall.""")
-    heads = "scene | h/R | usual shell | shell, full-3d | solid, displacement linear through the wall | strain and area"
-    line = "{case} | {ratio:g} | {usual:+.2%} | {full_3d:+.2%} | {straight:+.2%} | {through_wall:+.2%}"
-    shown = parts[(parts["ratio"] - SHOWN).abs() < 1e-9]
-    return joined(text, listed, told, listing("Errors of the growth and their parts", shown, heads, line))
 
 
 def _options(found: pd.DataFrame) -> Part:
@@ -133,16 +118,12 @@ plies. A dash: the option has no effect there, or was not tried.""")
 
 
 def _costs(usual: pd.DataFrame) -> Part:
-    heads = "scene | unknowns of the shell | of the solid | ratio"
-    line = "{case} | {shell_unknowns:.0f} | {solid_unknowns:.0f} | {unknowns_ratio:.1f}"
-    of_time = "{case} | {seconds_ratio:.0f}"
-    text = prose("""## What the solid costs
-
-Both on the coarsest mesh that is within 0.5 % of its own limit; medians over the thicknesses at which both have one.
-Tube, bar, rings, strip and cantilever are solved as one line of elements and torus and wall as one sector; where two
-directions count, as in roof, plate and tyre, the ratio is that of a structure.""")
-    times = listing("Seconds of the solid over those of the shell", usual, "scene | seconds, ratio", of_time)
-    return joined(text, listing("Unknowns of meshes equally good", usual, heads, line), machine(times))
+    """Seconds, which are of the machine."""
+    times = usual["seconds_ratio"]
+    text = prose(f"""On meshes equally good, the coarsest ones within 0.5 % of their own limit, the solid takes
+{times.min():.0f} to {times.max():.0f} times the seconds of the shell, {times.median():.0f} times in the median of
+{times.count()} scenes.""")
+    return Part(machine(text))
 
 
 def _known(found: pd.DataFrame) -> Part:
@@ -151,21 +132,18 @@ def _known(found: pd.DataFrame) -> Part:
     worst = exact.sort_values("solid_off").iloc[-1]
     doubtful = found[~found["decided"].astype(bool) & (found["variant"] == DEFAULT)]
     told = ", ".join(f"{row['case']}, {row['quantity']}" for row in doubtful.to_dict("records")) or "none"
-    return joined(
-        prose(f"""## How well this is known
-
-From h/R = 0.01 on the solid is within {scientific(float(worst["solid_off"]))} of the closed form in all {len(exact)}
-scenes that have one (the most in: {worst["case"]}). These are the solutions of Lamé, Golovin,
-Michell and Pagano. Scenes whose boundary the meshes do not decide, because a neighbouring point is too near the level:
-{told}.""")
+    return Part(
+        prose(f"""From h/R = 0.01 on the solid is within {scientific(float(worst["solid_off"]))} of the closed form in
+all {len(exact)} scenes that have one (Lamé, Golovin, Michell, Pagano), worst in the {worst["case"]}. Not decided by
+the meshes, because a neighbouring point is too near the level: {told}.""")
     )
 
 
 CHAPTER = Chapter(
     "shell-limits",
     "When is a shell not enough",
-    "from which thickness on, scene by scene, which part of the kinematics fails, and what a solid costs.",
+    "from which thickness on, scene by scene, what a solid costs, the law at large strains, and a measured ring.",
     limits_page,
-    needs=("shell_limits", "shell_boundaries", "shell_parts"),
+    needs=("shell_limits", "shell_boundaries", "ring_budget", "ring_inputs", "ring_states", "law_rules"),
     always=True,
 )

@@ -5,9 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from reports.chapter import INDEX_TITLE
-from reports.chapters.answers.sections import answers
 from reports.chapters.overview.outcomes import completeness, refusals
-from reports.chapters.shells.measures import enough_picture
 from reports.formats import NOTHING, code, scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.origin import origin
@@ -23,21 +21,12 @@ def campaign_page(store: Store, contents: str = "") -> Part:
     head = f"# {INDEX_TITLE}\n\n{store.title}: the campaign `{store.campaign}`."
     made: list[Part | str] = [
         head,
-        *answers(store),
-        *_figure(store),
         *(["## Pages", contents] if contents else []),
         origin(store),
     ]
     refused = f"## Refused\n\n{refusals(store)}"
     sections = _sequences(store), _outcomes(store), refused, _unfinished(store)
     return joined(*made, *sections, "## Completeness", completeness(store))
-
-
-def _figure(store: Store) -> list[Part]:
-    """How far off each measure is, where the campaign knows."""
-    if not store.has_analysis("measure_errors") or store.analysis("measure_errors").empty:
-        return []
-    return [enough_picture(store)]
 
 
 def _sequences(store: Store) -> Part:

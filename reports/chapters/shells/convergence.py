@@ -1,28 +1,29 @@
-"""The page of convergence: orders, extrapolated values, and errors split into those of mesh and model."""
+"""The page of verification: limits against references by family, orders, options of the element, locking, programs."""
 
 from __future__ import annotations
 
-import numpy as np
 import pandas as pd
 
 from reports.chapter import Chapter
-from reports.chapters.shells.element_choice import element_choice_part
-from reports.chapters.shells.figures_convergence import mesh_changes
-from reports.chapters.shells.solid_part import solid_part
-from reports.chapters.shells.thickness_share import thickness_share_part
-from reports.formats import code, fixed, number, quantity, share
-from reports.markdown import Part, commands, filled, folded, joined, listing, picture, prose, table
+from reports.chapters.shells.element_choice import elements_part
+from reports.chapters.shells.locking import locking_part
+from reports.chapters.shells.manufactured import manufactured_part
+from reports.chapters.shells.newton_steps import newton_sentence
+from reports.formats import NOTHING, fixed, number, percent, quantity, share
+from reports.markdown import Part, commands, filled, folded, joined, listing, prose, table
 from reports.store.tables import Store
 
+TITLE = "Verification: benchmarks, orders, locking"
 DEFAULT = "refined"  # the element of the page
+KINDS = ("exact", "computed", "printed", "read")  # of references; the first there is stands in the table
+EQUILIBRIUM = 1e-8  # relative residual that passes without a look at rounding
 
 
 def convergence_page(store: Store) -> Part:
     """The whole page."""
     data = sequences(store)
-    measured = _orders(store, data), _pictures(data), _parts(store, data), commands(data["command"])
-    elements = element_choice_part(store), thickness_share_part(store)
-    return joined(_introduction(store), _summary(store), *measured, solid_part(store), *elements)
+    parts = manufactured_part(store), elements_part(store), locking_part(store)
+    return joined(f"# {TITLE}", _summary(store), _families(store, data), *parts, certificates(store))
 
 
 def sequences(store: Store) -> pd.DataFrame:
@@ -38,140 +39,104 @@ def comparisons(store: Store, data: pd.DataFrame) -> pd.DataFrame:
     return named.merge(errors.drop_duplicates(["sequence", "reference"], keep="last"), on="sequence")
 
 
-def _introduction(store: Store) -> str:
-    rule = store.rules()
-    return prose(f"""# Convergence
-
-Every scene on three or more meshes with the default element, `element=refined`. An order is the p of an error c h^p,
-fitted through three successive meshes; it needs no reference. A sequence is *asymptotic* when it is monotone and its
-last two orders agree within {rule["same_order"]:g}; with three meshes there is one order only, and it must be within
-{rule["same_order"]:g} of the {rule["formal_order"]:g} of a bilinear element. Every mesh is nested in the next, which
-halves its elements. The extrapolated value is Richardson's with the last order, and its uncertainty is the mesh error
-of the finest mesh times {rule["safe"]:g}, outside the asymptotic range times {rule["unsafe"]:g}. A dash stands where
-there is no order.""")
-
-
 def _summary(store: Store) -> Part:
-    """A line a family."""
-    found = store.analysis("convergence_summary")
-    whole = {str(key): value for key, value in found[found["family"] == "all"].iloc[0].items()}
-    heads = "family | largest ± in | scenes | quantities | asymptotic | median ± | largest ± | comparisons | beyond"
-    line = "{family} | {largest_in} | {scenes} | {sequences} | {asymptotic} | {median_uncertainty:.3%} | "
-    line += "{largest_uncertainty:.2%} | {comparisons} | {beyond}"
-    text = prose(f"""## In short
+    """A line a kind of strain and a family."""
+    rule, found = store.rules(), store.analysis("convergence_summary")
+    heads = "scenes of | number | quantities | asymptotic | median ± | comparisons | agree | median off"
+    heads += " | largest off | in"
+    line = "{group} | {scenes} | {sequences} | {asymptotic} | {median_uncertainty:.3%} | {comparisons} | {agree} | "
+    line += "{median_off:.3%} | {largest_off:.2%} | {largest_off_in:said}"
+    text = prose(f"""Every scene is solved with the default element (`element=refined`) on three meshes or more, each
+nested in the next. The limit is Richardson's with the last order; ± is its uncertainty: {rule["safe"]:g} times the mesh
+error of the finest mesh in the asymptotic range, where the last two orders agree within {rule["same_order"]:g},
+{rule["unsafe"]:g} times outside. A limit *agrees* with a reference when they differ by no more than
+both are uncertain by; *off* is that difference. References are closed forms, published values and other programs;
+limits of our own grids do not count.""")
+    return joined(text, listing("Limits against references", found, heads, line))
 
-{whole["asymptotic"]} of {whole["sequences"]} quantities of {whole["scenes"]} scenes are in their asymptotic range;
-{whole["limits"]} have a limit, known to {share(whole["median_uncertainty"], 3)} in the median and to
-{share(whole["largest_uncertainty"])} at worst ({whole["largest_in"]}). In {whole["comparisons"] - whole["beyond"]} of
-{whole["comparisons"]} comparisons with a reference the limit agrees with it within the uncertainties of both;
-*beyond* are the others.""")
-    return joined(text, listing("Limits and comparisons by family, default element", found, heads, line, words=2))
 
+def _families(store: Store, data: pd.DataFrame) -> Part:
+    """A table a family of scenes, and what does not agree."""
+    found = comparisons(store, data)
+    other = found[found["kind"].isin(KINDS)]
+    ranked = other.assign(rank=other["kind"].map(KINDS.index)).sort_values(["rank", "uncertainty"], kind="stable")
+    by = {row["sequence"]: row for row in ranked.drop_duplicates("sequence").to_dict("records")}
+    header = ["scene", "quantity", "finest mesh", "value", "order", "limit", "±", "reference", "kind", "limit off"]
+    parts: list[Part | str] = []
+    for family, own in data.groupby("family", sort=False):
+        rows = []
+        for sequence, meshes in own.groupby("sequence", sort=False):
+            last, reference = meshes.iloc[-1], by.get(sequence)
+            known = [NOTHING, NOTHING, NOTHING]
+            if reference is not None:
+                sure = f"{reference['value']:g} ± {share(reference['uncertainty'])}"
+                known = [sure, reference["kind"], percent(reference["model_part"])]
+            named = [last["ladder"], quantity(last["quantity"]), last["mesh"], number(last["value"])]
+            order = fixed(last["order"], 2) if last["asymptotic"] else f"({fixed(last['order'], 2)})"
+            limit = [order, number(last["limit"]), share(abs(last["uncertainty"] / last["limit"]), 3)]
+            rows.append([*named, *limit, *known])
+        parts.append(table(f"{str(family).capitalize()}", header, rows, words=2))
+    text = prose(f"""## Limits by family of scenes
 
-def _orders(store: Store, data: pd.DataFrame) -> Part:
-    """Limits of all sequences, and all their values in a fold."""
-    rows, values = [], []
-    for _, own in data.groupby("sequence", sort=False):
-        first, last = own.iloc[0], own.iloc[-1]
-        named = [first["ladder"], quantity(first["quantity"])]
-        off = share(abs(first["uncertainty"] / first["limit"]), 3)
-        found = [last["mesh"], number(last["value"]), fixed(last["order"], 2), number(first["limit"]), off]
-        rows.append([*named, first["verdict"], *found])
-        each = ", ".join(f"{mesh}: {number(value)}" for mesh, value in zip(own["mesh"], own["value"], strict=True))
-        orders = ", ".join(fixed(order, 2) for order in own["order"].iloc[2:])
-        values.append([*named, code(first["quantity"]), each, orders])
-    each_once = data.drop_duplicates("sequence")
-    same = int(each_once["verdict"].str.startswith("same").sum())
-    text = prose(f"""## Orders and limits
-
-{int(each_once["asymptotic"].sum())} of {len(each_once)} sequences are asymptotic, {same} of them because the mesh does
-not matter: their values agree within {share(store.rules()["same_value"], 3)}. *Last order*: of the three finest
-meshes.
-
-Lines are laid so that nothing else changes from mesh to mesh than the size of the elements: closer towards free edges,
-where a shell with shear has a layer as wide as the wall is thick, and with one on the rim of contact where a closed
-form knows it. Under a point load F a shell of the shear stiffness S sinks in by F/(2 π S) times the logarithm of the
-element size, without a limit: displacements *of large elements* are those of elements as large as the wall is
-thick.""")
-    header = ["scene", "quantity", "asymptotic range", "finest mesh", "value there", "last order", "extrapolated", "±"]
-    limits = table("Limits, default element", header, rows, words=3)
-    header = ["scene", "quantity", "name", "values, coarse to fine", "orders, coarse to fine"]
-    raw = table("Values on all meshes, default element", header, values, words=5)
-    return joined(text, limits, _outside(data), folded("Values on all meshes", raw))
+An order in brackets is not asymptotic; a dash stands where there is none, because the mesh does not matter or the
+values are not monotone. The reference shown is the most certain of the first of these kinds that there is:
+{", ".join(KINDS)}. Displacements *of large elements* belong to
+elements as large as the wall is thick: under a point load a shell with shear sinks in without a limit. Values on all
+meshes and all references are in `convergence.csv` and `convergence_errors.csv`.""")
+    beyond = other[other["verdict"].str.startswith("beyond")]
+    line = "- {ladder}, {quantity:quantity}, {kind}: {model_part:+.2%} (reference known to {uncertainty:.2%})"
+    lines = filled(line, beyond)
+    said = f"{len(beyond)} of {int(other['model_part'].notna().sum())} limits differ by more than the uncertainties:"
+    return joined(
+        text,
+        *parts,
+        folded(said[:-1], "\n".join(lines)) if lines else "",
+        _outside(data),
+        commands(data.drop_duplicates("family", keep="last")["command"]),
+    )
 
 
 def _outside(data: pd.DataFrame) -> str:
-    """A sentence for each sequence that is not asymptotic."""
+    """Why sequences are not asymptotic, by cause."""
+    own = data[~data["asymptotic"].astype(bool)].drop_duplicates("sequence")
+    if own.empty:
+        return ""
+    causes = own.assign(cause=own["cause"].where(own["cause"] != "", "the cause is not known"))
     lines = []
-    for _, own in data[~data["asymptotic"].astype(bool)].groupby("sequence", sort=False):
-        first, values = own.iloc[0], own["value"].to_numpy(float)
-        apart = share(np.ptp(values[-3:]) / abs(values[-1]), 2)
-        orders = " and ".join(fixed(order, 2) for order in own["order"].iloc[2:])
-        cause = first["cause"] or "the cause is not known"
-        lines.append(
-            f"- {first['ladder']}, {quantity(first['quantity'])}: {cause} (orders {orders}; the last three "
-            f"meshes are {apart} apart)."
-        )
-    return "\n".join(["Not asymptotic, and why:", "", *lines]) if lines else ""
+    for cause, each in causes.groupby("cause", sort=False):
+        names = (f"{ladder} ({quantity(name)})" for ladder, name in each[["ladder", "quantity"]].to_numpy())
+        lines.append(f"- {', '.join(names)}: {cause}.")
+    return folded(f"{len(own)} of {data['sequence'].nunique()} sequences are not asymptotic, and why", "\n".join(lines))
 
 
-def _pictures(data: pd.DataFrame) -> Part:
-    """One picture a family; a sequence whose values are the same on every mesh has no line."""
-    curves = data[~data["verdict"].str.startswith("same")]
-    still = data[data["verdict"].str.startswith("same")].drop_duplicates("sequence")
-    parts: list[Part | str] = []
-    for family in dict.fromkeys(data["family"]):
-        own = curves[curves["family"] == family]
-        if len(own):
-            name, words = f"convergence-{family.replace(' ', '-')}.svg", f"Changes from mesh to mesh, {family}"
-            parts += [f"### {family.capitalize()}", picture(name, words, mesh_changes(own))]
-    text = prose(f"""## From mesh to mesh
+def certificates(store: Store) -> str:
+    """How many reported states, of this page and all others, the judge certifies; and Newton's steps."""
+    cells = store.cells
+    steps = [step for cell in cells for step in cell.steps]
+    failed = [step for step in steps if step["failures"]]
+    rounded = sum(step["kkt"]["equilibrium"] > EQUILIBRIUM for step in steps)
+    text = prose(f"""## Certificates
 
-By how much a value changes from a mesh to the next finer one, over the unknowns of the coarser one: no limit is needed
-for that, and nothing lies on a line by construction. The number behind a name is the last order; full markers: in the
-asymptotic range. Not drawn, because the mesh does not matter: {len(still)} quantities.""")
-    return joined(text, *parts)
-
-
-SPLIT = "scene | quantity | reference | model part is | value | mesh part | model part | ± limit | ± reference"
-SPLIT_LINE = "{ladder} | {quantity:quantity} | {kind} | {verdict} | {value:g} | {mesh_part:+.3%} | {model_part:+.3%} | "
-SPLIT_LINE += "{limit_uncertainty:.3%} | {uncertainty:.3%}"
-
-
-def _parts(store: Store, data: pd.DataFrame) -> Part:
-    """Errors against the references, split."""
-    found = comparisons(store, data)
-    beyond = filled(
-        "- {ladder}, {quantity:quantity}, {kind}: {model_part:+.2%}", found[found["verdict"].str.startswith("beyond")]
-    )
-    missing = data[~data["sequence"].isin(found["sequence"])].drop_duplicates("sequence")
-    without = ", ".join(filled("{ladder} {quantity:quantity}", missing))
-    text = prose(f"""## Mesh part and model part
-
-The difference of the finest mesh from a reference is the sum of two parts: the *mesh* part, the value on that mesh less
-the extrapolated one, vanishes with the elements; the *model* part, the extrapolated value less the reference, does
-not: it is that of the shell, its section or the reference itself. A model part counts only where it is larger than the
-uncertainties of limit and reference together; that is so in {len(beyond)} of {len(found)} comparisons. Kinds:
-*exact* is a closed form, *computed* another program or a solid, *read* a public transcription of published values,
-*printed* the source itself.""")
-    sources = dict.fromkeys(filled("- {ladder}, {kind}: {source}", found))
-    return joined(
-        text,
-        listing("Errors split, relative to the reference", found, SPLIT, SPLIT_LINE, words=4),
-        "\n".join(["Model parts beyond the uncertainties:", "", *beyond]) if beyond else "",
-        f"Without any reference: {without}." if without else "",
-        folded("Sources of the references", "\n".join(sources)),
-    )
+The judge recomputes equilibrium, the contact conditions and, where it can, the balances of energy and of all forces of
+each of the {len(steps)} states on all pages; it certifies {len(steps) - len(failed)} of them. A residual above
+{EQUILIBRIUM:g} that rounding explains is accepted only up to a bound; {rounded} states have one.
+{newton_sentence(store)}""")
+    if failed:
+        names = dict.fromkeys(name for step in failed for name in step["failures"])
+        scenes = dict.fromkeys(cell.scene for cell in cells if any(step["failures"] for step in cell.steps))
+        text += f" Not certified, for {', '.join(names)}: states of {', '.join(scenes)}."
+    return text
 
 
 CHAPTER = Chapter(
     "convergence",
-    "Convergence",
-    "every scene on three meshes or more: order, limit, and the error split into mesh and model.",
+    TITLE,
+    "every scene on three meshes or more against references, observed orders, which element, what locks.",
     convergence_page,
     needs=(
         *("rules", "convergence", "convergence_errors", "convergence_summary", "element_choice", "thickness_share"),
-        "solid_shell",
+        *("manufactured", "manufactured_contact", "manufactured_statements"),
+        *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
     ),
     always=True,
 )

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 import pandas as pd
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from reports.figures.drawing import BLACK, canvas, legend_above, lines, looks, svg, ticks
+from reports.figures.drawing import BLACK, canvas, legend_above, looks, svg
 
 
 @svg
@@ -38,20 +38,6 @@ def load_displacement(
         if all(curve[[column, loaded]].min().min() >= 0 for curve in curves.values()):
             axes.set(xlim=(0, None), ylim=(0, None))
     legend_above(figure, panels[0])
-    return figure
-
-
-@svg
-def error_by_mesh(elements: Sequence[int], errors: Mapping[str, Sequence[float]], side: str) -> Figure:
-    """Absolute relative errors over the elements along a side, log-log, with the slope of second order."""
-    figure, (axes,) = canvas()
-    n, sizes = np.asarray(elements, dtype=float), {name: np.abs(values) for name, values in errors.items()}
-    lines(axes, {name: (n, size) for name, size in sizes.items()})
-    top = np.nanmax([list(size) for size in sizes.values()], initial=0.0)
-    axes.loglog(n, (top or 1.0) * (n[0] / n) ** 2, color=BLACK, linestyle=":", linewidth=1, label="second order")
-    axes.set(xlabel=f"elements along {side}", ylabel="relative error")
-    ticks(axes, n, [f"{count:g}" for count in n])
-    axes.legend()
     return figure
 
 

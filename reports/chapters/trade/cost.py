@@ -2,76 +2,51 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-
-import pandas as pd
-
 from reports.chapter import Chapter
+from reports.chapters.trade.advice import advice_part
 from reports.chapters.trade.figures_cost import precision
-from reports.chapters.trade.peers import peers_part
-from reports.chapters.trade.predicted import predicted_part
-from reports.chapters.trade.scaling import scaling_part
-from reports.chapters.trade.spent import spent_part
 from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.formats import fixed, number, scientific, share
-from reports.markdown import Part, commands, filled, joined, listing, machine, picture, prose
+from reports.markdown import Part, commands, joined, listing, machine, picture, prose
 from reports.store.tables import Store
-
-TIMES = ("total", "build", "assembly", "factorisation", "solve", "contact")
 
 
 def cost_page(store: Store) -> Part:
     """The whole page."""
-    introduction = prose("""# Cost of the tyre
+    introduction = prose("""# Cost and accuracy
 
-Times are of one run each, on the machine of the [overview](index.md); what is compared is their ratio.""")
-    return joined(
-        introduction,
-        _models(store),
-        _precision(store),
-        statements_part(store),
-        spent_part(store),
-        predicted_part(store),
-        scaling_part(store),
-        peers_part(store),
-    )
-
-
-def _times(spent: Mapping[str, float]) -> dict[str, float]:
-    """Of a cell by name; NaN where it has none that count, as one of another machine."""
-    return {**dict.fromkeys(TIMES, 0.0 if spent else math.nan), **spent}
+What a part of a body, a better grid and an error that is asked for cost, and what advice from stored campaigns is
+worth. What to use for a problem stands on [page one](index.md). Times are processor time of one run each; what is
+compared is their ratio.""")
+    return joined(introduction, _models(store), _precision(store), statements_part(store), advice_part(store))
 
 
 def _models(store: Store) -> Part:
     """Parts of the tyre beside the whole."""
     found, same_at = store.analysis("tyre_models"), store.rules()["same_model"]
-    records = []
+    parts, records = found[found["model"] != "full"], []
     for row in found.to_dict("records"):
         result = store.find(group="models", plies=PLIES[row["plies"]], model=row["model"], mesh=row["mesh"]).result
-        records.append({**row, **result["counters"], **_times(result["timing_s"])})
+        records.append({**row, **result["counters"]})
 
     def off(value: float) -> str:
         return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)
 
-    heads = "plies | model | unknowns | iterations | factorisations | force off | pressure off"
-    line = (
-        "{plies} | `{model}` | {dofs} | {newton_iterations} | {factorisations} | {force_off:off} | {pressure_off:off}"
-    )
-    spent = " | ".join(["plies", "model", *(f"{name} [s]" for name in TIMES), "of the whole"])
-    times = " | ".join(["{plies}", "`{model}`", *(f"{{{name}:.2f}}" for name in TIMES), "{time_share:.0%}"])
+    heads = "plies | model | unknowns | iterations | factorisations | operations | "
+    heads += "error of the force | of pressures"
+    line = "{plies} | `{model}` | {dofs} | {newton_iterations} | {factorisations} | {operations_share:.0%} | "
+    line += "{force_off:off} | {pressure_off:off}"
     delta = fixed(DELTA, 0)
     text = prose(f"""## Do less: a part of the tyre
 
 Inflation is the same all around and is solved on one column of elements; pressed to {delta} mm on a mesh of
 {found["mesh"].iloc[0]}, a tyre with angle plies is a half under a turn by 180° about the contact normal, one without
-is a quarter between two mirror planes. {found["same"].sum()} of {len(found)} models give the force, the pressures and
+is a quarter between two mirror planes. {parts["same"].sum()} of {len(parts)} parts give the force, the pressures and
 the contact set of the whole to {scientific(same_at, 0)} of their value. `--model auto` takes the smallest valid one; a
 mirror is refused for angle plies.""")
     steady = listing(f"Inflation and {delta} mm, against the whole", records, heads, line, words=2, off=off)
-    timed = machine(listing("Wall times", records, spent, times, words=2))
-    return joined(text, steady, timed, commands(found["command"]))
+    return joined(text, steady, commands(found["command"]))
 
 
 def _precision(store: Store) -> Part:
@@ -91,10 +66,8 @@ unknowns of the latter; the last one is half of what the elements are apart off 
 mean of the last such limits of both elements, {fixed(against["reference_N"], 1)} N: they are
 {share(against["apart"])} apart, and the mean is known to {share(against["known"])}, grey below that.{doubt} A force
 goes up and down with the place of the rim of the patch
-between the lines, so that a single good grid may be chance: a grid *reaches* an error when all finer ones of its family
-stay below it. What it takes:
-
-{_said(needed, "unknowns", "unknowns", 0)}""")
+between the lines, so that a single good grid may be chance: a grid *reaches* an error when all finer ones of its
+family, {store.rules()["behind"]:g} of them at least, stay below it.""")
     heads = "error | element | grid | first mesh | unknowns | of uniform | force [N] | off"
     line = "{within:bound} | `{element}` | `{family}` | {mesh:said} | {unknowns:.0f} | {share:.0%} | {force_N:.1f} | "
     line += "{error:+.2%}"
@@ -103,9 +76,9 @@ stay below it. What it takes:
     spent, times = "error | element | grid | alone [s] | total [s]", "{within:bound} | `{element}` | `{family}` | "
     times += "{own_s:.2f} | {total_s:.2f}"
     own = prose("""*Total*: with all that is needed to get there, the estimate of an adapted grid or the rounds before a
-local one, their finer grids and indicators included. What it takes in all:""")
+local one, their finer grids and indicators included.""")
     listed = listing(title, known, spent, times, words=3, bound=bound)
-    timed = machine(own, _said(needed, "total_s", "CPU seconds", 2), listed)
+    timed = machine(own, listed)
     drawn = picture(
         "cost-precision.svg",
         "Error of the force over the unknowns, by grid; lines: the largest of a grid and all finer ones",
@@ -119,22 +92,10 @@ def bound(error: float) -> str:
     return f"{number(100 * error)} %"
 
 
-def _said(needed: pd.DataFrame, column: str, unit: str, decimals: int) -> str:
-    """For each error and element the families that reach it, from the cheapest, and those of which no grid does."""
-    items = []
-    for (_, element), own in needed.groupby(["within", "element"], sort=False):
-        there = own[column].notna()
-        reached = filled(f"`{{family}}` {{{column}:.{decimals}f}}", own[there].sort_values(column, kind="stable"))
-        never = filled("`{family}`", own[~there])
-        said = [f"{', '.join(reached)} {unit}"] * bool(reached) + [f"none of {', '.join(never)}"] * bool(never)
-        items.append(f"- {bound(own['within'].iloc[0])}, element `{element}`: {'; '.join(said)}")
-    return "\n".join(items)
-
-
 CHAPTER = Chapter(
     "cost",
-    "Cost of the tyre",
-    "what a part of the tyre saves, what a grid that follows the error saves, and what a step costs.",
+    "Cost and accuracy",
+    "what a part of a body saves, what a better grid saves, how honest stated errors are, and what advice is worth.",
     cost_page,
     needs=("rules", "work_precision", "grids_reaching", "tyre_models"),
     always=True,

@@ -20,19 +20,22 @@ def statements_part(store: Store) -> Part:
     """The whole part; no campaign of a report measures it by itself, for it takes an hour."""
     heading = "## What an error that is asked for is worth"
     if not (store.has_table("error_coverage") and store.has_analysis("error_statements")):
-        return joined(heading, f"Not measured here; `{COMMAND}` does.")
+        return Part("")
     data, stated = _worded(store.table("error_coverage")), _worded(store.analysis("stated_errors"))
     found = store.analysis("error_statements")
     whole = found[found["asked"].isna()].iloc[0]
     errors = found[found["asked"].notna()]
-    text = prose(f"""`footprint solve SCENE --error E --of QUANTITY` refines a grid where the quantity is decided until
-its limit is known to E, and states an interval for the error on the last grid. Of {whole["decided"]:.0f} different
-statements on {whole["scenes"]:.0f} scenes whose true error is known well enough, {whole["inside"]:.0f} contain it; the
-interval is {fixed(float(whole["wide"]), 1)} times as wide as the error in the median. The extrapolated limit is within
-its stated uncertainty in {whole["limit_inside"]:.0f} of {whole["limit_decided"]:.0f}, which is
-{fixed(float(whole["limit_wide"]), 1)} times what it is off: it is better than can be stated from so few grids. A
-statement costs {fixed(float(whole["cost"]), 1)} times the CPU time of its last grid alone in the median, and more than
-{store.rules()["expensive"]:g} times in {whole["expensive"]:.0f} of {whole["statements"]:.0f}.
+    text = prose(f"""`footprint solve SCENE --error E --of QUANTITY` solves grids of twice the unknowns each until the
+limit of the quantity is known to E, and states an interval for the error on the last grid. Of
+{whole["decided"]:.0f} different statements on {whole["scenes"]:.0f} scenes whose true error is known well enough,
+{whole["inside"]:.0f} contain it; the interval is {fixed(float(whole["wide"]), 1)} times as wide as the error in the
+median. The extrapolated limit is within its stated uncertainty in {whole["limit_inside"]:.0f} of
+{whole["limit_decided"]:.0f}; the uncertainty is {fixed(float(whole["limit_wide"]), 1)} times its error in the median.
+
+An answer costs {fixed(float(whole["cost"]), 1)} times the CPU time of the cheapest grid known to be as good, in the
+median, and more than {store.rules()["expensive"]:g} times in {whole["expensive"]:.0f} of {whole["priced"]:.0f}. Which
+grid that is, nobody knows beforehand: it was searched for among all that were solved, from rest, with the error of the
+value itself.
 
 What counts for true are uniform grids far beyond, extrapolated; a statement is decided where their limit is known to a
 third of what is stated, or is outside whatever it is.""")

@@ -17,43 +17,16 @@ TO_DELTA = (5, 10, 15, DELTA)
 ELEMENT: Asked = {"scene": "tyre", "membrane": "compatible", "thickness_strain": "projected"}  # the paper's
 USUAL: Asked = {"contact": "semismooth", "newton": "mixed", "epsilon": math.inf}  # the other algorithms' yardstick
 WHOLE: Asked = {**ELEMENT, "model": "full", "plies": 4, "section": "constant-s33"}
-MESH, FINE_MESH = {"mesh": "42x40"}, {"mesh": "84x80"}
-PAPER: Asked = {**WHOLE, **USUAL, **MESH, "measure": "exact", "delta_mm": (5, 10, 15, *range(20, 28))}
-LINEAR: Asked = {**WHOLE, **USUAL, **MESH, "measure": "linear", "delta_mm": TO_DELTA}
-
-DEAD: Asked = {**WHOLE, "delta_mm": DELTA, "load": "dead", "coupling": "lumped"}
-ALGORITHMS: Asked = {**DEAD, **MESH}  # measure, contact, newton and epsilon are free
-BASE: Asked = {**ALGORITHMS, **USUAL, "measure": "exact"}
-FINE: Asked = {**BASE, **FINE_MESH}
-SOFT: Asked = {**BASE, "epsilon": 1e4}
-SLOWEST: Asked = {**BASE, "contact": "trial-and-error", "newton": "plain"}  # the paper's algorithm
-CONSISTENT: Asked = {**BASE, "coupling": "consistent"}
-FOLLOWER: Asked = {**BASE, "load": "follower"}
-FOLLOWER_FINE: Asked = {**FOLLOWER, **FINE_MESH}
-ISOTROPIC: Asked = {**ELEMENT, **MESH, "model": "full", "plies": 1, "delta_mm": TO_DELTA}
-ISOTROPIC_FINE: Asked = {**ISOTROPIC, **FINE_MESH}
+PAPER: Asked = {**WHOLE, **USUAL, "mesh": "42x40", "measure": "exact", "delta_mm": (5, 10, 15, *range(20, 28))}
+ISOTROPIC_FINE: Asked = {**ELEMENT, "mesh": "84x80", "model": "full", "plies": 1, "delta_mm": TO_DELTA}
 PLIES = {"angle plies": 4, "isotropic": 1}  # by their words in the table tyre_models
-EVERY_MEASURE: Asked = {  # of the page of measures
-    "scene": "tyre",
-    "mesh": "20x20",
-    "contact": "semismooth",
-    "membrane": "relaxed",
-    "delta_mm": tuple(range(1, 21)),
-}
 
 HALF: Asked = {**ELEMENT, "model": "half", "plies": 4}  # under a turn by 180 degrees
-ONE_STEP: Asked = {**HALF, **USUAL, "section": "constant-s33", "load": "dead", "delta_mm": DELTA, "steps": 1}
-FAR: Asked = {**HALF, **USUAL, "delta_mm": (20, 25, 30, 35, 40)}  # mm, as far as the path goes
 
 
 def change(cell: Cell, other: Cell, quantity: str = "force_N", delta: float = DELTA) -> float:
     """Relative difference of a quantity at a travel: cell over other, less one; NaN when one did not get there."""
     return cell.value(quantity, delta_mm=delta) / other.value(quantity, delta_mm=delta) - 1.0
-
-
-def nodes_unlike(cell: Cell, other: Cell) -> int | None:
-    """Nodes in contact at the travel of the printed table in only one of two cells; None if one did not get there."""
-    return sets_unlike(cell, other, [DELTA])[0]
 
 
 def sets_unlike(cell: Cell, other: Cell, deltas: Sequence[float]) -> list[int | None]:

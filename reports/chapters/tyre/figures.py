@@ -70,30 +70,6 @@ def turning_back(deltas: Sequence[float], forces: Sequence[float], limit: Sequen
 
 
 @svg
-def measures_and_print(
-    curves: Mapping[str, tuple[Sequence[float], Sequence[float]]],
-    printed: tuple[float, float],
-    others: Mapping[str, tuple[Sequence[float], Sequence[float]]],
-    titles: tuple[str, str],
-) -> Figure:
-    """Force over travel: on the left ``curves`` and the force that the printed pressures add up to, at its travel; on
-    the right every measure on another mesh.
-    """
-    figure, (left, right) = canvas(2, width=10.0, height=4.4, sharey=True)
-    for axes, own, title in ((left, curves, titles[0]), (right, others, titles[1])):
-        for name, each in looks(own).items():
-            deltas, forces = own[name]
-            every = (1, 1 + len(deltas) // 12)
-            axes.plot([0, *deltas], [0, *forces], **each.whole, label=name, markersize=4, markevery=every)
-        axes.set(title=title, xlabel=TRAVEL, xlim=(0, None), ylim=(0, None))
-    left.plot(*printed, "D", color=BLACK, fillstyle="none", label="printed pressures, summed")
-    left.set_ylabel(FORCE)
-    for axes in (left, right):
-        axes.legend(fontsize=8, loc="upper left")
-    return figure
-
-
-@svg
 def profiles(profile: pd.DataFrame, deltas: Sequence[float]) -> Figure:
     """Both faces of the meridian phi = 0: unloaded, inflated and under some travels of the plane."""
     figure, (axes,) = canvas(height=4.3)
@@ -157,17 +133,3 @@ def _iterations(axes: Axes, step: pd.DataFrame, colour: str) -> None:
     for i in count[changed & ~np.isnan(residual)]:
         nodes, above = str(step["contact_nodes"].iloc[i]), 5 + 8 * (i % 2)
         axes.annotate(nodes, (i, residual[i]), (0, above), textcoords="offset points", fontsize=7, ha="center")
-
-
-@svg
-def inflated_displacement(computed: Mapping[str, pd.DataFrame], reference: pd.DataFrame, source: str) -> Figure:
-    """Radial and axial displacement of the mid-surface by inflation, by psi."""
-    figure, panels = canvas(2, height=4.0)
-    for axes, direction in zip(panels, ("radial", "axial"), strict=True):
-        column = f"{direction}_mm"
-        for name, each in looks(computed).items():
-            axes.plot(computed[name]["psi_deg"], computed[name][column], **each.dashes, label=name)
-        axes.plot(reference["psi_deg"], reference[column], "o", color=BLACK, fillstyle="none", label=source)
-        axes.set(xlabel="meridian angle ψ [deg]", ylabel=f"{direction} displacement [mm]", xticks=range(0, 121, 30))
-    legend_above(figure, panels[0], columns=3)
-    return figure

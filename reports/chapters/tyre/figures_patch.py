@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 
-from reports.figures.drawing import BLACK, VERMILION, canvas, svg
+from reports.figures.drawing import VERMILION, canvas, shades, svg
 from reports.figures.maps import ANGLE_DECIMALS, Developed
 
 SHOWN_PHI = 30.0  # degrees to either side of the first touch
 ROOM = 1.25  # what is shown, over the size of the patch
-STEPS = (-100, -50, -30, -20, -10, -5, -2, 2, 5, 10, 20, 30, 50, 100)  # per cent, borders of colours
 
 
 @svg
@@ -31,12 +27,14 @@ def pressure_map(pressures: pd.DataFrame, developed: Developed) -> Figure:
     p = pressures.to_numpy(dtype=float)
     mirrored = pressures.reindex(index=np.round(-psi, ANGLE_DECIMALS) + 0.0).to_numpy(dtype=float)
     odd = np.where(np.isnan(p) & np.isnan(mirrored), np.nan, np.nan_to_num(p) - np.nan_to_num(mirrored))
+    rows, columns = (_span(np.any(~np.isnan(odd), axis=axis)) for axis in (1, 0))  # cells that are empty are not drawn
+    psi, phi, p, odd = psi[rows], phi[columns], p[rows, columns], odd[rows, columns]
     x, y, inside = _edges(developed.around(phi)), _edges(developed.along(psi)), ~np.isnan(p)
     figure, panels = canvas(2, width=10.0, height=3.6, sharey=True)
     most = float(np.nanmax(np.abs(odd), initial=0.0)) or 1.0
     drawn: list[tuple[np.ndarray, dict[str, Any], str]] = [
-        (p, {"cmap": "viridis", "vmin": 0.0}, "contact pressure p [MPa]"),
-        (odd, {"cmap": "RdBu", "vmin": -most, "vmax": most}, "p less its mirror image [MPa]"),
+        (p, {"cmap": shades("viridis"), "vmin": 0.0}, "contact pressure p [MPa]"),
+        (odd, {"cmap": shades("RdBu"), "vmin": -most, "vmax": most}, "p less its mirror image [MPa]"),
     ]
     for axes, (values, how, words) in zip(panels, drawn, strict=True):
         colours = axes.pcolormesh(x, y, values, **how)
@@ -48,6 +46,12 @@ def pressure_map(pressures: pd.DataFrame, developed: Developed) -> Figure:
     panels[0].plot([], [], color=VERMILION, label="outline, half-way between nodes that touch and that do not")
     figure.legend(loc="outside upper center", fontsize=8)
     return figure
+
+
+def _span(wanted: np.ndarray) -> slice:
+    """From the one before the first to the one behind the last; all where there is none."""
+    found = np.flatnonzero(wanted)
+    return slice(max(found[0] - 1, 0), found[-1] + 2) if len(found) else slice(None)
 
 
 def _around_the_patch(axes: Axes, inside: np.ndarray, x: np.ndarray, y: np.ndarray) -> None:
@@ -70,36 +74,11 @@ def mode_map(mode: pd.DataFrame, mm_per_degree: tuple[float, float]) -> Figure:
     rows, columns = (angles.to_numpy(dtype=float) for angles in (table.index, table.columns))
     figure, (axes,) = canvas(height=5.4)
     most = float(np.max(np.abs(table.to_numpy(dtype=float))))
-    colours = axes.pcolormesh(_edges(columns), _edges(rows), table, cmap="RdBu", vmin=-most, vmax=most)
+    colours = axes.pcolormesh(_edges(columns), _edges(rows), table, cmap=shades("RdBu"), vmin=-most, vmax=most)
     shown = float(np.max(rows))
     axes.set(xlim=(-SHOWN_PHI, SHOWN_PHI), ylim=(-shown, shown), aspect=mm_per_degree[0] / mm_per_degree[1])
     axes.set(xlabel="angle around the axis φ [deg]", ylabel="meridian angle ψ [deg]")
     figure.colorbar(colours, ax=axes, label="motion along the normal, largest = 1")
-    return figure
-
-
-@svg
-def table_differences(panels: Mapping[str, Sequence[pd.DataFrame]]) -> Figure:
-    """(computed - printed)/printed in per cent on the printed places, side by side, with the nodes only one has."""
-    figure, every = canvas(len(panels), height=4.6)
-    most = max(float(np.nanmax(100 * (ours / theirs - 1))) for ours, theirs in panels.values())
-    bounds = [*STEPS, *([math.ceil(most / 10) * 10] if most > STEPS[-1] else [])]
-    norm, known = BoundaryNorm(bounds, 256), {}
-    for axes, (title, (computed, printed)) in zip(every, panels.items(), strict=True):
-        psi, labels = (np.asarray(v, dtype=float) for v in (printed.columns, printed.index))
-        ours, theirs = computed.to_numpy(dtype=float), printed.to_numpy(dtype=float)
-        relative = 100 * (ours / theirs - 1)
-        colours = axes.pcolormesh(_edges(psi), _edges(labels), relative, cmap="PuOr_r", norm=norm)
-        for there, missing, marker, name in ((theirs, ours, "o", "only printed"), (ours, theirs, "x", "only computed")):
-            rows, columns = np.nonzero(~np.isnan(there) & np.isnan(missing))
-            if len(rows):
-                known[name] = axes.plot(psi[columns], labels[rows], marker, color=BLACK, fillstyle="none", markersize=4)
-        axes.set(title=title, xlabel="ψ [deg]", ylabel="printed row label")
-        axes.grid(visible=False)
-    if known:
-        figure.legend([lines[0] for lines in known.values()], list(known), loc="outside lower center", ncols=2)
-    bar = figure.colorbar(colours, ax=every, label="(computed - printed) / printed [%]", shrink=0.8, spacing="uniform")
-    bar.set_ticks(bounds, labels=[f"{bound:g}" for bound in bounds])
     return figure
 
 

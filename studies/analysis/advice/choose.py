@@ -13,17 +13,10 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.advice.questions import CONFIGURATION, COST, Question, questions
-from studies.analysis.ranking.fronts import TIE
-from studies.analysis.verify import headline
+from studies.analysis.advice.questions import CONFIGURATION, Question
+from studies.analysis.ranking.costs import TIE
 
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
-TARGETS = (0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001)  # of the table
-ADVICE_COLUMNS = (
-    *("scene", "quantity", "against", "tolerance", "cells", "label", "configuration", "bound"),
-    *("seconds", "seconds_low", "seconds_high", "operations", "unknowns"),
-    *("runner_up", "runner_up_ratio", "next_ratio", "by_operations", "operations_seconds_ratio", "command"),
-)
 
 
 @dataclass(frozen=True)
@@ -76,31 +69,6 @@ def cheapest(cells: pd.DataFrame, tolerance: float, price: str = "price") -> dic
 
 def _row(cells: pd.DataFrame) -> dict[str, Any]:
     return {str(key): value for key, value in cells.iloc[0].to_dict().items()}
-
-
-def advice_table(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> pd.DataFrame:
-    """The advice for every scene, its largest question and headline, at each of TARGETS; empty where none qualifies."""
-    rows = []
-    for scene in dict.fromkeys(table["scene"]):
-        found = questions(table, verified, scene, headline(table, scene) or "", cost)
-        for target in TARGETS if found else ():
-            rows.append(_advice_row(advise(found[0], target)))
-    return pd.DataFrame(rows, columns=list(ADVICE_COLUMNS))
-
-
-def _advice_row(advice: Advice) -> list[object]:
-    question, best = advice.question, advice.best
-    named = [question.scene, question.quantity, question.against, advice.tolerance, len(question.cells)]
-    if best is None:
-        return [*named, "", "", advice.nearest["bound"], *[math.nan] * 5, "", math.nan, math.nan, "", math.nan, ""]
-    prices = [best.get(name, math.nan) for name in PRICED]
-    others: list[object] = ["" if advice.runner_up is None else words_of(advice.runner_up)]
-    others += [advice.times(advice.runner_up), advice.times(advice.next_best)]
-    others += ["" if advice.by_operations is None else words_of(advice.by_operations)]
-    return [
-        *(*named, best["label"], words_of(best), best["bound"], *prices, *others),
-        *(advice.times(advice.by_operations), best["command"]),
-    ]
 
 
 PRICED = ("cost.seconds", "t.seconds_low", "t.seconds_high", "cost.operations", "cost.dofs")

@@ -25,7 +25,7 @@ import pandas as pd
 
 from studies.analysis.advice.questions import COST, Question, questions
 from studies.analysis.cells.rows import keys, sizes
-from studies.analysis.ranking.fronts import TIE
+from studies.analysis.ranking.costs import TIE
 from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
 from studies.analysis.verify import EXACT, headline, judged
 

@@ -1,7 +1,8 @@
 """The questions that the cells of a campaign answer: one scene, one quantity, one statement of the problem.
 
 A cell qualifies for a tolerance when the upper confidence bound of its error, the verified error and what its reference
-is uncertain by, meets it. Where its formulation alone is further off than the cell, two errors cancel by chance: then
+is uncertain by, meets it, and those of all finer meshes of the same configuration do: a value that crosses its
+reference is no accuracy. Where its formulation alone is further off than the cell, two errors cancel by chance: then
 the formulation's counts, and one that is wrong in any quantity of the scene answers none.
 """
 
@@ -13,7 +14,7 @@ from dataclasses import dataclass
 import pandas as pd
 
 from studies.analysis.cells.rows import keys
-from studies.analysis.ranking.fronts import COSTS, WRONG, beyond_reference, priced
+from studies.analysis.ranking.costs import COSTS, WRONG, beyond_reference, priced
 from studies.analysis.verify import REFERENCE, choices, headline, judged
 from studies.complete import complete
 from studies.request import Value, text_of
@@ -29,8 +30,8 @@ class Question:
     """Cells of one scene that answer the same question, verified against the same value.
 
     settings: what they share of their settings, as text: all that may not be chosen to answer it.
-    cells: rows of the table with value, error (no less than the formulation's), uncertainty, bound, ``cost.NAME``, and
-    the price, which is one of them and sorts the rows.  cost: its name.
+    cells: rows of the table with value, error (no less than that of finer meshes, and the formulation's), uncertainty,
+    bound, ``cost.NAME``, and the price, which is one of them and sorts the rows.  cost: its name.
     """
 
     scene: str
@@ -67,7 +68,8 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     cells = priced(table[(table["scene"] == scene) & (table["outcome"] == "converged")]).merge(facts, on="label")
     if cells.empty:
         return []
-    cells = cells.assign(bound=cells["error"] + cells["uncertainty"], price=cells[f"cost.{cost}"])
+    cells = cells.assign(error=_lasting(cells), price=cells[f"cost.{cost}"])
+    cells = cells.assign(bound=cells["error"] + cells["uncertainty"])
     cells = cells.dropna(subset="price").sort_values("price", kind="stable")
     found, free = [], choices()
     for _, rows in cells.groupby(keys(cells, *free), sort=False):
@@ -77,6 +79,13 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
         for against, same in answered.groupby("against", sort=False):
             found.append(Question(scene, quantity, str(against), cost, shared, same.reset_index(drop=True)))
     return sorted(found, key=lambda question: -len(question.cells))
+
+
+def _lasting(cells: pd.DataFrame) -> pd.Series:
+    """The largest error of each cell and of those that differ from it in a finer mesh alone, against the same value."""
+    elements = cells["n1"].astype(float) * cells["n2"].astype(float)
+    fine_first = cells.assign(elements=-elements, way=keys(cells, "mesh")).sort_values("elements", kind="stable")
+    return fine_first.groupby(["way", "against"], sort=False)["error"].cummax().reindex(cells.index)
 
 
 def all_questions(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> Iterator[Question]:

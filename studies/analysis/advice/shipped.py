@@ -21,7 +21,7 @@ from studies.analysis.advice.questions import (
     known_scene,
     meant,
 )
-from studies.analysis.ranking.fronts import COSTS
+from studies.analysis.ranking.costs import COSTS
 from studies.scene import UsageError
 
 HERE = Path(__file__).parent

@@ -47,12 +47,6 @@ def sizes(rows: pd.DataFrame) -> pd.Series:
     return 1 / (rows["n1"] if rows["n1"].nunique() > 1 else rows["n2"]).astype(float)
 
 
-def mesh_ranks(rows: pd.DataFrame) -> pd.Series:
-    """The number of the mesh among those of its scene, 0 the coarsest."""
-    elements = rows["mesh"].map(lambda mesh: math.prod(map(int, mesh.split("x")))).astype(int)
-    return elements.groupby(rows["scene"]).rank(method="dense").astype(int) - 1
-
-
 def _apart(sizes: Sequence[float]) -> list[bool]:
     """Which sizes, coarse to fine, stay when each must be REFINED times the next finer one that stays."""
     stays = [True] * len(sizes)

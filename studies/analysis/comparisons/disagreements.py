@@ -16,8 +16,8 @@ from typing import Any
 import pandas as pd
 
 from contact.newton.step import RESIDUAL_TOLERANCE
+from studies.algorithm_settings import own_keys
 from studies.analysis.cells.rows import keys
-from studies.analysis.suspicious import ALIKE
 from studies.analysis.verify import headline
 from studies.friction.settings import MU
 from studies.request import Request
@@ -37,7 +37,7 @@ MEANINGS = {
 APART = 1e-6  # of the largest in a unit: more than certificates at the default tolerance leave
 ASYMMETRIES = ("central", "mirror")
 SYMMETRIC = 1e-6  # of the largest pressure: less is no broken symmetry
-HOW = sorted(ALIKE - {"scene"})
+HOW = sorted({"contact", "newton", "solver", "tolerance", "model", "steps", *own_keys()})  # ways to one answer
 PAIR = ("label", "contact", "model", "steps", "substeps", "outcome", "value", "cells", "command")
 COLUMNS = ("scene", "mesh", "quantity", "difference", "why", *PAIR, *(f"other_{name}" for name in PAIR))
 

@@ -28,9 +28,11 @@ ERROR_COLUMNS = (
     *("mesh_part", "model_part", "limit_uncertainty", "verdict"),
 )
 SUMMARY_COLUMNS = (
-    *("family", "scenes", "sequences", "asymptotic", "limits", "median_uncertainty", "largest_uncertainty"),
-    *("largest_in", "comparisons", "beyond"),
+    *("group", "scenes", "sequences", "asymptotic", "limits", "median_uncertainty"),
+    *("comparisons", "agree", "median_off", "largest_off", "largest_off_in"),
 )
+OWN = "refined"  # the kind of a reference that is a limit of our own grids
+STRAINS = {"exact": "exact strains", "linear": "linear strains"}
 DEFAULT = "refined"
 WITHIN, BEYOND, NO_LIMIT = "within the uncertainties", "beyond the uncertainties", "no limit"
 ELEMENTS = {"refined": True, "paper": False}  # by name, whether its ladders have their finest mesh
@@ -159,25 +161,27 @@ def counted(answer: Answer | None, name: str) -> float:
 
 
 def summary(data: pd.DataFrame, errors: pd.DataFrame) -> pd.DataFrame:
-    """A row a family of the planned ladders with the default element, and one for all ("all").
+    """SUMMARY_COLUMNS of the planned ladders with the default element: a row for each of STRAINS, then a row a family.
 
-    Columns: family, scenes, sequences, asymptotic (of them), limits (that exist), median_uncertainty and
-    largest_uncertainty of the limits (relative), largest_in (the ladder of that), comparisons with references and how
-    many of them have a model part beyond the uncertainties.
+    limits (that exist), median_uncertainty of them (relative).  comparisons: of limits with references but for our OWN
+    limits; agree: within the uncertainties of both; median_off, largest_off: sizes of their differences, the largest in
+    the ladder largest_off_in.
     """
     own = data[(data["element"] == DEFAULT) & (data["ladder"] != "")].drop_duplicates("sequence")
     own = own.assign(known=(own["uncertainty"] / own["limit"]).abs())
-    judged = errors.drop_duplicates(["sequence", "reference"])
+    judged = errors[errors["kind"] != OWN].dropna(subset=["model_part"]).drop_duplicates(["sequence", "reference"])
+    strains = [(words, own[own["measure"] == name]) for name, words in STRAINS.items()]
     rows = []
-    for family, each in [("all", own), *own.groupby("family", sort=False)]:
-        known, compared = each.dropna(subset=["known"]), judged[judged["sequence"].isin(each["sequence"])]
-        largest = known.loc[known["known"].idxmax()] if len(known) else None
+    for group, each in [*strains, *own.groupby("family", sort=False)]:
+        known = each.dropna(subset=["known"])
+        compared = each[["sequence", "ladder"]].merge(judged, on="sequence")
+        off = compared["model_part"].abs()
+        where = str(compared["ladder"].iloc[int(off.argmax())]) if len(off) else ""
         rows.append(
             [
-                *(family, each["ladder"].nunique(), len(each), int(each["asymptotic"].astype(bool).sum()), len(known)),
-                *(known["known"].median(), math.nan if largest is None else largest["known"]),
-                "" if largest is None else largest["ladder"],
-                *(len(compared), int((compared["verdict"] == BEYOND).sum())),
+                *(group, each["ladder"].nunique(), len(each), int(each["asymptotic"].astype(bool).sum()), len(known)),
+                known["known"].median(),
+                *(len(compared), int((compared["verdict"] == WITHIN).sum()), off.median(), off.max(), where),
             ]
         )
     return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))

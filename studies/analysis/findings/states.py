@@ -17,6 +17,8 @@ from studies.result import CAP_HIT, CRASH, MEMORY, NOT_CONVERGED, SOLVED, TIME, 
 SOLVED_STATE, PATH_ENDS, FAILED, REFUSED = "solved", "path ends", "failed", "refused"
 STATES = (SOLVED_STATE, PATH_ENDS, FAILED, REFUSED)  # the best first
 AXES = ("contact", "measure")
+SOLVES = "contact"  # whose competitors solve the same problem: each measure has a path of its own
+PASSED = ", which another passes"
 COLUMNS = ("axis", "name", "scene", "problem", "state", "cause", "dofs", *PRICES, "label", "command")
 CAUSES = {  # of a failure, by its outcome
     CAP_HIT: "iteration limit",
@@ -33,7 +35,8 @@ DOES_NOT_APPLY = " does not apply: "  # before the reason of a refusal
 def states(table: pd.DataFrame, axis: str) -> pd.DataFrame:
     """COLUMNS, a row a problem and competitor; cells that are not solved yet are left out.
 
-    cause: kind of the end of the path, what a failure ended at, or why the problem was refused.  table: of collect.
+    cause: kind of the end of the path, what a failure ended at, or why the problem was refused.  A path that ends is a
+    failure where another algorithm certifies the load by the same measure.  table: of collect.
     """
     rows = table[table["outcome"] != "missing"].dropna(subset=[axis])
     rows = rows.assign(problem=[problem_of(request, axis) for request in rows["request"]], name=rows[axis], axis=axis)
@@ -44,12 +47,20 @@ def states(table: pd.DataFrame, axis: str) -> pd.DataFrame:
     ends = ends.where(ends.notna(), "")
     reasons = rows.reindex(columns=["reason"])["reason"].astype(object)
     told = [_told(*each) for each in zip(rows["outcome"], ends, reasons.where(reasons.notna(), ""), strict=True)]
-    rows = rows.assign(state=[state for state, _ in told], cause=[cause for _, cause in told])
+    rows = _passed(rows.assign(state=[state for state, _ in told], cause=[cause for _, cause in told]))
     costs = rows.reindex(columns=["c.dofs", *PRICES.values()]).set_axis(["dofs", *PRICES], axis=1).astype(float)
     rows = rows.drop(columns=[name for name in costs if name in rows]).join(costs)
     order = rows["state"].map(STATES.index)
     best = rows.assign(order=order).sort_values("order", kind="stable")
     return best.drop_duplicates(["name", "scene", "problem"]).sort_index()[list(COLUMNS)]
+
+
+def _passed(rows: pd.DataFrame) -> pd.DataFrame:
+    """A path that ends where another algorithm certifies the load is a failure: there is such a state."""
+    same = [problem_of(request, SOLVES) for request in rows["request"]]
+    passed = (rows["state"] == SOLVED_STATE).groupby([rows["scene"], same]).transform("any")
+    lost = passed & (rows["state"] == PATH_ENDS)
+    return rows.assign(state=rows["state"].mask(lost, FAILED), cause=rows["cause"].mask(lost, rows["cause"] + PASSED))
 
 
 def _told(outcome: str, end: str, reason: str) -> tuple[str, str]:

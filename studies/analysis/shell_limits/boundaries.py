@@ -13,8 +13,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from studies.experiments.shell_limits.ladder import DEFAULT, FULL_3D, STRAIGHT
-
 LEVELS = (0.01, 0.05)
 TOLD = 3.0  # times what it is known to: an error smaller than that is not told from zero
 ASYMPTOTIC = 1e-4, 0.05  # errors between which the order shows: below is rounding in thin walls, above the next term
@@ -118,25 +116,3 @@ def order(ratio: np.ndarray, error: np.ndarray, known: np.ndarray) -> float:
     if own.sum() < 3 or np.ptp(np.sign(error[own])) > 0:
         return math.nan
     return float(np.polyfit(np.log(ratio[own]), np.log(size[own]), 1)[0])
-
-
-PARTS_COLUMNS = ("case", "quantity", "ratio", "usual", "full_3d", "straight", "through_wall")
-
-
-def parts(table: pd.DataFrame) -> pd.DataFrame:
-    """PARTS_COLUMNS, a row a thickness of the headline of each case that has the straight solid.
-
-    straight: the error of the solid whose displacement is linear through the wall.  full_3d: of the shell with the
-    same displacement and the same law.  through_wall: full_3d less straight, what is left: the strain linear between
-    the faces, and the area constant through the wall.
-    """
-    rows = []
-    for case, own in table.groupby("case", sort=False):
-        own = own[own["quantity"] == own["quantity"].iloc[0]]
-        by = own.pivot_table(index="ratio", columns="variant", values="error")
-        if STRAIGHT not in by:
-            continue
-        for ratio, errors in by.iterrows():
-            full, straight = errors[FULL_3D.name], errors[STRAIGHT]
-            rows.append((case, own["quantity"].iloc[0], ratio, errors[DEFAULT], full, straight, full - straight))
-    return pd.DataFrame(rows, columns=list(PARTS_COLUMNS))

@@ -66,12 +66,16 @@ class Evidence:
             self._read[name] = found if own and len(found) else None
         return self._read[name]
 
-    def said_by(self, maker: Maker) -> Iterator[Statement]:
-        """What a maker says; its parameters are the names of the tables it reads, and without one it says nothing."""
-        given: dict[str, Any] = {}
+    def given(self, maker: Callable[..., Any]) -> dict[str, Any] | None:
+        """What a function asks for: its parameters are the names of the tables it reads. None where one is missing."""
+        found: dict[str, Any] = {}
         for name in signature(maker).parameters:
-            given[name] = self.answers if name == ANSWERS else self.table(name)
-        if all(value is not None for value in given.values()):
+            found[name] = self.answers if name == ANSWERS else self.table(name)
+        return found if all(value is not None for value in found.values()) else None
+
+    def said_by(self, maker: Maker) -> Iterator[Statement]:
+        """What a maker says; where a table of it is missing it says nothing."""
+        if (given := self.given(maker)) is not None:
             yield from maker(**given)
 
 

@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.analysis.statements import asked, laws
+from studies.analysis.statements import asked, choices, laws
 from studies.analysis.statements.contact import agreement, algorithms, arena, friction, friction_algorithms, robustness
 from studies.analysis.statements.questions import asks, readers
 from studies.analysis.statements.record import Evidence, Maker, Statement, as_tables
-from studies.analysis.statements.shells import benchmarks, measures, tyre
-from studies.analysis.statements.trade import cost, equal_error, prices
+from studies.analysis.statements.shells import benchmarks, tyre
+from studies.analysis.statements.trade import cost
 
 MAKERS: Sequence[Maker] = (
     *(*tyre.MAKERS, *benchmarks.MAKERS, *laws.MAKERS),
-    *(*measures.MAKERS, *algorithms.MAKERS, *prices.MAKERS),
+    *(*algorithms.MAKERS, *choices.MAKERS),
     *(*agreement.MAKERS, *robustness.MAKERS, *friction.MAKERS, *friction_algorithms.MAKERS),
-    *(*arena.MAKERS, *cost.MAKERS, *equal_error.MAKERS, *asked.MAKERS),
+    *(*arena.MAKERS, *cost.MAKERS, *asked.MAKERS),
 )
 
 

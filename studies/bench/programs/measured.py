@@ -43,9 +43,9 @@ def measured(
 ) -> pd.DataFrame:
     """A row a quantity, load and mesh; raises UsageError where the program is not there or does not end.
 
-    theirs, ours; difference: relative.  reference, source, uncertainty: what is published, the first that holds.  held:
-    our solid under the rule of one direction of plies a brick.  nodes, elements: of the deck.  seconds: wall time of
-    the program.  step: number of the load from 0.  within, reason, rate: see :func:`explained`.
+    theirs, ours; difference: theirs over ours, less one.  reference, source, uncertainty: what is published, the first
+    that holds.  held: our solid under the rule of one direction of plies a brick.  nodes, elements: of the deck.
+    seconds: wall time of the program.  step: number of the load from 0.  within, reason, rate: see :func:`explained`.
     """
     version = calculix.version()
     sources = sources_hash((__name__,))
@@ -106,7 +106,7 @@ def _values(rows: Sequence[Comparison], loads: Sequence[float]) -> Iterator[dict
             "load": row.load,
             "theirs": row.found,
             "ours": row.value,
-            "difference": row.difference,
+            "difference": row.found / row.value - 1,
             "reference": np.nan if known is None else known.value,
             "source": "" if known is None else known.against,
         }

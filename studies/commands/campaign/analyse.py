@@ -1,4 +1,4 @@
-"""``footprint analyse``: the tables of fronts, profiles, attribution and advice of a campaign."""
+"""``footprint analyse``: the tables that the pages are made of."""
 
 from __future__ import annotations
 

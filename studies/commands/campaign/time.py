@@ -6,9 +6,6 @@ import argparse
 import math
 import re
 import sys
-from pathlib import Path
-
-import pandas as pd
 
 from studies.bench.timing_lane import time_campaign
 from studies.campaigns.file import find
@@ -23,20 +20,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_store(parser)
     add_trust(parser)
     parser.add_argument("--only", default="", metavar="REGEX", help="the labels that are timed")
-    parser.add_argument("--front", action="store_true", help="only cells on the fronts of seconds, which analyse found")
     parser.add_argument("--longest", type=float, default=math.inf, metavar="S", help="only solves within S seconds")
     parser.add_argument("--blocks", type=int, default=2, help="fresh processes, default 2")
     parser.add_argument("--rounds", type=int, default=4, help="interleaved rounds of a block, default 4")
-
-
-def _front(store: Path, campaign: str) -> set[str]:
-    """The labels on the front of each question by seconds; raises UsageError where there are none yet."""
-    path = store / "tables" / "fronts.csv"
-    try:
-        fronts = pd.read_csv(path, usecols=["label", "front.seconds", "campaign"])
-    except (OSError, ValueError):
-        raise UsageError(f"{path} has no fronts: footprint analyse makes them") from None
-    return set(fronts["label"][fronts["front.seconds"] & (fronts["campaign"] == campaign)])
 
 
 def run(options: argparse.Namespace) -> int:
@@ -47,13 +33,8 @@ def run(options: argparse.Namespace) -> int:
     except re.error as error:
         raise UsageError(f"--only {options.only!r} must be a regular expression: {error}") from None
     campaign = find(options.campaign, trust=options.trust)
-    front = _front(options.store, campaign.name) if options.front else None
-
-    def wanted(label: str) -> bool:
-        return bool(only.search(label)) and (front is None or label in front)
-
     with progress_bar(campaign.name) as advance:
-        table = time_campaign(campaign, options.store, wanted, blocks, rounds, advance, options.longest)
+        table = time_campaign(campaign, options.store, only.search, blocks, rounds, advance, options.longest)
     print(table.to_string(index=False, float_format=lambda x: f"{x:.4g}"))
     if (table["samples"] == 0).any():
         print("footprint: the machine was too busy: the canary moved in every block", file=sys.stderr)

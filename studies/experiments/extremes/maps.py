@@ -239,6 +239,7 @@ CHARTS: tuple[Chart, ...] = (
         {"foundation": "ball", "delta_mm": "0.5"},
     ),
 )
+PAIRS = tuple(chart for chart in CHARTS if not chart.y.named)  # by algorithm, `extremes_limits` has the boundaries
 # cheap enough to be solved at all of their points: they are shown so, and the search is compared with that
 WHOLE = ("ball-travel", "one-node", "length-unit")
 
@@ -264,8 +265,8 @@ def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = atte
     return pd.DataFrame(rows, columns=["map", "points", "asked", "share", "distance", "unlike"])
 
 
-def extremes_table(charts: Sequence[Chart] = CHARTS, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
-    """All points of all maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
+def extremes_table(charts: Sequence[Chart] = PAIRS, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+    """All points of maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
     rows = []
     for chart in charts:
         where, found = chart.located(at, whole=chart.name in WHOLE)
@@ -280,7 +281,7 @@ def extremes_table(charts: Sequence[Chart] = CHARTS, at: Callable[[Cell], Found]
     return pd.DataFrame(rows)
 
 
-def axes_table(charts: Sequence[Chart] = CHARTS) -> pd.DataFrame:
+def axes_table(charts: Sequence[Chart] = PAIRS) -> pd.DataFrame:
     """What the maps are of, one row a map; stride: cells of a block of the first grid, 1 where all are solved."""
     rows = []
     for chart in charts:

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.tyre_models import grids_reaching, reaching
-from studies.analysis.powers import curved_beam_limits, epsilon_laws, fitted_law, fitted_power
+from studies.analysis.comparisons.tyre.models import grids_reaching, reaching
+from studies.analysis.powers import epsilon_laws, fitted_law, fitted_power
 
 AMOUNTS = [0.2, 0.1, 0.05]
 
@@ -34,33 +34,34 @@ def test_a_law_is_found_between_its_two_ends() -> None:
     assert math.isnan(fitted_law(epsilon, pd.Series(np.zeros(11)))[0])
 
 
-def test_ends_of_a_made_up_study() -> None:
-    """Penetration 0.1/epsilon, force error -2e-3/epsilon; the displacement form breaks down at 1e6."""
+def test_what_the_stiffness_of_the_wall_gives_a_penalty() -> None:
+    """Force error -2e-3/epsilon, condition 1e3 epsilon over 1e5; the displacement form breaks down at 1e6."""
     epsilon = 10.0 ** np.arange(-2, 13)
     broken = np.where(epsilon >= 1e6, "rounding", "converged")
-    common = {"case": "tyre", "epsilon": epsilon, "penetration_mm": 0.1 / epsilon, "force_error": -2e-3 / epsilon}
+    common = {"case": "tyre", "epsilon": epsilon, "force_error": -2e-3 / epsilon, "condition": 1e3 * epsilon}
     study = [pd.DataFrame({**common, "form": "multiplier", "outcome": "converged"})]
     study.append(pd.DataFrame({**common, "form": "displacement", "outcome": broken}))
+    study.append(study[0].iloc[:1].assign(epsilon=np.inf, condition=1e5, force_error=0.0))
     (found,) = epsilon_laws(pd.concat(study)).to_dict("records")
-    assert found["penetration_slope"] == pytest.approx(-1, abs=1e-9)
-    assert found["soft_until"] == pytest.approx(0.1)  # error 0.02
-    assert found["level_from"] == pytest.approx(1e10)  # the last error above 1e-12 is that of 1e9
-    assert found["breaks_at"] == pytest.approx(1e6)
-    assert (found["best"], found["best_error"]) == (pytest.approx(1e5), pytest.approx(2e-8))
-
-
-def test_orders_of_beams_are_those_that_were_put_in() -> None:
-    rows = [(h, n, 1 - 0.1 / n**2) for h in (0.1, 0.01) for n in (4, 8, 16, 32)]
-    found = curved_beam_limits(pd.DataFrame(rows, columns=["h_over_R", "elements", "ratio"]))
-    assert list(found["h_over_R"]) == [0.1, 0.01]
-    np.testing.assert_allclose(found[["order", "limit"]], [[2, 1], [2, 1]], rtol=1e-9)
+    stiff = 510.45 / 4.8
+    assert found["wall"] == pytest.approx(stiff)
+    assert found["force_slope"] == pytest.approx(-1, abs=1e-9)
+    assert found["error_at_wall"] == pytest.approx(2e-3 / stiff)
+    assert found["growth_at_wall"] == pytest.approx(stiff / 100)
+    assert found["growth_at_ten"] == pytest.approx(stiff / 10)
+    assert found["fails_at"] == pytest.approx(1e6 / stiff)
+    always = pd.concat([study[0], study[1].assign(outcome="converged"), study[2]])
+    assert epsilon_laws(always)["fails_at"].isna().all()
 
 
 def test_one_good_grid_does_not_count() -> None:
-    grids = pd.DataFrame({"unknowns": [1, 2, 3, 4], "error": [0.1, 0.001, -0.02, 0.005]})
+    """Neither does the last one: BEHIND finer grids have to stay below the error, too."""
+    behind = [0.003, 0.004]
+    grids = pd.DataFrame({"unknowns": range(1, 7), "error": [0.1, 0.001, -0.02, 0.005, *behind]})
     assert reaching(grids, 0.01)["unknowns"] == 4
+    assert reaching(grids.iloc[:5], 0.01) is None
     assert reaching(grids.iloc[:3], 0.01) is None
-    table = pd.concat([grids.assign(family="uniform"), grids.assign(family="adapted", unknowns=[0.5, 1, 1.5, 2])])
+    table = pd.concat([grids.assign(family="uniform"), grids.assign(family="adapted", unknowns=grids["unknowns"] / 2)])
     found = grids_reaching(table.assign(element="paper")).set_index(["within", "family"])
     assert list(found.loc[0.01, "unknowns"]) == [4, 2]
     assert found.loc[(0.01, "adapted"), "share"] == 0.5
@@ -68,8 +69,10 @@ def test_one_good_grid_does_not_count() -> None:
 
 
 def test_each_error_has_its_own_grid() -> None:
-    grids = pd.DataFrame({"unknowns": [1, 2, 3, 4], "error": [0.1, -0.005, 0.001, 0.0], "element": "paper"})
-    found = grids_reaching(pd.concat([grids.assign(family="local"), grids.iloc[:2].assign(family="uniform")]))
+    errors = [0.1, -0.005, 0.001, 0.0, 0.0]
+    grids = pd.DataFrame({"unknowns": range(1, 6), "error": errors, "element": "paper"})
+    coarse = pd.concat([grids.iloc[:2], grids.iloc[1:2].assign(unknowns=3), grids.iloc[1:2].assign(unknowns=4)])
+    found = grids_reaching(pd.concat([grids.assign(family="local"), coarse.assign(family="uniform")]))
     assert found["within"].tolist() == [0.01, 0.01, 0.002, 0.002]
     np.testing.assert_array_equal(found["unknowns"], [2, 2, 3, np.nan])
     np.testing.assert_array_equal(found["share"], [1, 1, np.nan, np.nan])

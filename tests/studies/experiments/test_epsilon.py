@@ -83,3 +83,12 @@ def test_a_case_and_its_epsilon_have_a_command() -> None:
     options = "--mesh 16x1 --model full --set load_fraction=5 --set epsilon=10000"
     assert study.command(case, 1e4) == f"footprint solve strip-contact {options} --out DIR"
     assert "--set epsilon=inf" in study.command(case, np.inf)
+
+
+def test_the_wall_of_every_case_is_that_of_its_scene() -> None:
+    """Modulus and thickness as asked for, and elements no smaller than the wall is thick, as the advice needs."""
+    walls = {case.label: study.wall(case) for case in study.CASES}
+    assert walls["tyre"][:2] == (510.45, pytest.approx(4.8))
+    assert walls["rubber tyre, thin"][:2] == (20.0, pytest.approx(1.2))
+    assert walls["strip"] == (1200.0, 1.0, 100 / 64)
+    assert all(side > thickness for _, thickness, side in walls.values())

@@ -13,7 +13,7 @@ import pytest
 
 from studies.cli import NOT_CONVERGED, OK, WRONG_USE, main
 from studies.complete import complete
-from studies.experiments.error_coverage import CASES, Case, error_coverage
+from studies.experiments.accuracy.error_coverage import CASES, Case, error_coverage
 from studies.refinement.error_control import coarsest, parse_error, solve_to_error
 from studies.refinement.point_loads import growth
 from studies.refinement.rounds import Round, estimate

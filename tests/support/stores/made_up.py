@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from studies.analysis.cells.collect import collect
+from studies.analysis.claims.ledger import claims_table
 from studies.analysis.everything import compared, written
 from studies.analysis.statements.tables import statement_tables
 
@@ -22,6 +23,7 @@ def analysed_again(store: Path, campaign: str = "report") -> None:
 def said_again(store: Path, campaign: str = "report") -> None:
     """Write the tables of statements."""
     written(store, campaign, statement_tables(store, campaign))
+    written(store, campaign, claims_table(store, campaign))
 
 
 @contextmanager

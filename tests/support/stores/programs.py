@@ -35,7 +35,7 @@ def made_up_programs() -> pd.DataFrame:
                     },
                     **{"bricks": int(mesh.split("x")[0]) ** 2, "our_mesh": "32x32", "held": theirs / (1 + held)},
                     **{"quantity": quantity, "step": 0, "load": 1.0, "theirs": theirs, "ours": ours},
-                    **{"difference": difference * np.sign(ours), "reference": np.nan, "source": ""},
+                    **{"difference": difference, "reference": np.nan, "source": ""},
                 }
             )
     return explained(pd.DataFrame(rows))

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from studies.analysis.statements.record import OPENING, Statement
+from studies.analysis.findings.contact_summary import DEFAULT
+from studies.analysis.statements.record import FINDING, Statement
 
 
 def collection(problems: pd.DataFrame) -> Iterator[Statement]:
@@ -22,29 +23,38 @@ def collection(problems: pd.DataFrame) -> Iterator[Statement]:
         "certified by two ways, of {three:.0f} by a third one, too."
     )
     scope = "what no way certifies is not in the collection, and listed"
-    yield Statement("problems", "arena", text, values, len(problems), scope, OPENING)
+    yield Statement("problems", "algorithms", text, values, len(problems), scope, FINDING)
 
 
-def arena(solver_summary: pd.DataFrame, solver_problems: pd.DataFrame, solver_run: pd.DataFrame) -> Iterator[Statement]:
-    """Who solves most of the convex problems to the strictest tolerance, and how many claim too much."""
+def arena(solver_summary: pd.DataFrame, solver_run: pd.DataFrame) -> Iterator[Statement]:
+    """Who solves most of the convex problems to the middle tolerance, and how many claim too much."""
     whole = solver_summary[(solver_summary["size"] == "all") & (solver_summary["kind"] == "convex")]
-    strict = whole[(whole["tolerance"] == whole["tolerance"].min()) & (whole["refused"] < whole["problems"])]
-    if strict.empty:
+    whole = whole[whole["refused"] < whole["problems"]]
+    if whole.empty:
         return
-    best = strict.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable").iloc[0]
+    asked = sorted(whole["tolerance"].unique(), reverse=True)
+    middle, strict = (whole[whole["tolerance"] == each] for each in (asked[len(asked) // 2], asked[-1]))
+    best = middle.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable").iloc[0]
     limit = float(dict(zip(solver_run["name"], solver_run["value"], strict=True))["limit_s"])
-    values: dict[str, float | str] = {"best": str(best["solver"])}
-    values |= {"problems": float(len(solver_problems)), "convex": float(strict["problems"].max())}
-    values |= {"tolerance": float(strict["tolerance"].iloc[0]), "limit": limit, "solvers": float(len(strict))}
-    values |= {"solved": float(best["solved"]), "mean": float(best["mean_s"]), "claims": float(strict["claimed"].sum())}
-    values |= {"false": float(strict["false"].sum()), "wrong": float((strict["false"] > 0).sum())}
+    values: dict[str, float | str] = {"best": str(best["solver"]), "convex": float(best["problems"])}
+    values |= {"tolerance": float(best["tolerance"]), "limit": limit, "solvers": float(len(middle))}
+    values |= {"solved": float(best["solved"]), "mean": float(best["mean_s"]), "claims": float(middle["claimed"].sum())}
+    values |= {"false": float(middle["false"].sum()), "wrong": float((middle["false"] > 0).sum())}
     text = (
-        "Of {problems:.0f} frozen contact problems {convex:.0f} are convex programmes. Of {solvers:.0f} solvers that "
-        "are asked for {tolerance:.0e} and have {limit:g} s, {best} has the most solutions, {solved:.0f}, in "
-        "{mean:.3f} s on average; {false:.0f} of {claims:.0f} claims, by {wrong:.0f} solvers, are false."
+        "{best} solves most of {convex:.0f} convex problems to {tolerance:.0e}: {solved:.0f}, in {mean:.3f} s on "
+        "average (a failure costs {limit:g} s). Of {claims:.0f} claims of {solvers:.0f} solvers and forms {false:.0f}, "
+        "by {wrong:.0f} of them, are false."
     )
+    own, hard = (each[each["solver"] == DEFAULT] for each in (middle, strict))
+    if len(own) and len(hard):
+        values |= {"ours": float(own["false"].iloc[0]), "ours_solved": float(own["solved"].iloc[0])}
+        values |= {"strict": asked[-1], "ours_strict": float(hard["false"].iloc[0])}
+        values |= {"worst": float(hard["worst_claim"].iloc[0])}
+        text += f" `{DEFAULT}`, the default here, solves {{ours_solved:.0f}} and makes {{ours:.0f}} false claims, "
+        text += "{ours_strict:.0f} when asked for {strict:.0e}"
+        text += " (the worst {worst:.2g} times that)." if values["ours_strict"] else "."
     scope = "one linearised problem at a time, from rest, one thread; defaults of the solvers but for the tolerance"
-    yield Statement("arena", "arena", text, values, int(strict["problems"].max()), scope, OPENING, machine=True)
+    yield Statement("arena", "algorithms", text, values, int(best["problems"]), scope, FINDING, machine=True)
 
 
-MAKERS = (collection, arena)
+MAKERS = (arena, collection)

@@ -31,9 +31,10 @@ def limits(friction_drag_ends: pd.DataFrame, friction_turn_ends: pd.DataFrame) -
     first, first_values = _full(drag, "mm", "drag")
     second, second_values = _full(turn, "degrees", "turn")
     text = (
-        "Pressed by {delta:g} mm and dragged across by {far:g} mm, the paper's tyre is pulled by μ F_n to {off:.0e} of "
-        f"it, for μ = {{mus}}; {first}. Turned on the spot by {{around:g}} degrees, its torque is μ Σ f r cos(step/2) "
-        f"to {{turn_off:.0e}}; {second}. The judge certifies {{certified:.0f}} of {{loads:.0f}} loads."
+        "Pressed by {delta:g} mm and dragged across by {far:g} mm, the paper's tyre is pulled by μ F_n with a relative "
+        f"error of {{off:.0e}} for μ = {{mus}}; {first}. Turned on the spot by {{around:g}} degrees, its torque is "
+        f"μ Σ f r cos(step/2) with a relative error of {{turn_off:.0e}}; {second}. The judge certifies "
+        "{certified:.0f} of {loads:.0f} loads."
     )
     count = int(both["loads"].sum())
     yield Statement(
@@ -65,12 +66,12 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Statement]:
         values |= {f"sticks{n}": float(own["sticks"].sum()), f"touch{n}": float(len(own))}
         values |= {f"at{n}": float(own["drag_mm"].iloc[0])}
         told.append(f"{{sticks{n}:.0f}} of {{touch{n}:.0f}}" + (f" at {{at{n}:g}} mm" if n else " once it is pressed"))
-    text = f"With μ = {{mu:g}} so many candidates of the patch stick on the way: {listed(told)}"
+    text = f"With μ = {{mu:g}} the nodes in contact that stick are {listed(told)}"
     last = stops[-1]
     if len(stops) > 1 and float(last["drag_mm"].iloc[0]) == 0.0:
         pull = last[["friction_x_N", "friction_y_N", "friction_z_N"]].sum().to_numpy(float)
         values |= {"left": float(np.linalg.norm(pull)), "bound": float(values["mu"]) * float(last["normal_N"].sum())}
-        text += "; where it began, the plane pulls with {left:.0f} N, of {bound:.0f} N that it could: the path matters"
+        text += "; back at its start the plane still pulls with {left:.0f} N of at most {bound:.0f} N: the path matters"
     scope = f"{TYRE}, {default(patch_table, 'steps')} load steps from stop to stop"
     yield Statement("friction-patch", PAGE, f"{text}.", values, len(stops), scope)
 
@@ -88,8 +89,8 @@ def steps(friction_step_orders: pd.DataFrame, friction_steps: pd.DataFrame) -> I
     values |= {"times": float(own["operations"].iloc[-1] / own["operations"].iloc[0])}
     text = (
         "With friction load steps are part of the answer: pressed and dragged by 1 mm in {fewest:.0f} {word} each the "
-        "tyre is pulled {force_first_error:+.1%} off the limit of fine steps and dissipates {work_first_error:+.0%} "
-        "off it; in {most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
+        "tyre has errors of {force_first_error:+.1%} in its force and {work_first_error:+.0%} in its dissipation; in "
+        "{most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
         "Observed orders in the size of a step are {force_order:.2f} and {work_order:.2f}; theory says 1."
     )
     mesh = default(steps_table, "mesh")
@@ -116,7 +117,7 @@ def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
 
 
 def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
-    """Operations and factorisations of an iteration against their bars."""
+    """Operations and factorisations of an iteration against what is required."""
     own = friction_cost[friction_cost["friction"] == 1]
     values: dict[str, float | str] = {f"{end}_ratio": getattr(own["operations_ratio"], end)() for end in ("min", "max")}
     values |= {f"{end}_each": getattr(own["factorisations"], end)() for end in ("min", "max")}
@@ -129,9 +130,13 @@ def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
     values |= {"count": float(len(above)), "steps": float(len(own))}
     text = (
         "With friction an iteration takes {min_ratio:.2f} to {max_ratio:.2f} times the operations of one without, and "
-        "{min_each:.2f} to {max_each:.2f} factorisations; the bars are {bar:g} and {bar_each:g}, and "
+        "{min_each:.2f} to {max_each:.2f} factorisations; required are at most {bar:g} and {bar_each:g}, and "
     )
-    text += "{count:.0f} of {steps:.0f} steps are above one of them: {above}." if len(above) else "no step is above."
+    text += (
+        "{count:.0f} of {steps:.0f} steps exceed one of them: {above}."
+        if len(above)
+        else "none of {steps:.0f} steps exceeds them."
+    )
     scope = f"the whole tyre on {default(cost_table, 'mesh')} elements, by `{default(cost_table, 'contact')}`"
     yield Statement("friction-cost", PAGE, text, values, len(own), scope)
     times: dict[str, float | str] = {f"{end}_ratio": getattr(own["time_ratio"], end)() for end in ("min", "max")}

@@ -8,12 +8,11 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.comparisons.friction import FIRST, FLOOR
-from studies.analysis.statements.contact.friction import listed
+from studies.analysis.statements.contact.friction import PAGE, listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.scenes.agreement import AGREED
 from studies.result import SOLVED
 
-PAGE = "friction-algorithms"
 SAME_STEPS = "the scenes of the page, in the same load steps, from the same start"
 
 
@@ -26,13 +25,13 @@ def agreement(friction_algorithms: pd.DataFrame) -> Iterator[Statement]:
     values: dict[str, float | str] = {"cases": float(cases), "bound": AGREED, "first": f"`{FIRST}`"}
     values |= {"ends": float(table.loc[table["algorithm"] == FIRST, "solved"].sum())}
     values |= {"names": listed([f"`{name}`" for name in every["algorithm"]])}
-    text = "{first} ends on {ends:.0f} of {cases:.0f} scenes with friction"
+    text = "{first} converges on {ends:.0f} of {cases:.0f} scenes with friction"
     if len(every):
-        text += "; so do {names}, with every candidate in the same state and forces that differ by {bound:.0e} at most"
+        text += "; so do {names}, with every node in the same state and forces that differ by at most {bound:.0e}"
     for n, row in enumerate(exact[exact["agrees"] < exact["cases"]].to_dict("records")):
         values |= {f"name{n}": f"`{row['algorithm']}`", f"solved{n}": float(row["solved"])}
         values |= {f"agrees{n}": float(row["agrees"])}
-        text += f"; {{name{n}}} ends on {{solved{n}:.0f}} and agrees on {{agrees{n}:.0f}}"
+        text += f"; {{name{n}}} converges on {{solved{n}:.0f}} and agrees on {{agrees{n}:.0f}}"
     yield Statement("friction-agreement", PAGE, f"{text}.", values, cases * len(table), SAME_STEPS, OPENING)
 
 
@@ -46,7 +45,7 @@ def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
             "of": float((table["algorithm"] == name).sum()),
             "where": listed([f"'{case}'" for case in own["case"]]),
         }
-        text = "{name} does not end on {lost:.0f} of {of:.0f} scenes with friction: {where}."
+        text = "{name} does not converge on {lost:.0f} of {of:.0f} scenes with friction: {where}."
         yield Statement(f"friction-fails-{name}", PAGE, text, values, int(values["of"]), SAME_STEPS, LIMIT)
     first = table[table["algorithm"] == FIRST].set_index("case")["substeps"]
     cut = table[table["outcome"].isin(SOLVED) & (table["substeps"] != table["case"].map(first))]
@@ -56,10 +55,10 @@ def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
     values = {"count": float(len(cut)), "name": f"`{worst['algorithm']}`", "case": f"'{worst['case']}'"}
     values |= {"off": float(worst["force_error"]), "steps": float(worst["substeps"])}
     values |= {"asked": float(first[worst["case"]])}
+    values |= {"all": float(table["outcome"].isin(SOLVED).sum())}
     text = (
-        "Where an algorithm ends in other load steps than `semismooth` it has gone another path, and {count:.0f} "
-        "solves have: on {case} {name} takes {steps:.0f} steps for {asked:.0f} and is off by {off:.1%} of the largest "
-        "force."
+        "{count:.0f} of {all:.0f} converged solves took other load steps than `semismooth`, another path: {name} on "
+        "{case} needed {steps:.0f} instead of {asked:.0f}, and its forces differ by {off:.0%} of the largest."
     )
     yield Statement("friction-other-steps", PAGE, text, values, len(cut), SAME_STEPS)
 
@@ -76,8 +75,8 @@ def regularisation(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
     values |= {"cases": float(len(own)), "epsilons": listed(sorted({f"{each:g}" for each in own["epsilon"]}))}
     values |= {"states": float(own["states"].sum()), "median": own["force_error"].median()}
     text = (
-        "Coulomb's law regularised by springs of {epsilons} MPa/mm is off by {low:.0e} to {high:.0e} of the largest "
-        "force on {cases:.0f} scenes, {median:.0e} in the median; {states:.0f} candidates are in another state."
+        "Coulomb's law regularised by springs of {epsilons} MPa/mm changes nodal forces by {low:.0e} to {high:.0e} of "
+        "the largest on {cases:.0f} scenes, {median:.0e} in the median; {states:.0f} nodes are in another state."
     )
     yield Statement("friction-regularised", PAGE, text, values, len(own), f"{SAME_STEPS}; one stiffness of springs")
 
@@ -90,9 +89,9 @@ def greco(friction_greco: pd.DataFrame) -> Iterator[Statement]:
     values: dict[str, float | str] = {"elements": float(finest["elements"].iloc[0]), "all": float(len(finest))}
     values |= {"solved": float(len(solved)), "off": solved["error"].max()}
     values |= {"lost": listed([f"`{row['algorithm']}` ({row['outcome']})" for row in lost.to_dict("records")])}
-    text = "On the GRECO plate, where one contact is open, slips and sticks, {solved:.0f} of {all:.0f} algorithms end"
+    text = "On the GRECO plate, which is open, slips and sticks, {solved:.0f} of {all:.0f} algorithms converge"
     if len(solved):
-        text += ", with slips that are off by {off:.3%} at most on {elements:.0f}x{elements:.0f} elements"
+        text += ", with errors of the slips of at most {off:.3%} on {elements:.0f}x{elements:.0f} elements"
     text += "; {lost} fails." if len(lost) == 1 else "; {lost} fail." if len(lost) else "."
     scope = "9-node quadrilaterals, from rest; against the slips of fine graded meshes"
     yield Statement("friction-greco", PAGE, text, values, len(finest), scope)

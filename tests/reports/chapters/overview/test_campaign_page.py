@@ -71,7 +71,7 @@ def test_completeness_comes_last_and_counts_every_class(store: Path) -> None:
     assert "| cell 512 | time | time because |" in text
     assert "| cantilever | no contact | 1 |" in text
     assert place_of(store)[0] == "made-up"
-    assert list(rendered(loaded)) == ["index.md", "glossary.md", "outcomes.md", "report.html"]
+    assert list(rendered(loaded)) == ["index.md", "report.html"]
 
 
 def test_orders_limits_and_errors_are_those_that_were_put_in(store: Path) -> None:

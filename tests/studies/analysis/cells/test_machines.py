@@ -9,14 +9,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.overview.data import data_page
+from reports.chapters.overview.data import appendix
 from reports.origin import machines as section
 from reports.store.tables import load_store
 from studies.analysis.cells.collect import collect
 from studies.analysis.cells.machines import UNKNOWN, machine_of, of_one_machine
 from studies.analysis.everything import analyse
-from studies.analysis.ranking.fronts import fronts
-from studies.analysis.verify import verified
 from studies.bench.timing_lane import times_path
 from studies.campaigns.file import find
 from studies.campaigns.run import run
@@ -68,15 +66,6 @@ def test_only_seconds_of_one_machine_are_in_the_table(mixed: Path) -> None:
     assert (table["c.operations"] > 0).all()
 
 
-def test_a_merged_cell_is_on_no_front_of_seconds_however_fast_it_claims_to_be(mixed: Path) -> None:
-    table = collect(mixed, "beams")
-    found = fronts(table, verified(table)).set_index("label")
-    merged = table.set_index("label")["merged"] != ""
-    assert not found.loc[merged, "front.seconds"].any()
-    assert found.loc[~merged, "front.seconds"].any()
-    assert found.loc[merged, "front.operations"].any()
-
-
 def test_seconds_of_the_minority_of_a_cluster_do_not_count_either() -> None:
     table = pd.DataFrame({"machine": ["a", "a", "b", ""], "merged": "", "t.seconds": 1.0, "t.cpu": 1.0})
     assert of_one_machine(table, "a")[["t.seconds", "t.cpu"]].notna().all(axis=1).tolist() == [True, True, False, False]
@@ -97,7 +86,7 @@ def test_where_the_campaign_was_timed_its_machine_is_the_home(mixed: Path) -> No
 def test_the_page_says_whose_the_cells_are(mixed: Path) -> None:
     analyse(mixed, "beams")
     store = load_store(mixed)
-    text = data_page(store).text
+    text = appendix(store).text
     assert "## Machines" in text
     (row,) = [line for line in text.splitlines() if line.startswith(f"| {FAST}") and line.count("|") == 7]
     assert [word.strip() for word in row.split("|")[2:-1]] == ["6", "6", "0", "0", "0"]
@@ -118,7 +107,7 @@ def test_a_store_that_is_all_merged_has_no_seconds_and_is_analysed(beams: Path, 
     merge(beams, tmp_path / "here")
     analyse(tmp_path / "here", "beams")
     assert collect(tmp_path / "here", "beams")["t.seconds"].isna().all()
-    assert "## Machines" in data_page(load_store(tmp_path / "here")).text
+    assert "## Machines" in appendix(load_store(tmp_path / "here")).text
 
 
 def test_a_run_goes_on_beside_merged_cells(mixed: Path, tmp_path: Path) -> None:

@@ -22,8 +22,8 @@ def test_statements_are_counted_by_error_and_once_where_they_are_the_same() -> N
     table = pd.DataFrame(
         [
             row(0.05),
-            row(0.05, quantity="N", value_inside=False, value_error=0.04, inside=False, off=0.02, cost=4.0),
-            row(0.05, quantity="M", value_decided=False),
+            row(0.05, quantity="N", value_inside=False, value_error=0.04, inside=False, off=0.02, cost=5.0),
+            row(0.05, quantity="M", value_decided=False, cost=math.nan),
             row(0.05, scene="round", uncertainty=1e-14),
             row(0.01),
             row(0.01, quantity="N", reached=False, reason="too many"),
@@ -32,6 +32,7 @@ def test_statements_are_counted_by_error_and_once_where_they_are_the_same() -> N
     )
     coarse, fine, whole = error_statements(table).to_dict("records")
     assert (coarse["asked_for"], coarse["reached"], coarse["statements"], coarse["expensive"]) == (4, 4, 3, 1)
+    assert (coarse["priced"], coarse["cost"]) == (2, 3.5)
     assert (coarse["decided"], coarse["inside"], coarse["limit_decided"], coarse["limit_inside"]) == (2, 1, 3, 2)
     assert coarse["wide"] == pytest.approx((2 + 0.5) / 2)
     assert coarse["limit_wide"] == pytest.approx(2)

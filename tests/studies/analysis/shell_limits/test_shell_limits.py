@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.shell_limits.beyond import KINDS, SHIPPED, beyond, known_limits, shipped
-from studies.analysis.shell_limits.boundaries import boundaries, boundary, decided, error_at, order, parts
+from studies.analysis.shell_limits.boundaries import boundaries, boundary, decided, error_at, order
 from studies.cli import main
 from studies.complete import complete
 from studies.experiments.shell_limits.catalogue import CASES, shell_limits
@@ -75,8 +75,6 @@ def test_rows_of_boundaries() -> None:
     assert bad["unknowns_ratio"] == pytest.approx(5)
     assert good["boundary_1"] == math.inf
     assert math.isnan(good["order"])
-    assert parts(made_up())["through_wall"].tolist() == pytest.approx([-0.02] * 4)
-    assert set(parts(made_up())["case"]) == {"bad"}
 
 
 def test_every_scene_is_of_a_kind_or_known_to_be_of_none() -> None:

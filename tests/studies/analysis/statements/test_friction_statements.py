@@ -61,7 +61,7 @@ def test_a_limit_that_is_not_met_is_not_said_to_be() -> None:
     drag, turn = both()
     drag.loc[1, ["full", "off", "certified"]] = (np.nan, -0.2, 2)
     (text,) = texts(tyre.limits(drag, turn))
-    assert "by μ F_n to 2e-01 of it" in text
+    assert "by μ F_n with a relative error of 2e-01" in text
     assert "for μ = 0.5 it does not stay within 1 % of that" in text
     assert "certifies 14 of 16 loads" in text
 
@@ -76,17 +76,17 @@ def test_stops_in_another_order_of_coefficients_are_not_said_to_rise() -> None:
 
 def test_who_sticks_and_what_is_left() -> None:
     (text,) = texts(tyre.patch(patch()))
-    assert "3 of 9 once it is pressed, 3 of 9 at 1 mm and 3 of 9 at 0 mm" in text
-    assert "the plane pulls with 9 N, of 45 N" in text
+    assert "the nodes in contact that stick are 3 of 9 once it is pressed, 3 of 9 at 1 mm and 3 of 9 at 0 mm" in text
+    assert "the plane still pulls with 9 N of at most 45 N" in text
     (text,) = texts(tyre.patch(patch()[lambda t: t["stop"] < 2]))
-    assert "where it began" not in text
+    assert "back at its start" not in text
 
 
 def test_what_load_steps_change() -> None:
     (found,) = tyre.steps(step_orders(steps()), steps())
     assert found.role == LIMIT
     (text,) = texts(iter([found]))
-    assert "in 1 step each the tyre is pulled -4.0 % off the limit of fine steps and dissipates +100 % off it" in text
+    assert "in 1 step each the tyre has errors of -4.0 % in its force and +100 % in its dissipation" in text
     assert "in 8 steps, at 8 times the operations, -0.50 % and +12.5 %" in text
     assert "are 1.00 and 1.00; theory says 1" in text
 
@@ -101,13 +101,13 @@ def test_symmetry_is_said_of_what_keeps_it_alone() -> None:
     assert texts(tyre.symmetry(lost))[0].startswith("Pressed, turned and dragged, it does not")
 
 
-def test_steps_above_a_bar_are_named() -> None:
+def test_steps_above_what_is_required_are_named() -> None:
     text, seconds = texts(tyre.costs(cost()))
     assert "2.00 to 3.00 times the operations of one without, and 1.20 to 1.50 factorisations" in text
-    assert "the bars are 2.5 and 1.2, and 1 of 2 steps are above one of them: drag to 0.5 mm." in text
+    assert "required are at most 2.5 and 1.2, and 1 of 2 steps exceed one of them: drag to 0.5 mm." in text
     assert "1.50 to 2.00 times one without" in seconds
     below = cost().assign(factorisations=1.0, operations_ratio=2.0)
-    assert "and no step is above." in texts(tyre.costs(below))[0]
+    assert "and none of 2 steps exceeds them." in texts(tyre.costs(below))[0]
 
 
 # --- the algorithms ---------------------------------------------------------------------------------------------
@@ -117,34 +117,35 @@ def test_who_agrees_and_who_does_not() -> None:
     (opening,) = algorithms.agreement(by_algorithm(agreement()))
     (text,) = texts(iter([opening]))
     assert opening.role == OPENING
-    assert text.startswith("`semismooth` ends on 3 of 3 scenes with friction; so do `qp`, with every candidate")
-    assert text.endswith("; `trial-and-error` ends on 2 and agrees on 1.")
+    assert text.startswith("`semismooth` converges on 3 of 3 scenes with friction; so do `qp`, with every node")
+    assert text.endswith("; `trial-and-error` converges on 2 and agrees on 1.")
     off = agreement()
     off.loc[(off["algorithm"] == "qp") & (off["case"] == LOST), "agrees"] = 0
     (text,) = texts(algorithms.agreement(by_algorithm(off)))
     assert "so do" not in text
-    assert "`qp` ends on 3 and agrees on 2" in text
+    assert "`qp` converges on 3 and agrees on 2" in text
 
 
 def test_failures_and_other_paths_are_named() -> None:
     lost, other = algorithms.failures(agreement())
     assert lost.role == LIMIT
     first, second = texts(iter([lost, other]))
-    assert first == "`trial-and-error` does not end on 1 of 3 scenes with friction: 'tyre dragged'."
-    assert "1 solves have: on 'ring' `trial-and-error` takes 8 steps for 2 and is off by 25.0 %" in second
+    assert first == "`trial-and-error` does not converge on 1 of 3 scenes with friction: 'tyre dragged'."
+    assert "1 of 11 converged solves took other load steps" in second
+    assert "`trial-and-error` on 'ring' needed 8 instead of 2, and its forces differ by 25 % of the largest." in second
     fine = agreement()[lambda t: t["algorithm"] != NAIVE]
     assert texts(algorithms.failures(fine)) == []
 
 
-def test_what_springs_are_off_by() -> None:
+def test_what_springs_change() -> None:
     (text,) = texts(algorithms.regularisation(agreement()))
-    assert "springs of 10000 MPa/mm is off by 1e-04 to 1e-04 of the largest force on 3 scenes" in text
+    assert "springs of 10000 MPa/mm changes nodal forces by 1e-04 to 1e-04 of the largest on 3 scenes" in text
     assert texts(algorithms.regularisation(agreement().assign(epsilon=np.inf))) == []
 
 
 def test_the_plate_and_who_fails_on_it() -> None:
     (text,) = texts(algorithms.greco(greco()))
-    assert "2 of 3 algorithms end, with slips that are off by 0.010 % at most on 16x16" in text
+    assert "2 of 3 algorithms converge, with errors of the slips of at most 0.010 % on 16x16" in text
     assert text.endswith("; `trial-and-error` (cycling) fails.")
     assert texts(algorithms.greco(greco()[lambda t: t["algorithm"] != NAIVE]))[0].endswith("16x16 elements.")
 

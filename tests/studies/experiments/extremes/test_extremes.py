@@ -172,7 +172,7 @@ def test_a_real_map_against_all_of_its_points() -> None:
 
 
 def test_what_the_maps_are_of() -> None:
-    told = axes_table().set_index("map")
+    told = axes_table(CHARTS).set_index("map")
     assert len(told) == len(CHARTS)
     assert told.loc["epsilon", "fixed"] == "scene panel, mesh 4x4"
     assert told["y_named"].sum() == sum(chart.y.named for chart in CHARTS) > 0

@@ -1,0 +1,191 @@
+"""What to use: the line recommended for each regime and error, formulations in the limit of their meshes, algorithms.
+
+All of it is read from the table ``choices``; what is enough was decided where that was made.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
+
+from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
+from reports.formats import NOTHING, code, digits, formatted, share
+from reports.markdown import Part, commands, folded, joined, machine, picture, prose, table
+from reports.store.tables import Store
+
+CHOICES, EXACT = "choices", "exact"
+PROBLEM = ["scene", "settings"]
+WORDS = ("settings", "quantity", "axis", "name", "contact", "mesh", "verdict", "said", "command")
+PANELS = 6  # of a picture
+LEAST = 0.001  # relative, below which an error is not told
+
+
+def choices_of(store: Store, name: str = CHOICES) -> pd.DataFrame:
+    """The table with words where it has nothing; empty where a campaign does not make it."""
+    data = store.table(name) if store.has_table(name) else pd.DataFrame()
+    return data.assign(
+        **{word: data[word].astype(object).where(data[word].notna(), "") for word in WORDS if word in data}
+    )
+
+
+def smallest(rows: pd.DataFrame) -> pd.DataFrame:
+    """Of each problem, what was found for the smallest error asked for."""
+    return rows[rows["asked"] == rows.groupby(PROBLEM)["asked"].transform("min")]
+
+
+def decision_part(store: Store) -> Part:
+    """A line a problem and error: what is recommended, and what it takes."""
+    data = choices_of(store)
+    if data.empty:
+        return Part("")
+    offers = data[data["row"] == "offer"].drop_duplicates([*PROBLEM, "asked"])
+    rows = [[row["regime"], problem(row), share(row["asked"], 0), *_offer(row)] for row in offers.to_dict("records")]
+    heads = [
+        "regime",
+        "problem",
+        "within",
+        "measure",
+        "element or part",
+        "algorithm",
+        "mesh",
+        "error at most",
+        "seconds",
+    ]
+    lost = [
+        f"No configuration for `{row['scene']}` within {share(row['asked'], 0)}: {row['said']}."
+        for row in offers.to_dict("records")
+        if not row["mesh"] and row["said"]
+    ]
+    unanswered = " ".join(lost)
+    text = prose(f"""## What to use
+
+`footprint choose` was asked for the cheapest configuration that is surely within an error of the exact measure in the
+limit of the meshes, and that solves from rest and is certified; a change from the default must save a fifth of all
+that is waited for. *Error at most* includes how well the limit is known, so that one mesh may have two: a looser
+question is answered from fewer grids. Seconds are those of the processor for that one solve from rest, with the
+estimate that the lines of a tyre's grid follow. For a problem of your own ask `footprint choose SCENE --error 1%`.
+{unanswered}""")
+    made = table("The configuration recommended", heads, rows, words=7)
+    lines = [row["command"] for row in offers.to_dict("records") if row["command"]]
+    return joined(text, machine(made, commands(lines)))
+
+
+def _offer(row: dict) -> list[str]:
+    if not row["mesh"]:
+        return [NOTHING, NOTHING, NOTHING, NOTHING, NOTHING, NOTHING]
+    measure, element = (row["name"], "default") if row["axis"] == "measure" else (EXACT, row["name"])
+    spent = digits(row["seconds"], 2) if str(row["tried"]) == "True" else f"about {digits(row['seconds'], 2)}"
+    chosen = [code(measure), element, code(row["contact"]), row["mesh"]]
+    return [*chosen, share(row["error_at_most"], 1), spent]
+
+
+def problem(row: dict) -> str:
+    """A problem in words: its scene, settings and quantity."""
+    named = f"`{row['scene']}`" + (f" at {row['settings']}" if row["settings"] else "")
+    return named + (f": {row['quantity']}" if row["quantity"] else "")
+
+
+def limits_part(store: Store) -> Part:
+    """The error of each measure in the limit of the meshes, with its interval."""
+    own = choices_of(store, "measure_limits")
+    if own.empty:
+        return Part("")
+    names = [name for name in dict.fromkeys(own["name"]) if name != EXACT]
+    rows = []
+    for _, each in own.groupby(PROBLEM, sort=False):
+        by = {row["name"]: row for row in each.to_dict("records")}
+        rows.append([problem(each.iloc[0].to_dict()), *(limit_error(by[n]) if n in by else NOTHING for n in names)])
+    text = prose("""The error of each measure in the limit of the meshes, against the exact one, with the interval of
+that limit; *not settled* where the interval is wider than the difference. A word says why there is none: its path is
+not followed to the load, or its grids do not converge. †: its finest grid has fewer than half the unknowns of the exact
+one's, so that the interval may be too narrow. Mesh errors come on top.""")
+    shown = table("Formulation error in the limit of the meshes", ["problem", *map(code, names)], rows)
+    return joined(text, machine(shown))
+
+
+def limit_error(row: dict) -> str:
+    """The formulation error of a row with its interval, or the word of its verdict where it is not known."""
+    error, within = row["formulation_error"], row["within"]
+    if error is None or math.isnan(error):
+        return row["verdict"]
+    if abs(error) + within < LEAST:
+        return f"below {formatted(LEAST, '.1%')}"
+    if within > abs(error):
+        return f"not settled, at most {formatted(abs(error) + within, '.1%')}"
+    form = ".2%" if within < LEAST / 2 else ".1%"
+    return f"{formatted(error, '+' + form)} ± {formatted(within, form)}" + " †" * bool(row["coarse"])
+
+
+def measures_picture(store: Store) -> Part:
+    """The error of measures over seconds, a panel a problem."""
+    data = choices_of(store)
+    if data.empty:
+        return Part("")
+    words = (
+        "Error at most over processor time, grid by grid, a line a measure: lines level off at the formulation error"
+    )
+    return picture("index-measures.svg", words, errors_over_seconds(data))
+
+
+@svg
+def errors_over_seconds(data: pd.DataFrame) -> Figure:
+    """A panel a problem, of the smallest error asked for; the dotted line is that error."""
+    own = smallest(data[(data["row"] == "grid") & (data["axis"] == "measure")])
+    shown, looked = list(_shown(own)), looks(own["name"])
+    figure, panels = canvas(max(len(shown), 1), columns=2, width=8.0, head=0.9, height=2.8)
+    for axes, each in zip(panels, shown, strict=False):
+        for name, rows in each.groupby("name", sort=False):
+            total = rows["seconds"].cumsum()
+            axes.plot(total, 100 * rows["error_at_most"], **looked[name].whole, linewidth=1.2, markersize=4)
+        axes.axhline(100 * each["asked"].min(), color=GREY, linewidth=1.0, linestyle=":")
+        axes.set(xscale="log", yscale="log")
+        for axis in (axes.xaxis, axes.yaxis):
+            axis.set_major_locator(LogLocator(subs=(1.0, 3.0), numticks=6))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
+        first = each.iloc[0]
+        axes.set_title(f"{first['scene']} {first['settings']}\n{first['quantity']}", fontsize=9)
+    for axes in panels[::2]:
+        axes.set_ylabel("error at most [%]")
+    for axes in panels[-2:]:
+        axes.set_xlabel("processor time of its grids so far [s]")
+    for name, own_look in looked.items():
+        panels[0].plot([], [], **own_look.whole, label=name)
+    legend_above(figure, panels[0], columns=4)
+    return figure
+
+
+def _shown(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
+    """The last problem of each regime, the others from the last on, as many as there is room for; in their order."""
+    problems = [each for _, each in rows.groupby(PROBLEM, sort=False)]
+    last = {each["regime"].iloc[0]: n for n, each in enumerate(problems)}
+    first = sorted(last.values())
+    chosen = [*first, *(n for n in reversed(range(len(problems))) if n not in first)][:PANELS]
+    yield from (problems[n] for n in sorted(chosen))
+
+
+def elements_part(store: Store) -> Part:
+    """Options of the element: what the cheapest mesh of each takes, folded."""
+    data = choices_of(store)
+    own = data[(data["row"] == "variant") & (data["axis"] == "element")] if len(data) else data
+    if own.empty:
+        return Part("")
+    own = own[own["asked"] == own["asked"].min()]
+    error = share(own["asked"].min(), 0)
+    names = list(dict.fromkeys(own["name"]))
+    rows = []
+    for _, each in own.groupby(PROBLEM, sort=False):
+        by = {row["name"]: row for row in each.to_dict("records")}
+        rows.append([problem(each.iloc[0].to_dict()), *(_mesh(by[name]) if name in by else NOTHING for name in names)])
+    told = prose("""Seconds of a path from grid to grid. *no mesh yet*: not within that error on the grids that there
+was time for; *not enough*: its limit is farther off; *not settled*: its limit may be; *not known*: it has no limit.""")
+    shown = table(f"The mesh from which on the error is surely within {error}", ["problem", *map(code, names)], rows)
+    return Part(machine(folded("Options of the element, each changed alone", f"{told}\n\n{shown}")))
+
+
+def _mesh(row: dict) -> str:
+    return f"{row['mesh']} ({digits(row['seconds'], 2)} s)" if row["mesh"] else row["verdict"]

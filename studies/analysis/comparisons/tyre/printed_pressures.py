@@ -1,0 +1,177 @@
+"""The printed pressure table of the paper beside the computed one, under stated readings of its labels.
+
+Maps here have the printed table's shape: rows by row label, columns by psi, increasing; MPa; NaN out of contact. A
+reading says which travel is compared and which phi a row label means. Nothing is fitted.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.ndimage import binary_erosion
+
+from formulations.element.strain_operator import area_factor
+from formulations.geometry.surfaces import torus
+from studies.analysis.cells.answers import Answer, Answers
+from studies.campaigns.report_cells import TYRE
+from studies.scenes.data import read_reference
+from studies.scenes.tyre.asymmetry import deviation
+
+FILE = "paper_contact_pressure_delta20.csv"
+PRINTED_FACTOR = 10.0  # the table gives -10 q
+DELTA = 20.0  # mm, the travel that the table states
+DEPTH = 2  # nodes between the core and the rim of the printed patch
+HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
+ANGLE_DECIMALS = 6  # nodes are one where their angles are, rounded to this
+PAPER = TYRE[:1]
+COLUMNS = (
+    *("delta_mm", "phi_per_label", "best", "centre_MPa", "printed_centre_MPa", "core_rms", "core_nodes", "nodes"),
+    *("printed_nodes", "both", "in_one_only", "outside", "force_N", "own_sum_N", "printed_sum_N", "handedness"),
+)
+NODE_COLUMNS = ("delta_mm", "row_label", "psi_deg", "pressure_MPa", "printed_MPa")
+SYMMETRY_COLUMNS = ("who", "delta_mm", "image", "blank_is_zero_MPa", "both_touch_MPa")
+IMAGES = {  # of maps with phi along the rows: psi reversed, phi reversed
+    "central: p(psi, phi) - p(-psi, -phi)": (True, True),
+    "mirror: p(psi, phi) - p(-psi, phi)": (True, False),
+    "mirror: p(psi, phi) - p(psi, -phi)": (False, True),
+}
+
+
+def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
+    """Three tables: COLUMNS, a row a reading; NODE_COLUMNS, the maps; SYMMETRY_COLUMNS, both against their images.
+
+    best: the travel with the smallest core rms under HALF.  own_sum_N, printed_sum_N: pressures times mid-surface
+    areas.  handedness: correlation of the mirror-odd parts.  Empty without the paper's tyre at DELTA.
+    """
+    rows: list[list[object]] = []
+    nodes: list[pd.DataFrame] = []
+    printed = printed_map()
+    symmetry = [("printed", math.nan, *row) for row in asymmetries(printed)]
+    for answer in answers.those(PAPER):
+        maps = pressure_maps(answer)
+        for delta, own in maps.items():
+            read = on_printed_nodes(own, printed, HALF)
+            rows.append(_row(answer, delta, HALF, read, printed))
+            symmetry += [("ours", delta, *row) for row in asymmetries(read)]
+            nodes.append(_nodes(delta, read, printed))
+        if DELTA in maps:
+            rows.append(_row(answer, DELTA, LITERAL, on_printed_nodes(maps[DELTA], printed, LITERAL), printed))
+    found = pd.DataFrame(rows, columns=list(COLUMNS))
+    half = found[found["phi_per_label"] == HALF].sort_values("core_rms", kind="stable")
+    return {
+        "tyre_comparison": found.assign(best=found.index.isin(half.index[:1])),
+        "tyre_printed_nodes": pd.concat(nodes) if nodes else pd.DataFrame(columns=list(NODE_COLUMNS)),
+        "tyre_symmetry": pd.DataFrame(symmetry, columns=list(SYMMETRY_COLUMNS)),
+    }
+
+
+def pressure_maps(answer: Answer) -> dict[float, pd.DataFrame]:
+    """Computed pressures by phi (rows) and psi, for each travel; NaN out of contact."""
+    contact = answer.table("contact")
+    angles = {name: contact[f"{name}_deg"].round(ANGLE_DECIMALS) + 0.0 for name in ("psi", "phi")}
+    contact = contact.assign(**angles, pressure=contact["pressure_MPa"].where(contact["active"] == 1))
+    maps = {}
+    for delta in sorted(contact["delta_mm"].unique().tolist()):
+        own = contact[contact["delta_mm"] == delta].pivot(index="phi", columns="psi", values="pressure")
+        maps[delta] = own.sort_index().sort_index(axis=1)
+    return maps
+
+
+def _row(answer: Answer, delta: float, per_label: float, own: pd.DataFrame, printed: pd.DataFrame) -> list[object]:
+    sums = (force(each, per_label, answer.settings) for each in (own, printed))
+    found = compare(own, printed).values()
+    total = answer.value("force_N", delta_mm=delta)
+    return [delta, per_label, False, *found, total, *sums, handedness(own, printed)]
+
+
+def _nodes(delta: float, own: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:
+    long = (each.rename_axis(index="row_label", columns="psi_deg").stack(future_stack=True) for each in (own, printed))
+    columns = dict(zip(NODE_COLUMNS[3:], long, strict=True))
+    return pd.DataFrame(columns).reset_index().assign(delta_mm=delta)[list(NODE_COLUMNS)]
+
+
+def printed_map() -> pd.DataFrame:
+    """The printed table in MPa."""
+    by_label = read_reference(FILE).set_index("row_label").rename(index=float, columns=float) / PRINTED_FACTOR
+    return by_label.sort_index().sort_index(axis=1).rename_axis(columns="psi")
+
+
+def on_printed_nodes(computed: pd.DataFrame, printed: pd.DataFrame, phi_per_label: float) -> pd.DataFrame:
+    """A computed map at the printed places; NaN off the patch and off the mesh."""
+    phi = [round(float(label) * phi_per_label, ANGLE_DECIMALS) + 0.0 for label in printed.index]
+    places = computed.reindex(index=pd.Index(phi), columns=printed.columns)
+    places.index = printed.index
+    return places
+
+
+def core(patch: np.ndarray, depth: int = DEPTH) -> np.ndarray:
+    """The nodes of a patch whose ``depth`` neighbours along both directions, both ways, belong to it, too.
+
+    Outside the table nothing belongs to the patch.
+    """
+    cross = np.zeros((2 * depth + 1, 2 * depth + 1), bool)
+    cross[depth] = cross[:, depth] = True
+    return np.asarray(binary_erosion(patch, cross))
+
+
+def compare(computed: pd.DataFrame, printed: pd.DataFrame) -> dict[str, float]:
+    """Centre pressures [MPa], rms of (computed - printed)/printed over the core, node counts, of the same places.
+
+    core_rms: NaN when no core node touches in ours.  in_one_only: nodes of exactly one patch.  outside: printed entries
+    off the computed patch.
+    """
+    ours, theirs = computed.to_numpy(dtype=float), printed.to_numpy(dtype=float)
+    here, there = ~np.isnan(ours), ~np.isnan(theirs)
+    inside = core(there) & here
+    relative = ours[inside] / theirs[inside] - 1.0
+    middle = (int(np.argmin(np.abs(printed.index))), int(np.argmin(np.abs(printed.columns))))
+    nodes, printed_nodes, both = (int(each.sum()) for each in (here, there, here & there))
+    return {
+        "centre_MPa": float(np.nan_to_num(ours[middle])),
+        "printed_centre_MPa": float(theirs[middle]),
+        "core_rms": float(np.sqrt(np.mean(relative**2))) if inside.any() else math.nan,
+        "core_nodes": int(inside.sum()),
+        "nodes": nodes,
+        "printed_nodes": printed_nodes,
+        "both": both,
+        "in_one_only": nodes + printed_nodes - 2 * both,
+        "outside": printed_nodes - both,
+    }
+
+
+def force(pressures: pd.DataFrame, phi_per_label: float, settings: Mapping[str, Any]) -> float:
+    """Sum of pressures times mid-surface nodal areas [N]: dpsi dphi A1 A2 zeta1 zeta2 of the torus at half thickness.
+
+    The tube's inner face, radius R1 about a circle of radius R0 - R1 [mm], is the reference surface of the tyre.
+    """
+    psi = np.deg2rad(np.asarray(pressures.columns, dtype=float))
+    labels = np.asarray(pressures.index, dtype=float)
+    dpsi, dphi = psi[1] - psi[0], np.deg2rad((labels[1] - labels[0]) * phi_per_label)
+    inner = torus(settings["R0_mm"] - settings["R1_mm"], settings["R1_mm"]).geometry(psi, np.zeros_like(psi))
+    areas = dpsi * dphi * area_factor(inner, 0.5 * settings["plies"] * settings["ply_thickness_mm"])
+    return float(np.sum(np.nan_to_num(pressures.to_numpy(dtype=float)) * areas))
+
+
+def asymmetries(pressures: pd.DataFrame) -> Iterator[tuple[str, float, float]]:
+    """Each image with the largest difference from it [MPa]: blanks as zero pressure, and over pairs that both touch."""
+    p = pressures.to_numpy(dtype=float).T
+    touching, filled = ~np.isnan(p), np.nan_to_num(p)
+    for name, (psi, phi) in IMAGES.items():
+        all_nodes, both = (deviation(filled, only, psi=psi, phi=phi, periodic=False) for only in (None, touching))
+        yield name, all_nodes, both
+
+
+def handedness(computed: pd.DataFrame, printed: pd.DataFrame) -> float:
+    """Correlation of the mirror-odd parts of two maps where both and their mirror images touch.
+
+    Positive when the pressures of both turn the same way, near -1 when one is the mirror image of the other.
+    """
+    odd = [p - p[:, ::-1] for p in (computed.to_numpy(dtype=float), printed.to_numpy(dtype=float))]
+    both = ~np.isnan(odd[0]) & ~np.isnan(odd[1])
+    if both.sum() < 2 or not all(np.ptp(each[both]) > 0 for each in odd):
+        return math.nan
+    return float(np.corrcoef(odd[0][both], odd[1][both])[0, 1])

@@ -1,0 +1,130 @@
+"""What is enough, regime by regime: ``footprint choose`` on scenes of every regime of deformation, to two errors.
+
+Every formulation is compared in the limit of its grids, with the uncertainty of that. What counts as enough is decided
+in :mod:`studies.choosing`; which sentence follows is not known here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from studies.choosing.choice import Choice
+from studies.choosing.choose import choose
+from studies.choosing.offers import Offer
+from studies.request import text_of
+
+ERRORS = (0.05, 0.01)
+SMALL, LARGE, PATCH = "small rotations", "large rotations", "contact"
+OFFER, VARIANT, GRID, ALGORITHM = "offer", "variant", "grid", "algorithm"  # what a row is
+BUDGET, LONG = 60.0, 180.0  # s of wall time; of what has many unknowns
+PROBLEM = ["scene", "settings"]  # the columns that tell problems apart
+COARSE = 0.5  # of the unknowns of the exact measure's finest grid, below which a limit rests on coarse grids
+KEYS = [*PROBLEM, "name"]
+OFFERS = 2  # the one recommended and the runner-up
+COLUMNS = (
+    *("regime", "scene", "settings", "quantity", "limit", "uncertainty", "asked", "row", "axis", "name", "contact"),
+    *("mesh", "unknowns", "formulation_error", "within", "settled", "verdict", "value", "error_at_most", "enough"),
+    *("seconds", "iterations", "tried", "agrees", "said", "command"),
+)
+
+
+@dataclass(frozen=True)
+class Ask:
+    """A quantity of a scene; the first one that it has references for where none is named."""
+
+    regime: str
+    scene: str
+    settings: Mapping[str, str] = field(default_factory=dict)
+    quantity: str | None = None
+    budget: float = BUDGET
+
+
+ASKS = (
+    Ask(SMALL, "scordelis-lo"),
+    Ask(SMALL, "pinched-cylinder", {"shear_correction": "1000"}),
+    Ask(SMALL, "shallow-cap", {}, "limit_load_fraction"),
+    Ask(SMALL, "roof-a", {"until": "limit", "lines": "edges"}, "limit_load_fraction"),
+    Ask(SMALL, "roof-d", {"until": "limit", "lines": "edges"}, "limit_load_fraction"),
+    Ask(LARGE, "cantilever", {"load_fraction": "1"}),
+    Ask(LARGE, "sze-annulus", {"load_fraction": "1", "lines": "edges"}),
+    Ask(LARGE, "hemisphere", {"load_fraction": "1", "lines": "edges"}),
+    Ask(LARGE, "sze-pullout", {"load_fraction": "1"}, "u_B_mm"),
+    Ask(LARGE, "semicylinder", {}, None, LONG),
+    Ask(PATCH, "strip-contact", {"load_fraction": "5"}),
+    Ask(PATCH, "plate-contact", {"load_fraction": "5"}),
+    Ask(PATCH, "ring", {"delta_mm": "50"}),
+    Ask(PATCH, "tyre", {"delta_mm": "5"}, None, LONG),
+    Ask(PATCH, "tyre", {"delta_mm": "20"}, None, LONG),
+)
+
+
+def choices(asks: Iterable[Ask] = ASKS, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
+    """COLUMNS, rows of four kinds for each quantity and error asked for.
+
+    offer: what is recommended, and the runner-up; ``tried``: solved from rest and certified.  variant: a measure, an
+    option of the element or a model, with its formulation_error in the limit of the grids, known to ``within``; the
+    exact measure has none, ``limit`` is its own, known to a part ``uncertainty`` of it.  grid: of the measures, the
+    value with the most that it may be off.  algorithm: from rest on a mesh; ``agrees``: with the default, to the judge.
+    seconds: CPU time, of a path from the grid before in the rows of variants and grids.
+    """
+    rows = list[dict[str, Any]]()
+    for ask in asks:
+        for error in errors:
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = choose(ask.scene, ask.settings, error, ask.budget, ask.quantity)
+            limit = {"limit": np.nan, "uncertainty": np.nan}
+            if found.limit is not None:
+                limit = {"limit": found.limit.limit, "uncertainty": found.limit.uncertainty}
+            settings = " ".join(f"{key}={text_of(value)}" for key, value in ask.settings.items())
+            head = {"regime": ask.regime, "scene": ask.scene, "settings": settings, "quantity": found.quantity, **limit}
+            rows += [{**head, "asked": error, **row} for row in _rows(found)]
+    return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+def smallest(table: pd.DataFrame, row: str, axis: str) -> pd.DataFrame:
+    """The rows of a kind and an axis, each problem's for the smallest error that it has any for; settings as text."""
+    own = table[(table["row"] == row) & (table["axis"] == axis)]
+    own = own.assign(settings=own["settings"].fillna("").astype(str))
+    return own[own["asked"] == own.groupby(PROBLEM)["asked"].transform("min")]
+
+
+def measure_limits(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows of the measures, one a problem and measure: of the smallest error for which its own limit is known.
+
+    coarse: whether its finest grid has less than COARSE of the unknowns of the exact measure's.
+    """
+    table = table.assign(settings=table["settings"].fillna("").astype(str))
+    of_measures = table[table["axis"] == "measure"]
+    own = of_measures[of_measures["row"] == VARIANT]
+    own = own.assign(lost=own["formulation_error"].isna())
+    first = own.sort_values(["lost", "asked"], kind="stable").drop_duplicates(KEYS)
+    grids = of_measures[of_measures["row"] == GRID].groupby([*PROBLEM, "name"], as_index=False)["unknowns"].max()
+    exact = grids[grids["name"] == "exact"].drop(columns="name")
+    finest, most = (first[keys].merge(rows, how="left")["unknowns"] for keys, rows in ((KEYS, grids), (PROBLEM, exact)))
+    return first.assign(coarse=(finest < COARSE * most).to_numpy()).sort_index().drop(columns="lost")
+
+
+def _rows(found: Choice) -> Iterator[dict[str, Any]]:
+    if not found.offers:
+        yield {"row": OFFER, "said": found.reason}
+    yield from ({"row": OFFER, **_offer(offer)} for offer in found.offers[:OFFERS])
+    for each in found.variants:
+        seconds = each.pop("path_seconds")
+        yield {"row": VARIANT, **each, "seconds": seconds}
+    for each in found.grids:
+        seconds = each.pop("path_seconds")
+        yield {"row": GRID, **each, "seconds": seconds}
+    for each in found.trials:
+        names = {"contact": each["name"], "iterations": each["newton_iterations"], "verdict": each["ended"]}
+        yield {"row": ALGORITHM, "axis": ALGORITHM, **each, **names}
+
+
+def _offer(offer: Offer) -> dict[str, Any]:
+    axis, name, contact, mesh = offer.words.split(" ")
+    known = {"error_at_most": offer.error_at_most, "seconds": offer.seconds, "tried": offer.holds}
+    return {"axis": axis, "name": name, "contact": contact, "mesh": mesh, **known, "command": offer.command}

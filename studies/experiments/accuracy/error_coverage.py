@@ -1,0 +1,237 @@
+"""Whether stated errors are honest and worth their price: quantities of all scenes to several errors.
+
+The limit that counts for true is that of uniform grids, each with twice the elements of the one before both ways, far
+beyond where a statement ends: Richardson's for the order 2 of the finest two, uncertain by what it differs from that of
+the two before. A case whose true limit is not known to a third of what is stated, or comes from no finer grid, decides
+nothing and counts apart.
+
+The price of an answer is its CPU time over that of the cheapest grid, solved from rest, that is known to be as good:
+its own error and those of all finer ones of its family are within what was asked. That grid is not known beforehand.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Any
+
+import pandas as pd
+
+from studies.analysis.richardson import correction
+from studies.refinement.cascade import answer, first_grid
+from studies.refinement.error_control import coarsest
+from studies.request import Request
+from studies.result import Result
+from studies.scene import Scene
+from studies.solving import solve
+
+ERRORS = (0.05, 0.01)
+FINEST = 40_000  # unknowns of the grids that count for true; a tenth where one element stands across
+KNOWN = 1 / 3  # of the stated uncertainty, to which the true limit must be known
+
+
+@dataclass(frozen=True)
+class Case:
+    """Quantities of a scene."""
+
+    scene: str
+    quantities: Sequence[str]
+    settings: Mapping[str, str] = field(default_factory=dict)
+
+
+CASES = (
+    Case("cantilever", ("tip_deflection_mm", "tip_shortening_mm")),
+    Case("hemisphere", ("inward_mm", "outward_mm"), {"load_fraction": "0.25"}),
+    Case("hemisphere", ("inward_mm", "outward_mm"), {"load_fraction": "0.25", "interpolation": "isoparametric"}),
+    Case("sze-annulus", ("w_A_mm", "w_B_mm"), {"load_fraction": "0.1"}),
+    Case("sze-moment", ("tip_deflection_mm", "tip_shortening_mm"), {"load_fraction": "0.5"}),
+    Case("sze-pullout", ("w_A_even_mm", "u_B_mm"), {"load_fraction": "0.025"}),
+    Case("sze-pinched", ("w_A_mm",), {"load_fraction": "0.05"}),
+    Case("semicylinder", ("w_A_mm",), {"load_fraction": "0.25"}),
+    Case("semicylinder-0-90-0", ("w_A_mm",), {"load_fraction": "0.25"}),
+    Case("semicylinder-90-0-90", ("w_A_mm",), {"load_fraction": "0.25"}),
+    Case("roof-a", ("limit_load_fraction", "limit_w_C_even_mm"), {"until": "limit"}),
+    Case("roof-b", ("limit_load_fraction",), {"until": "limit"}),
+    Case("roof-c", ("limit_load_fraction",), {"until": "limit"}),
+    Case("roof-d", ("limit_load_fraction",), {"until": "limit"}),
+    Case("roof-e", ("limit_load_fraction",), {"until": "limit"}),
+    Case("roof-f", ("limit_load_fraction",), {"until": "limit"}),
+    Case("shallow-cap", ("limit_load_fraction", "limit_w_apex_mm")),
+    Case("pressurised-cylinder", ("stretch", "thickness_ratio")),
+    Case("pressurised-sphere", ("stretch",)),
+    Case("pressurised-torus", ("N_phi_crown_N_per_mm", "N_theta_outer_N_per_mm", "N_theta_inner_N_per_mm")),
+    Case("scordelis-lo", ("edge_deflection_mm",)),
+    Case("scordelis-lo", ("edge_deflection_mm",), {"interpolation": "isoparametric"}),
+    Case("pinched-cylinder", ("deflection_mm",)),
+    Case("pagano", ("w_bar", "sigma_x_bar", "tau_xz_bar"), {"S": "10"}),
+    Case("pagano", ("w_bar", "sigma_x_bar"), {"S": "100"}),
+    Case("strip-contact", ("half_force", "free_length", "edge_pressure")),
+    Case("heavy-strip", ("lift_force", "free_length")),
+    Case("plate-contact", ("contact_force", "contact_radius")),
+    Case("ring", ("P_R2_over_EI", "P_H2_over_EI"), {"delta_mm": "35"}),
+    Case("tyre", ("force_N", "centre_pressure_MPa", "half_length_mm"), {"delta_mm": "10"}),
+    Case("tyre", ("force_N",), {"delta_mm": "20"}),
+    Case("tyre", ("force_N",), {"delta_mm": "20", "element": "paper"}),
+    Case("tyre", ("force_N",), {"delta_mm": "10", "E_MPa": "20", "nu": "0.45"}),
+    # loads and settings that no default names
+    Case("cantilever", ("tip_deflection_mm", "tip_shortening_mm"), {"load_fraction": "0.37"}),
+    Case("hemisphere", ("inward_mm", "outward_mm"), {"load_fraction": "0.63"}),
+    Case("sze-annulus", ("w_A_mm", "w_B_mm"), {"load_fraction": "0.17"}),
+    Case("sze-moment", ("tip_deflection_mm", "tip_shortening_mm"), {"load_fraction": "0.31"}),
+    Case("sze-pullout", ("w_A_even_mm", "u_B_mm"), {"load_fraction": "0.08"}),
+    Case("sze-pinched", ("w_A_mm",), {"load_fraction": "0.033"}),
+    Case("semicylinder", ("w_A_mm",), {"load_fraction": "0.13"}),
+    Case("pressurised-cylinder", ("stretch", "thickness_ratio"), {"load_fraction": "0.6", "ends": "open"}),
+    Case("pressurised-sphere", ("stretch", "thickness_ratio"), {"load_fraction": "0.45"}),
+    Case("pagano", ("w_bar", "sigma_x_bar", "tau_xz_bar"), {"S": "27"}),
+    Case("strip-contact", ("half_force", "free_length"), {"load_fraction": "3.3", "lam_over_a": "0.15"}),
+    Case("heavy-strip", ("lift_force", "free_length"), {"load_fraction": "0.7"}),
+    Case("plate-contact", ("contact_force",), {"load_fraction": "2.7"}),
+    Case("ring", ("P_R2_over_EI", "P_H2_over_EI"), {"delta_mm": "17"}),
+    Case("tyre", ("force_N", "centre_pressure_MPa"), {"delta_mm": "13", "p0_MPa": "0.2"}),
+    Case("tyre", ("force_N",), {"delta_mm": "16", "gamma_deg": "40"}),
+    Case("tyre", ("force_N",), {"delta_mm": "12", "load": "follower"}),
+)
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The limit of uniform grids, what it is known to a part of, and the unknowns of the finest of them."""
+
+    limit: float
+    known: float
+    unknowns: int
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A grid solved from rest; seconds of CPU time."""
+
+    unknowns: int
+    seconds: float
+    quantities: Mapping[str, float]
+
+
+def error_coverage(
+    cases: Iterable[Case] = CASES, errors: Sequence[float] = ERRORS, finest: float = FINEST
+) -> pd.DataFrame:
+    """One row a case, quantity and error: what is stated, what counts for true, and what both cost.
+
+    low, high: what is stated of the relative error of the value on the last grid; value_error: that error, against
+    the limit ``true`` of other grids, ``known`` to a part of it.  stated, uncertainty: the limit and what is stated of
+    it; off: how far the two limits are apart.  value_inside, inside: whether they are as stated; value_decided,
+    decided: whether the true limit is known well enough to say so, or they are not, whatever it is.  seconds: CPU time
+    of the answer; cheapest_s: of the cheapest grid as good, NaN where none is known; cost: the one over the other.
+    """
+    rows: list[dict[str, object]] = []
+    for case in cases:
+        uniform = uniform_grids(case, finest)
+        truths = {quantity: truth for quantity in case.quantities if (truth := limit_of_grids(uniform, quantity))}
+        scene, request = first_grid(case.scene, case.settings)
+        family: dict[tuple[int, int], Grid] = {}
+        for quantity in case.quantities:
+            for error in errors:
+                start = time.process_time()
+                result, known = answer(scene, request, error, quantity)
+                seconds, truth = time.process_time() - start, truths.get(quantity)
+                family |= {mesh: _cold(scene, replace(request, mesh=mesh)) for mesh in _meshes(result) - set(family)}
+                least = min(cheapest(grids, quantity, error, truth) for grids in (uniform, list(family.values())))
+                least = least if math.isfinite(least) else math.nan
+                price = {"seconds": seconds, "cheapest_s": least, "cost": seconds / least}
+                row = _row(case, quantity, error, result, known=known) | price
+                rows.append(row | (_against(row, truth) if truth is not None else {}))
+    return pd.DataFrame(rows)
+
+
+def uniform_grids(case: Case, finest: float = FINEST) -> list[Grid]:
+    """Coarse to fine, those that carry the load."""
+    scene, request = coarsest(case.scene, case.settings)
+    most = finest if min(request.mesh) > 1 else finest / 10
+    found = list[Grid]()
+    for times in range(10):
+        n1, n2 = (n * 2**times if n > 1 else 1 for n in request.mesh)
+        grid = _cold(scene, replace(request, mesh=(n1, n2)))
+        if grid.quantities:
+            found.append(grid)
+        if 4 * grid.unknowns > most:
+            break
+    return found
+
+
+def limit_of_grids(grids: Sequence[Grid], quantity: str) -> Truth | None:
+    """What uniform grids say of a quantity; None where fewer than three have it."""
+    seen = [grid.quantities[quantity] for grid in grids if quantity in grid.quantities]
+    if len(seen) < 3:
+        return None
+    before, limit = (pair[1] + correction((2.0, 1.0), pair) for pair in pairwise(seen[-3:]))
+    return Truth(limit, abs(limit - before) / abs(limit), grids[-1].unknowns)
+
+
+def cheapest(grids: Sequence[Grid], quantity: str, error: float, truth: Truth | None) -> float:
+    """CPU seconds of the cheapest of a family's grids that has the quantity to an error, as all finer ones have.
+
+    What the truth is not known to counts as error. Infinite where there is none, or no truth.
+    """
+    if truth is None:
+        return math.inf
+    seconds = math.inf
+    for grid in sorted(grids, key=lambda each: -each.unknowns):
+        off = abs(grid.quantities.get(quantity, math.nan) / truth.limit - 1)
+        if not off + truth.known <= error:
+            break
+        seconds = min(seconds, grid.seconds)
+    return seconds
+
+
+def _cold(scene: Scene, request: Request) -> Grid:
+    result = solve(scene, request)
+    quantities = result.quantities if result.outcome.converged else {}
+    return Grid(int(result.counters["dofs"]), result.timing["cpu"], quantities)
+
+
+def _meshes(result: Result) -> set[tuple[int, int]]:
+    """Of the cascade of an answer; none where grids were cut locally."""
+    rows = result.table("refinement").rows() if "refinement" in result.tables else []
+    sides = [str(row["mesh"]).split("x") for row in rows if "mesh" in row]
+    return {(int(n1), int(n2)) for n1, n2 in sides}
+
+
+def _row(case: Case, quantity: str, error: float, result: Result, *, known: bool) -> dict[str, object]:
+    """What was asked for, and what was stated."""
+    told = result.quantities
+    row: dict[str, object] = {
+        "scene": case.scene,
+        "settings": " ".join(f"{key}={value}" for key, value in case.settings.items()),
+        "quantity": quantity,
+        "asked": error,
+        "reached": known,
+        "reason": "" if known else result.reason,
+        "unknowns": int(result.counters["dofs"]),
+    }
+    if "uncertainty" not in told:
+        return row
+    stated = {"stated": f"extrapolated_{quantity}", "low": "error_low", "high": "error_high"}
+    known_to = {name: told[key] for name, key in stated.items()} | {"uncertainty": told["uncertainty"]}
+    return row | {"value": told[quantity]} | known_to
+
+
+def _against(row: Mapping[str, Any], truth: Truth) -> dict[str, object]:
+    """What is stated, beside the truth."""
+    found: dict[str, object] = {"true": truth.limit, "known": truth.known}
+    if "stated" not in row:
+        return found
+    known, coarser = truth.known, row["unknowns"] < truth.unknowns
+    off, error = abs(row["stated"] / truth.limit - 1), abs(row["value"] / truth.limit - 1)
+    inside = off <= row["uncertainty"] + known
+    value_inside = row["low"] - known <= error <= row["high"] + known
+    return found | {
+        "value_error": error,
+        "value_decided": coarser and (known <= KNOWN * (row["high"] - row["low"]) or not value_inside),
+        "value_inside": value_inside,
+        "off": off,
+        "decided": coarser and (known <= KNOWN * row["uncertainty"] or not inside),
+        "inside": inside,
+    }

@@ -1,0 +1,120 @@
+"""The ledger of claims: how a verdict follows from an interval, and that every claim can be judged, or says why not."""
+
+from __future__ import annotations
+
+import math
+import re
+import shlex
+from inspect import signature
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from studies.analysis.claims import contact, elements, measures, tyre
+from studies.analysis.claims.ledger import CLAIMS, claims_table
+from studies.analysis.claims.record import CONFIRMED, QUALIFIED, REFUTED, UNTESTED, always, banded, counted
+from studies.cli import _parser
+from studies.store.atomic import write_table
+
+
+@pytest.mark.parametrize(
+    ("interval", "status"),
+    [((0.99, 1.01), CONFIRMED), ((1.05, 1.2), QUALIFIED), ((1.11, 1.2), REFUTED), ((0.5, 0.89), REFUTED)],
+)
+def test_a_verdict_is_where_the_interval_lies(interval: tuple[float, float], status: str) -> None:
+    assert banded(interval, (0.9, 1.1), "", "", 1).status == status
+
+
+def test_tendencies_and_laws() -> None:
+    """A tendency stands with half of its problems; a law falls with one."""
+    assert [counted(right, 4, "").status for right in (4, 3, 2, 1, 0)] == [CONFIRMED, *[QUALIFIED] * 2, *[REFUTED] * 2]
+    assert [always(broken, 4, "").status for broken in (0, 1)] == [CONFIRMED, REFUTED]
+
+
+def test_an_empty_store_tests_nothing(tmp_path: Path) -> None:
+    found = claims_table(tmp_path, "none")["claims"]
+    assert set(found["status"]) == {UNTESTED}
+    assert len(found) == len(CLAIMS) >= 40
+    assert found["claim"].is_unique
+    assert (found[["sentence", "source", "regime"]] != "").all(axis=None)
+
+
+def test_a_missing_table_leaves_its_claims_untested_alone(tmp_path: Path) -> None:
+    row = {"problem": "3x3", "plain_period": 3, "semismooth": "converged, cycle detected"}
+    (tmp_path / "tables").mkdir()
+    write_table(tmp_path / "tables" / "cycles.csv", pd.DataFrame([row, {**row, "plain_period": 0}]))
+    found = claims_table(tmp_path, "none")["claims"].set_index("claim")
+    assert set(found.index[found["status"] != UNTESTED]) == {"no-cycles", "any-start"}
+    assert found.loc["no-cycles", "measured"] == "the textbook's set cycles on 1 of 2 published problems"
+    assert found.loc["any-start", "high"] == 1.0
+
+
+@pytest.mark.parametrize("claim", [each for each in CLAIMS if each.command], ids=lambda each: each.name)
+def test_commands_can_be_typed(claim: object) -> None:
+    words = shlex.split(claim.command)
+    assert words.pop(0) == "footprint"
+    _parser(words).parse_args(words)
+
+
+def test_judges_read_tables_that_a_campaign_writes() -> None:
+    """A name that nobody writes would leave a claim untested for ever."""
+    written = Path("studies").rglob("*.py")
+    known = set().union(
+        *(re.findall(r'"([a-z0-9_]+)"', path.read_text()) for path in written if "claims" not in str(path))
+    )
+    asked = {name for claim in CLAIMS if claim.judge for name in signature(claim.judge).parameters}
+    assert asked <= known
+
+
+# --- judges on tables whose verdict is known --------------------------------------------------------------------
+
+
+def budget(change: float, within: float, changed: str = "linear", delta: float = 20.0) -> pd.DataFrame:
+    return pd.DataFrame([{"changed": changed, "delta_mm": delta, "change": change, "within": within}])
+
+
+def judged(name: str, *tables: pd.DataFrame) -> object:
+    (claim,) = [each for each in CLAIMS if each.name == name]
+    return claim.judge(*tables)
+
+
+@pytest.mark.parametrize(
+    ("change", "within", "status"), [(1.0, 0.05, CONFIRMED), (0.8, 0.2, QUALIFIED), (0.35, 0.05, REFUTED)]
+)
+def test_twice_the_force(change: float, within: float, status: str) -> None:
+    found = judged("linear-doubles", budget(change, within))
+    assert (found.status, found.low) == (status, pytest.approx(1 + change - within))
+
+
+def test_the_force_of_another_travel_is_no_evidence() -> None:
+    assert judged("linear-doubles", budget(1.0, 0.05, delta=5.0)) is None
+    assert judged("full-law", budget(0.0, 0.001)) is None
+
+
+def test_a_crossing_is_no_convergence() -> None:
+    """Errors of 0.5, 2 and 0.4 %: the first grid is followed by one that is beyond 1 %, the last is not."""
+    rows = [
+        {"family": "uniform", "element": "refined", "unknowns": n, "error": e}
+        for n, e in enumerate((5e-3, -2e-2, 4e-3))
+    ]
+    found = judged("one-grid", pd.DataFrame(rows))
+    assert (found.status, found.problems, found.low) == (REFUTED, 2, 0.5)
+    assert judged("finer-is-better", pd.DataFrame(rows)).measured.count("1 of 2") == 1
+
+
+def test_a_measure_is_surely_within_or_not() -> None:
+    """An error of 4 ± 2 % is not surely within 5 %, and what has no limit does not count."""
+    row = {"row": "variant", "axis": "measure", "name": "donnell", "regime": "contact", "settings": "", "asked": 0.01}
+    errors = {"ring": (0.04, 0.02), "scordelis-lo": (0.01, 0.01), "semicylinder": (math.nan, math.nan)}
+    rows = [
+        {**row, "scene": scene, "unknowns": 9.0, "quantity": "q", "formulation_error": e, "within": w}
+        for scene, (e, w) in errors.items()
+    ]
+    found = judged("donnell-cylinders", pd.DataFrame(rows))
+    assert (found.status, found.problems, found.low) == (QUALIFIED, 2, 0.5)
+
+
+def test_all_subjects_are_in_the_ledger() -> None:
+    for subject in (contact, elements, measures, tyre):
+        assert set(subject.claim.made) <= set(CLAIMS)

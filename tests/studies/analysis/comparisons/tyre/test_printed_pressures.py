@@ -1,0 +1,91 @@
+"""The printed patch beside a computed one: counts, cores, sums of pressures and images, by hand."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.analysis.comparisons.tyre.printed_pressures import (
+    HALF,
+    LITERAL,
+    asymmetries,
+    compare,
+    core,
+    force,
+    printed_map,
+)
+from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
+
+TYRE_SETTINGS = {"R1_mm": 50.0, "R0_mm": 250.0, "plies": 4, "ply_thickness_mm": 1.2}
+
+
+def hand_made() -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Printed: 7 x 7 of 1 MPa without a corner; ours: 1.1 MPa without a core node and without row 15."""
+    angles = np.arange(-15.0, 16.0, 5.0)
+    printed = pd.DataFrame(1.0, index=pd.Index(angles), columns=pd.Index(angles))
+    ours = 1.1 * printed
+    printed.iloc[0, 0] = np.nan
+    ours.iloc[2, 2] = np.nan
+    ours.iloc[6] = np.nan
+    return ours, printed
+
+
+def test_comparison_of_two_patches_by_hand() -> None:
+    ours, printed = hand_made()
+    c = compare(ours, printed)
+    assert (c["printed_nodes"], c["nodes"], c["both"]) == (48, 41, 40)
+    assert (c["in_one_only"], c["outside"]) == (9, 8)
+    assert c["core_nodes"] == 8  # 3 x 3 in the middle of 7 x 7, less the one that is not in ours
+    assert c["core_rms"] == pytest.approx(0.1, rel=1e-12)
+    assert (c["centre_MPa"], c["printed_centre_MPa"]) == (1.1, 1.0)
+
+
+def test_core_keeps_its_distance_along_both_directions() -> None:
+    patch = np.ones((7, 7), bool)
+    assert core(patch).sum() == 9
+    patch[3, 0] = False
+    assert core(patch).sum() == 8
+    assert not core(patch)[3, 2]
+    assert core(patch)[2, 2]
+    assert core(np.ones((4, 9), bool)).sum() == 0
+
+
+def test_force_is_pressure_times_mid_surface_area() -> None:
+    _, printed = hand_made()
+    psi = np.deg2rad(np.asarray(printed.columns, dtype=float))
+    r = 200.0 + 52.4 * np.cos(psi)  # mid-surface, 2.4 mm outside the inner face
+    areas = np.deg2rad(5.0) * np.deg2rad(2.5) * 52.4 * r
+    expected = 7 * areas.sum() - areas[0]  # one corner is blank
+    assert force(printed, HALF, TYRE_SETTINGS) == pytest.approx(expected, rel=1e-12)
+
+
+def test_symmetries_of_the_printed_table() -> None:
+    printed = printed_map()
+    central, *mirrors = (row[1:] for row in asymmetries(printed))
+    assert central == (0.0, 0.0)
+    for mirror in mirrors:
+        assert mirror == pytest.approx((0.039, 0.039), abs=1e-12)
+    patch = printed.notna().to_numpy()
+    assert patch.sum() == 277
+    assert np.array_equal(patch, patch[::-1, ::-1])
+    assert force(printed, LITERAL, TYRE_SETTINGS) == pytest.approx(2 * force(printed, HALF, TYRE_SETTINGS))
+
+
+def test_asymmetry_counts_blanks_as_zero_or_leaves_them_out() -> None:
+    p = pd.DataFrame([[np.nan, 2.0, 3.0], [1.0, 2.0, 1.5]], index=[-1.0, 1.0], columns=[-1.0, 0.0, 1.0])
+    found = {name: own for name, *own in asymmetries(p)}
+    assert found["mirror: p(psi, phi) - p(-psi, phi)"] == [3.0, 0.5]
+
+
+def test_images_of_a_periodic_map() -> None:
+    """psi odd, phi odd, and their product, which only the half turn keeps."""
+    psi, phi = np.meshgrid([-1.0, 0.0, 1.0], [-2.0, -1.0, 0.0, 1.0], indexing="ij")
+    touching = np.ones_like(psi, bool)
+    touching[0, 1] = False
+    p = 5 + np.sin(np.pi * phi / 2) * psi
+    assert central_asymmetry(p) == pytest.approx(0, abs=1e-14)
+    assert mirror_asymmetry(p) == mirror_asymmetry(p, touching) == pytest.approx(2)
+    lone = np.zeros_like(psi)
+    lone[0, 1] = 3.0
+    assert (mirror_asymmetry(lone), mirror_asymmetry(lone, touching), central_asymmetry(lone)) == (3.0, 0.0, 3.0)

@@ -1,0 +1,104 @@
+"""Sentences from choices: limits of meshes, and not settled where an interval is wider than the difference."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.analysis.statements.choices import (
+    REQUEST,
+    Judged,
+    algorithm,
+    by_regime,
+    cheapest,
+    cost,
+    finest_trials,
+    tyre,
+)
+from studies.analysis.statements.record import Statement
+from support.stores.answers import choices
+
+
+@pytest.fixture
+def table() -> pd.DataFrame:
+    return choices()
+
+
+def filled(found: Statement) -> str:
+    return found.text.format(**found.values)
+
+
+def test_a_measure_is_within_beyond_or_not_settled() -> None:
+    rows = [("close", 0.01, 0.01), ("close", 0.04, 0.009), ("far", 0.2, 0.1), ("far", 0.01, 0.0)]
+    rows += [("wide", 0.04, 0.02), ("lost", np.nan, np.nan)]
+    found = Judged.of(pd.DataFrame(rows, columns=["name", "formulation_error", "within"]).assign(scene="ring"))
+    assert asdict(found) == {
+        "where": {"far": "ring"},
+        "within": ["close"],
+        "beyond": ["far"],
+        "open": ["wide", "lost"],
+    }
+
+
+def test_a_regime_says_what_is_not_settled(table: pd.DataFrame) -> None:
+    found = {each.name: filled(each) for each in by_regime(table)}
+    assert set(found) == {"measures-small", "measures-large", "measures-contact"}
+    assert (
+        "within 5% of the exact measure on all: none; beyond it: `donnell` (on tyre); not settled: `sanders`"
+        in (found["measures-contact"])
+    )
+    assert "Linear strains err by 40.0% to 40.0%" in found["measures-contact"]
+
+
+def test_a_difference_on_one_mesh_is_no_error_of_a_measure(table: pd.DataFrame) -> None:
+    """The values on grids may be anything: what is said rests on limits."""
+    grids = table["row"] == "grid"
+    moved = table.assign(value=table["value"].where(~grids, 99.0))
+    assert [filled(each) for each in by_regime(moved)] == [filled(each) for each in by_regime(table)]
+
+
+def test_the_tyre_has_intervals(table: pd.DataFrame) -> None:
+    (found,) = tyre(table)
+    assert "`linear` (+40.0% ± 0.1%)" in filled(found)
+    assert "not settled: `sanders`" in filled(found)
+
+
+def test_operations_are_compared_of_the_same_request() -> None:
+    """A pair differs in its measure alone: another mesh, or what did not converge, is no pair."""
+    names = dict.fromkeys(REQUEST, "x")
+    rows = [("exact", "8x8", 100), ("donnell", "8x8", 200), ("linear", "8x8", 50), ("linear", "16x16", 9)]
+    table = pd.DataFrame([{**names, "measure": m, "mesh": n, "operations": k} for m, n, k in rows])
+    cells = table.assign(label="sweep x", outcome="converged")
+    lost = cells.iloc[:1].assign(mesh="16x16", outcome="not-converged")
+    (found,) = cost(pd.concat([cells, lost], ignore_index=True))
+    assert (found.values["high"], found.values["linear"], found.values["both"]) == (2.0, 0.5, 2.0)
+    assert list(cost(cells.drop(columns="operations"))) == []
+
+
+def test_what_one_per_cent_costs_is_that_of_what_is_recommended(table: pd.DataFrame) -> None:
+    measure, price = cheapest(table)
+    assert filled(measure).startswith("Of 10 questions, a problem to 5 % or 1 % each, 10 are answered; with the exact")
+    assert price.values["middle"] == pytest.approx(5.0)
+    none = table.assign(mesh=table["mesh"].where(table["row"] != "offer"))
+    assert list(cheapest(none)) == []
+
+
+def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) -> None:
+    summary = pd.DataFrame(
+        [
+            {"algorithm": "semismooth", "default": "semismooth", "solved_share": 1.0, "problems": 9, "path_ends": 0}
+            | {"scenes": 2, "refused": 0}
+        ]
+    )
+    (found,) = algorithm(summary, table)
+    assert "Take `semismooth`: it converges on 100%" in filled(found)
+    assert "`lcp` on 2 of 2 at 0.9 times; `qp` on 0 of 2" in filled(found)
+    other = table.assign(agrees=table["agrees"].where(table["name"] != "lcp", False))
+    found = finest_trials(other).drop_duplicates("name").set_index("name")
+    assert found["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
+    assert found["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
+    (said,) = algorithm(summary, other)
+    assert "`lcp` on 2 of 2 at 0.9 times (2 with the penetration of its law)" in filled(said)
