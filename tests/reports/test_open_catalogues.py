@@ -41,6 +41,7 @@ EXTENDED = (  # tables in which a measure or an algorithm has rows of its own
         "greco_plate",
     ),
     "choices",
+    "measure_limits",
 )
 Names = tuple[str, ...]
 

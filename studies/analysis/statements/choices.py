@@ -135,8 +135,8 @@ def cheapest(choices: pd.DataFrame) -> Iterator[Statement]:
     values |= {"count": float(sum(others.values()))}
     values |= {"errors": " or ".join(f"{100 * error:g} %" for error in asked["asked"].drop_duplicates())}
     text = (
-        "Of {asked:.0f} questions, a problem to {errors} each, {answered:.0f} are answered; the cheapest answer takes the "
-        "exact measure in {exact:.0f}"
+        "Of {asked:.0f} questions, a problem to {errors} each, {answered:.0f} are answered; the cheapest answer takes "
+        "the exact measure in {exact:.0f}"
     )
     text += " and another one in {count:.0f} ({others})." if others else "."
     scope = "the cheapest configuration that is surely within the error and certified from rest; a tie is for the exact"

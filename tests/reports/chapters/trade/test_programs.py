@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from reports.chapters.trade.programs import agreements, programs_page
+from reports.figures.drawing import drawn
 from reports.store.tables import load_store
 from studies.analysis.comparisons.program_agreement import agreement
 from studies.store.atomic import write_table
@@ -60,4 +61,7 @@ def test_peers_are_shown_where_they_were_measured(own_store: Path) -> None:
     found = row(page.text, "| hemisphere | `kratos` | thick | 1 % |")
     assert found[4:] == ["20x20", "2646", "-0.34 %", "8.00", "40.0", "40.0", "+0.62 %"]
     assert row(page.text, "| hemisphere | `kratos` | thin | 1 % |")[4:10] == ["–"] * 6
-    assert "hemisphere" in page.pictures["cost-peers.svg"]()
+    with drawn() as figures:
+        page.pictures["cost-peers.svg"]()
+    (figure,) = figures
+    assert [axes.get_title() for axes in figure.axes if axes.get_visible()] == ["hemisphere"]
