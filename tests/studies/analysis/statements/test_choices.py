@@ -80,7 +80,7 @@ def test_operations_are_compared_of_the_same_request() -> None:
 
 def test_what_one_per_cent_costs_is_that_of_what_is_recommended(table: pd.DataFrame) -> None:
     measure, price = cheapest(table)
-    assert filled(measure).startswith("Of 10 questions, a problem to 5 % or 1 % each, 10 are answered; with the exact")
+    assert filled(measure).startswith("Of 10 questions, a problem to 5 % or 1 % each, 10 are answered; the cheapest")
     assert price.values["middle"] == pytest.approx(5.0)
     none = table.assign(mesh=table["mesh"].where(table["row"] != "offer"))
     assert list(cheapest(none)) == []
