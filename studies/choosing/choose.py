@@ -8,6 +8,7 @@ left; last the cheapest of all that is enough, as its command line asks for it.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from studies.choosing.choice import Choice
@@ -66,6 +67,24 @@ def choose(
             found.reason = f"nothing is surely within {100 * error:g} % on grids up to {mesh_of(cascade.last)}"
     found.seconds = clock.spent
     return found
+
+
+def loosened(found: Choice, error: float, progress: Callable[[str], None] = lambda text: None) -> Choice:
+    """What the same grids say of a larger error; its own recommendation is solved from rest, within the same budget.
+
+    Algorithms are not tried again. Raises ValueError where no limit is known, or the error is smaller.
+    """
+    if found.limit is None or error < found.question.error:
+        raise ValueError(f"of {found.question.name} nothing is known to {100 * found.question.error:g} %")
+    question, reference = replace(found.question, error=error), found.verdicts[0].ladder
+    verdicts = [judged(each.ladder, reference, found.limit, found.quantity, error) for each in found.verdicts]
+    clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
+    held = recommended(offers, found.quantity, found.limit, clock, progress)
+    refused = [offer for offer in offers if not offer.holds and not offer.untried]
+    reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {mesh_of(reference.paths[-1])}"
+    answer = replace(found, question=question, verdicts=verdicts, algorithms=[], reason=reason)
+    answer.offers, answer.refused, answer.seconds = held, refused, clock.spent
+    return answer
 
 
 def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, progress: Callable[[str], None]) -> None:

@@ -44,12 +44,17 @@ class Ladder:
         except (UsageError, PartError) as error:
             found, self.said = None, str(error)
         if found is not None:
+            self.rest()
             self.paths.append(found)
             self.lost = 0
             return
         self.lost += 1
         if self.lost >= FAILURES and not self.said:
             self.said = f"its path is not followed to its end on {mesh_of(beside)}"
+
+    def rest(self) -> None:
+        """Keep of the last path its values alone: nothing is started from it any more."""
+        self.paths[-1:] = [path.values_only for path in self.paths[-1:]]
 
     @property
     def turn(self) -> int:
@@ -115,6 +120,7 @@ def climb_all(
         ladder = min(open_, key=turn)
         path = ladder.next_of(along)
         if path is None or ladder.said:
+            ladder.rest()
             open_.remove(ladder)
         elif not clock.fits(ladder.foreseen(along, ladder.begun(along))):
             ladder.waits = mesh_of(path)

@@ -47,6 +47,7 @@ ALMOST = 1.2  # of the unknowns of the next grid, up to which it is foreseen to 
 SLOW = 1.5  # the lowest order that a cascade is foreseen to have
 TOO_FINE = 0.4  # size of elements over that of the first grid, below which a path that fails is not tried again
 ENOUGH = 2  # grids that show what quantities there are
+STARTS = 2  # first grids from which paths of other measures and elements may start
 
 
 @dataclass
@@ -64,7 +65,7 @@ class Cascade:
         found = sketch(self.scene, asked, self.grids[-1] if self.grids else None, loose)
         if found is not None:
             self.quantity = self.quantity or default_quantity(self.scene, found.quantities)
-            self.grids.append(found)
+            self._append(found)
         return found is not None
 
     def solved(self, asked: Request, progress: Callable[[str], None]) -> Result | None:
@@ -72,8 +73,14 @@ class Cascade:
         result = solve_from(self.scene, asked, self.last, progress)
         if not result.outcome.converged:
             return None
-        self.grids.append(Sketch.of(result))
+        self._append(Sketch.of(result))
         return result
+
+    def _append(self, path: Sketch) -> None:
+        """The states of the first grids stay, where others may start from; those of finer ones until the next."""
+        if len(self.grids) > STARTS:
+            self.grids[-1] = self.grids[-1].values_only
+        self.grids.append(path)
 
     @property
     def name(self) -> str:
@@ -103,7 +110,7 @@ class Cascade:
             {
                 "quantity": self.name,
                 "mesh": "{}x{}".format(*each.request.mesh),
-                "unknowns": each.model.n_unknowns,
+                "unknowns": each.unknowns,
                 "value": each.quantities.get(self.name),
                 "seconds": each.seconds,
             }
@@ -194,10 +201,10 @@ def answer(
                 if found.uncertainty <= error:
                     break
             last, more = cascade.last, _more(widths, error, ways(request))
-            if math.isinf(budget) and last.model.n_unknowns * more > MOST:
+            if math.isinf(budget) and last.unknowns * more > MOST:
                 break
             spent = time.process_time() - start
-            late = spent + DEARER * last.seconds > budget or last.model.n_unknowns > MOST
+            late = spent + DEARER * last.seconds > budget or last.unknowns > MOST
         asked = near(scene, asked, FINER)
     known = isinstance(found, Estimate) and (found.uncertainty <= error or late)
     if not known and not late and not (cascade.grids and isinstance(scene, RefinedScene)):

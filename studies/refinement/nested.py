@@ -48,12 +48,14 @@ class AdaptedScene(Protocol):
 class Sketch:
     """A path on a coarser grid: the requested points, what is read off them, and the CPU time.
 
-    loads: a row a requested load, or the last point of a curve.  quantities: the headline values.  strayed: the largest
-    distance of a state from its start on a coarser grid, over its step; 0 where no step had one.
+    model, visits: none where only the values are kept.  loads: a row a requested load, or the last point of a curve.
+    quantities: the headline values.  strayed: the largest distance of a state from its start on a coarser grid, over
+    its step; 0 where no step had one.
     """
 
     request: Request
-    model: ShellSceneModel
+    unknowns: int
+    model: ShellSceneModel | None
     visits: Sequence[Visited]
     loads: Sequence[dict[str, Any]]
     quantities: dict[str, float]
@@ -65,7 +67,13 @@ class Sketch:
         """A path that was solved to its last load, with all that it cost."""
         assert isinstance(result.model, ShellSceneModel)
         loads, seconds = [step.seen for step in result.loads], result.timing["cpu"]
-        return cls(result.request, result.model, result.visits, loads, result.quantities, seconds)
+        unknowns = result.model.n_unknowns
+        return cls(result.request, unknowns, result.model, result.visits, loads, result.quantities, seconds)
+
+    @property
+    def values_only(self) -> Sketch:
+        """Without the states, kilobytes an unknown: from here no path is started any more."""
+        return replace(self, model=None, visits=())
 
     @property
     def end(self) -> Visited:
@@ -142,7 +150,8 @@ def _sketched(scene: Scene, request: Request, coarser: Sketch | None, loose: flo
     if not loads:
         return None
     strayed = max(map(given.strayed, visits))
-    return Sketch(request, model, visits, loads, quantities, time.process_time() - start, strayed)
+    seconds = time.process_time() - start
+    return Sketch(request, model.n_unknowns, model, visits, loads, quantities, seconds, strayed)
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +186,9 @@ class Given:
 
 def starts_of(known: Sketch, model: SceneModel) -> Callable[[Stage], Starts]:
     """Where the steps of a model set out from: the path that is known, unless its own starts were as far from it."""
-    return no_starts if known.strayed >= FAR else starts_from(known.visits, known.model, model)
+    if known.model is None or known.strayed >= FAR:
+        return no_starts
+    return starts_from(known.visits, known.model, model)
 
 
 def quarter(scene: Scene) -> tuple[int, int]:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from math import prod
-
 from reports.chapter import Chapter
 from reports.chapters.arena.page import arena_part
 from reports.chapters.contact.agreement import agreement_part
+from reports.chapters.contact.costs import costs_part
 from reports.chapters.contact.penalty import penalty_part
-from reports.chapters.overview.decision import PROBLEM, choices_of, problem
-from reports.formats import NOTHING, code, digits, scientific, share
+from reports.formats import scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
 from reports.store.tables import Store
 
@@ -20,7 +18,7 @@ WHEN_NOT = (  # what, when not, and why
     (
         "`semismooth`",
         "alone on an indefinite tangent",
-        "pivots need not settle its cycles ([arena](#the-arena-public-solvers-on-frozen-problems))",
+        "pivots need not settle its cycles",
     ),
     ("`trial-and-error`", "on fine meshes", "every set is solved to the end, and patches of more nodes take more sets"),
     ("`regularised`", "where contact or friction must be exact", "the wall penetrates by p/ε"),
@@ -31,7 +29,11 @@ WHEN_NOT = (  # what, when not, and why
     ),
     ("`qp`", "with follower loads or non-symmetric sections", "without an energy it refuses"),
     ("`lcp`", "where thousands of nodes change at once", "it pivots on a dense system of the misplaced candidates"),
-    ("OSQP alone", "without a judge", "its tolerance is no bound on displacements"),
+    (
+        "OSQP alone",
+        "without a judge",
+        "its tolerance is no bound on displacements; ask for 1e-8 with polishing, in scaled units",
+    ),
 )
 
 
@@ -45,45 +47,6 @@ linear problems, with public solvers beside ours, [below](#the-arena-public-solv
 [has a page of its own](friction.md).""")
     parts = (agreement_part, costs_part, claims_part, cycles_part, penalty_part, when_not_part, known_part, arena_part)
     return joined(introduction, *(part(store) for part in parts))
-
-
-def costs_part(store: Store) -> Part:
-    """What they cost, under its heading."""
-    shown = costs_table(store)
-    return joined("## What do they cost?", shown) if shown.text else shown
-
-
-def costs_table(store: Store) -> Part:
-    """Seconds and iterations by algorithm, problem and mesh; each mesh once."""
-    data = choices_of(store)
-    own = data[data["row"] == "algorithm"] if len(data) else data
-    if own.empty:
-        return Part("")
-    errors = " and of ".join(share(error, 0) for error in sorted(own["asked"].unique(), reverse=True))
-    own = own.drop_duplicates([*PROBLEM, "mesh", "name"], keep="last")
-    own = own.assign(elements=[prod(map(int, mesh.split("x"))) for mesh in own["mesh"]])
-    names = sorted(dict.fromkeys(own["name"]), key=lambda name: name != USUAL)
-    rows = []
-    for _, solved in own.groupby(PROBLEM, sort=False):
-        for _, tried in solved.groupby("elements"):
-            by = {row["name"]: row for row in tried.to_dict("records")}
-            first = tried.iloc[0].to_dict()
-            rows.append([problem(first), first["mesh"], *(_spent(by.get(name)) for name in names)])
-    text = prose(f"""Seconds of the processor with the Newton iterations in brackets, from rest, with the default
-element on given grid lines: on the coarsest mesh, and on those that an error of {errors} takes. *slower*: stopped at
-{store.rules()["patience"]:g} times the seconds of `{USUAL}`;
-*refused*: it does not apply. An iteration is one linearised problem; what an algorithm does with sets inside it shows
-in the seconds. Below 0.2 s noise decides.""")
-    title = "Seconds and iterations by algorithm and mesh"
-    return joined(text, machine(table(title, ["problem", "mesh", *map(code, names)], rows, words=2)))
-
-
-def _spent(row: dict | None) -> str:
-    if row is None:
-        return NOTHING
-    if row["verdict"] != "converged":
-        return str(row["verdict"])
-    return f"{digits(row['seconds'], 2)} ({row['iterations']:.0f})"
 
 
 def claims_part(store: Store) -> Part:
@@ -161,7 +124,12 @@ def _period(period: int) -> str:
 
 def when_not_part(store: Store) -> Part:
     """Advice that follows from the parts above."""
-    return Part(joined("## When not to use each", table("Do not use", ["what", "when", "why"], WHEN_NOT, words=3)).text)
+    return joined("## When not to use each", when_not_table())
+
+
+def when_not_table() -> str:
+    """What not to use, when, and why."""
+    return table("Do not use", ["what", "when", "why"], WHEN_NOT, words=3)
 
 
 def known_part(store: Store) -> Part:

@@ -63,12 +63,13 @@ def decision_part(store: Store) -> Part:
     unanswered = " ".join(lost)
     text = prose(f"""## What to use
 
-`footprint choose` was asked for the cheapest configuration that is surely within an error of the exact measure in the
-limit of the meshes, and that solves from rest and is certified; a change from the default must save a fifth of all
-that is waited for. *Error at most* includes how well the limit is known, so that one mesh may have two: a looser
-question is answered from fewer grids. Seconds are those of the processor for that one solve from rest, with the
-estimate that the lines of a tyre's grid follow. For a problem of your own ask `footprint choose SCENE --error 1%`.
-{unanswered}""")
+The reference is the exact measure on an infinitely fine mesh. `footprint choose` recommends the cheapest configuration
+whose error is surely within the tolerance, solved from the unloaded state and certified: the judge, which trusts no
+algorithm, recomputes equilibrium, gaps and pressures. Another measure, element, part or algorithm than the default is
+recommended only where it saves a fifth of the time, with 1 s for loading. *Error at most* includes the uncertainty of
+the reference. Seconds are processor time of that one solve; for *adapted* grids, whose lines follow an estimate of the
+error, they include the estimate. Below 0.2 s noise decides. For a problem of your own: `footprint choose SCENE --error
+1%`. {unanswered}""")
     made = table("The configuration recommended", heads, rows, words=7)
     lines = [row["command"] for row in offers.to_dict("records") if row["command"]]
     return joined(text, machine(made, commands(lines)))
@@ -79,7 +80,8 @@ def _offer(row: dict) -> list[str]:
         return [NOTHING, NOTHING, NOTHING, NOTHING, NOTHING, NOTHING]
     measure, element = (row["name"], "default") if row["axis"] == "measure" else (EXACT, row["name"])
     spent = digits(row["seconds"], 2) if str(row["tried"]) == "True" else f"about {digits(row['seconds'], 2)}"
-    chosen = [code(measure), element, code(row["contact"]), row["mesh"]]
+    mesh = f"{row['mesh']} adapted" if "grading=adapted" in row["command"] else row["mesh"]
+    chosen = [code(measure), element, code(row["contact"]), mesh]
     return [*chosen, share(row["error_at_most"], 1), spent]
 
 
@@ -100,9 +102,9 @@ def limits_part(store: Store) -> Part:
         by = {row["name"]: row for row in each.to_dict("records")}
         rows.append([problem(each.iloc[0].to_dict()), *(limit_error(by[n]) if n in by else NOTHING for n in names)])
     text = prose("""The error of each measure in the limit of the meshes, against the exact one, with the interval of
-that limit; *not settled* where the interval is wider than the difference. A word says why there is none: its path is
-not followed to the load, or its grids do not converge. †: its finest grid has fewer than half the unknowns of the exact
-one's, so that the interval may be too narrow. Mesh errors come on top.""")
+that limit; *not settled* where the interval is wider than the difference. *failed*: the load is not reached; *not
+known*: the grids do not converge. †: its finest grid has fewer than half the unknowns of the exact one's, so that the
+interval may be too narrow. The error of a mesh comes on top.""")
     shown = table("Formulation error in the limit of the meshes", ["problem", *map(code, names)], rows)
     return joined(text, machine(shown))
 
@@ -125,9 +127,7 @@ def measures_picture(store: Store) -> Part:
     data = choices_of(store)
     if data.empty:
         return Part("")
-    words = (
-        "Error at most over processor time, grid by grid, a line a measure: lines level off at the formulation error"
-    )
+    words = "Error at most over processor time of all grids so far: the line of each measure flattens at its own error"
     return picture("index-measures.svg", words, errors_over_seconds(data))
 
 
@@ -168,7 +168,7 @@ def _shown(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
     yield from (problems[n] for n in sorted(chosen))
 
 
-def elements_part(store: Store) -> Part:
+def options_part(store: Store) -> Part:
     """Options of the element: what the cheapest mesh of each takes, folded."""
     data = choices_of(store)
     own = data[(data["row"] == "variant") & (data["axis"] == "element")] if len(data) else data
@@ -181,8 +181,9 @@ def elements_part(store: Store) -> Part:
     for _, each in own.groupby(PROBLEM, sort=False):
         by = {row["name"]: row for row in each.to_dict("records")}
         rows.append([problem(each.iloc[0].to_dict()), *(_mesh(by[name]) if name in by else NOTHING for name in names)])
-    told = prose("""Seconds of a path from grid to grid. *no mesh yet*: not within that error on the grids that there
-was time for; *not enough*: its limit is farther off; *not settled*: its limit may be; *not known*: it has no limit.""")
+    told = prose("""Seconds where each grid starts from the solution on a coarser one. *no mesh yet*: not within that
+error on the grids that there was time for; *not enough*: its limit is farther off; *not settled*: its limit may be;
+*not known*: it has no limit.""")
     shown = table(f"The mesh from which on the error is surely within {error}", ["problem", *map(code, names)], rows)
     return Part(machine(folded("Options of the element, each changed alone", f"{told}\n\n{shown}")))
 

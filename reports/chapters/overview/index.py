@@ -5,21 +5,26 @@ from __future__ import annotations
 from reports.chapter import INDEX_TITLE
 from reports.chapters.catalogue.scene_sheet import filmstrip_of
 from reports.chapters.catalogue.words import NEEDS, Catalogue
-from reports.chapters.contact.algorithms import costs_table
+from reports.chapters.contact.algorithms import when_not_table
+from reports.chapters.contact.costs import costs_picture
 from reports.chapters.overview.decision import (
     decision_part,
-    elements_part,
     limits_part,
     measures_picture,
 )
+from reports.chapters.tyre.budget import model_table
 from reports.chapters.tyre.page import patch_picture
 from reports.markdown import Part, joined, machine, prose
 from reports.origin import origin
-from reports.store.statements import sentence, statements
+from reports.store.statements import statements
 from reports.store.tables import Store
 
 REGIMES = ("measures-small", "measures-large", "measures-contact")
-SURE = ("force-known", "convergence", "manufactured", "algorithms-agree", "symmetry", "random-cases")
+SURE = ("convergence", "manufactured", "algorithms-agree", "symmetry", "random-cases", "advice")
+FORCE = ("force-known", "printed-excluded", "origin-of-travel")
+ABOVE = (*FORCE, "tyre-mesh-and-load")  # limitations that stand there
+OTHERS = """- Other finite-element programs are not part of a campaign: where they are installed `footprint bench peers`
+times NGSolve and Kratos, and `footprint bench programs` runs CalculiX on our decks; both write a page."""
 
 
 def index_page(store: Store, contents: str) -> Part:
@@ -31,15 +36,16 @@ scenes; the [appendix](data.md) says how many problems a sentence rests on and w
     head = joined(f"# {INDEX_TITLE}", introduction, decision_part(store), measures_picture(store))
     more = "[More: strain measures](measures.md)"
     measures = (*REGIMES, "measures-cost", "cheapest-measure", "tyre-measure")
-    strains = _section("Exact or classical strains?", store, measures, limits_part(store), elements_part(store), more)
-    more = "[When not to use each](algorithms.md#when-not-to-use-each), [more on contact algorithms](algorithms.md), "
-    more += "[solved, failed, refused](data.md#solved-failed-refused)"
+    strains = _section("Exact or classical strains?", store, measures, limits_part(store), more)
+    more = "More: [contact algorithms](algorithms.md), [solved, failed, refused](data.md#solved-failed-refused)"
     contact = ("which-algorithm", "trial-and-error-ends", "false-solved", "epsilon-range")
-    algorithms = _section("Which contact algorithm?", store, contact, costs_table(store), more)
-    sure = _section("How sure is this?", store, (*SURE, "advice"))
+    algorithms = _section("Which contact algorithm?", store, contact, when_not_table(), costs_picture(store), more)
+    force = _section("What is the tyre's force worth?", store, FORCE, model_table(store))
+    sure = _section("How sure is this?", store, SURE, prose(OTHERS))
     spared = _section("What does it save?", store, ("parts-of-the-tyre", "grids-of-the-tyre", "one-per-cent"))
     return joined(
-        head, strains, algorithms, spared, sure, limitations(store), _tyre(store), "## Pages", contents, origin(store)
+        *(head, strains, algorithms, spared, force, sure, limitations(store), _tyre(store)),
+        *("## Pages", contents, origin(store)),
     )
 
 
@@ -56,11 +62,9 @@ def _section(title: str, store: Store, names: tuple[str, ...], *parts: Part | st
 
 def limitations(store: Store) -> Part:
     """What does not hold, as computed, and what is not covered at all."""
-    found = [each for each in statements(store) if each.role == "limitation"]
+    found = [each for each in statements(store) if each.role == "limitation" and each.name not in ABOVE]
     steady = [f"- {each.text}" for each in found if not each.machine]
     timed = [f"- {each.text}" for each in found if each.machine]
-    about = sentence(store, "tyre-linear")
-    steady += [f"- The paper's sentence on linear strains is not confirmed. {about}"] if about else []
     steady.append(
         "- These pages cover one shell element in static equilibrium. The obstacle is rigid, its friction Coulomb's "
         "with one coefficient; wear, rolling, dynamics and contact between two deformable bodies are not computed."

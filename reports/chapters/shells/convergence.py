@@ -5,6 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from reports.chapter import Chapter
+from reports.chapters.overview.decision import options_part
 from reports.chapters.shells.element_choice import elements_part
 from reports.chapters.shells.locking import locking_part
 from reports.chapters.shells.manufactured import manufactured_part
@@ -22,7 +23,7 @@ EQUILIBRIUM = 1e-8  # relative residual that passes without a look at rounding
 def convergence_page(store: Store) -> Part:
     """The whole page."""
     data = sequences(store)
-    parts = manufactured_part(store), elements_part(store), locking_part(store)
+    parts = manufactured_part(store), elements_part(store), options_part(store), locking_part(store)
     return joined(f"# {TITLE}", _summary(store), _families(store, data), *parts, certificates(store))
 
 

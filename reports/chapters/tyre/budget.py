@@ -40,6 +40,17 @@ path (README, known limits), and a solid of angle plies, which is not solved."""
     return joined(text, table(f"Errors of the force at {DELTA:g} mm", heads, rows, words=2))
 
 
+def model_table(store: Store) -> str:
+    """The same of the mesh, the load, the section and the shell; nothing where the campaign does not have them."""
+    if not store.has_analysis("tyre_budget"):
+        return ""
+    found = store.analysis("tyre_budget").to_dict("records")
+    own = [row for row in found if row["delta_mm"] == DELTA and row["part"] != "measure"]
+    rows = [[row["part"], _name(row), _change(row), row["rests_on"]] for row in own]
+    heads = ["part", "changed", "change of the force", "read from"]
+    return table(f"The force at {DELTA:g} mm beside its mesh and its model", heads, rows, words=2) if rows else ""
+
+
 def _name(row: Mapping[Any, Any]) -> str:
     return code(row["changed"]) if row["part"] == "measure" else WORDS.get(row["changed"], row["changed"])
 

@@ -65,17 +65,20 @@ def epsilon_range(epsilon: pd.DataFrame, epsilon_laws: pd.DataFrame) -> Iterator
         return
     values = {"cases": float(len(own)), "error": own["error_at_wall"].max(), "growth": own["growth_at_wall"].max()}
     values |= {"ten": own["growth_at_ten"].max(), "lost": float((own["fails_at"] <= 1).sum())}
+    values |= {"names": ", ".join(own.loc[own["fails_at"] <= 1, "case"]) or "none", "wall": walls.iloc[0]}
     values |= {"paper": PAPER_EPSILON, "times": PAPER_EPSILON / walls.iloc[0]}
     values |= {"off": paper["force_error"].abs().iloc[0], "mesh": str(paper["mesh"].iloc[0])}
     text = (
         "A penalty p = ε <-g> with ε = E/h, the largest modulus over the thickness of the wall, gives the force of "
-        "{cases:.0f} problems within {error:.1e} of exact contact; the condition of the matrix grows {growth:.2g}-fold "
-        "at most, at ten times that ε {ten:.2g}-fold."
+        "{cases:.0f} problems within {error:.1%} of exact contact; the condition number grows {growth:.2g}-fold "
+        "at most. Ten times that ε makes the error about a tenth and the condition number up to {ten:.2g}-fold."
     )
     if values["lost"]:
-        text += " In {lost:.0f} of them a residual of 1e-9 is not reached at E/h."
-    text += " The paper's {paper:g} MPa/mm is {times:.2g} E/h on its tyre and changes the force at 20 mm by {off:.0e} "
-    text += "(mesh {mesh})."
+        text += " On {lost:.0f} of them ({names}) no ε from E/h on reaches a residual of 1e-9."
+    text += (
+        " E/h is {wall:.3g} MPa/mm for the paper's tyre; the paper's {paper:g} MPa/mm is {times:.2g} times that and "
+    )
+    text += "changes the force at 20 mm by {off:.0e} (mesh {mesh})."
     scope = "elements no smaller than the wall is thick, a penetration p h/E that is small beside the travel"
     yield Statement("epsilon-range", "algorithms", text, values, len(own), scope, OPENING, machine=True)
 

@@ -28,21 +28,18 @@ class Judged:
     """Measures by what the intervals of their formulation errors say of LEVEL, over some problems."""
 
     within: list[str] = field(default_factory=list)
-    beyond: list[str] = field(default_factory=list)
+    beyond: dict[str, int] = field(default_factory=dict)
     open: list[str] = field(default_factory=list)
-
-    where: dict[str, str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, rows: pd.DataFrame) -> Judged:
-        """Beyond it in one problem at least, on the scenes ``where``; within it in all; or neither."""
+        """Beyond it in so many problems; within it in all; or neither."""
         found = cls()
         for name, own in rows.groupby("name", sort=False):
             size, width = own["formulation_error"].abs(), own["within"]
             beyond = size - width > LEVEL
             if beyond.any():
-                found.beyond.append(str(name))
-                found.where[str(name)] = ", ".join(dict.fromkeys(own[beyond]["scene"]))
+                found.beyond[str(name)] = int(beyond.sum())
             elif (size + width <= LEVEL).all():
                 found.within.append(str(name))
             else:
@@ -60,10 +57,10 @@ def by_regime(choices: pd.DataFrame) -> Iterator[Statement]:
         judged, problems = Judged.of(curved), len(own[PROBLEM].drop_duplicates())
         values: dict[str, float | str] = {"regime": str(regime).capitalize(), "problems": float(problems)}
         values |= {name: named(getattr(judged, name)) for name in ("within", "open")} | {"level": LEVEL}
-        values |= {"beyond": "; ".join(f"`{name}` (on {judged.where[name]})" for name in judged.beyond) or "none"}
+        values |= {"beyond": named_counts(judged.beyond)}
         if judged.beyond or judged.open:
             text = "{regime} ({problems:.0f} problems): within {level:.0%} of the exact measure on all: {within}; "
-            text += "beyond it: {beyond}; not settled: {open}."
+            text += "beyond it on one at least: {beyond}; undecided: {open}."
         else:
             text = "{regime}: nonlinear measures are all within {level:.0%} of exact in {problems:.0f} problems."
         if len(linear):
@@ -93,7 +90,7 @@ def tyre(choices: pd.DataFrame) -> Iterator[Statement]:
         said[word] = ", ".join(places) or "none"
     values |= {"open": named(judged.open)}
     text = f"For 20 mm of travel of the tyre within {{level:.0%}} of the exact measure: {said['within']}; beyond it: "
-    text += f"{said['beyond']}; not settled: {{open}}."
+    text += f"{said['beyond']}; undecided: {{open}}. The error of the mesh comes on top."
     yield Statement("tyre-measure", "measures", text, values, len(own) + 1, f"{LIMITS}; force, dead load", FINDING)
 
 
@@ -150,11 +147,10 @@ def cheapest(choices: pd.DataFrame) -> Iterator[Statement]:
         return
     values = {"low": ratio.min(), "middle": ratio.median(), "high": ratio.max(), "problems": float(len(ratio))}
     values |= {"fine": f"{100 * fine:g} %", "coarse": f"{100 * coarse:g} %"}
-    text = "{fine} costs {low:.1f} to {high:.1f} times the seconds of {coarse}, {middle:.1f} in the median of "
-    text += (
-        "{problems:.0f} problems that take {least:g} s at the least; {lost:.0f} of {all:.0f} problems has no answer to "
+    text = (
+        "An error of {fine} takes {middle:.1f} times the seconds of {coarse} in the median, {low:.1f} to {high:.1f} on "
+        "{problems:.0f} problems of {least:g} s or more. Problems without an answer to {fine}: {lost:.0f} of {all:.0f}."
     )
-    text += "{fine}."
     values |= {"least": NOISE, "lost": float(wide[fine].isna().sum()), "all": float(len(wide))}
     scope = "configurations recommended for each, from rest"
     yield Statement("one-per-cent", "index", text, values, len(ratio), scope, FINDING, machine=True)
@@ -176,7 +172,7 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
     for n, (name, rows) in enumerate(trials[trials["name"] != default].groupby("name", sort=False)):
         over, other = rows["over"].dropna(), int(rows["other"].sum())
         values |= {f"name{n}": f"`{name}`", f"of{n}": float(len(rows)), f"solved{n}": float(len(over))}
-        place = f"{{name{n}}} on {{solved{n}:.0f}} of {{of{n}:.0f}}"
+        place = f"{{name{n}}} {{solved{n}:.0f}} of {{of{n}:.0f}}"
         if len(over):
             values |= {f"low{n}": float(over.min()), f"high{n}": float(over.max())}
             place += (
@@ -186,12 +182,12 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
             )
         if other:
             values |= {f"other{n}": float(other)}
-            place += f" ({{other{n}:.0f}} with the penetration of its law)"
+            place += f", {{other{n}:.0f}} with the penetration of its springs"
         said.append(place)
     text = (
         "Take {best}: it converges on {share:.0%} of {problems:.0f} requests over {scenes:.0f} contact scenes and "
-        "refuses {refused:.0f}. Within {patience:g} times its processor time others converge, on the grids that "
-        "{error:.0%} takes: "
+        "refuses {refused:.0f}. On the grids that {error:.0%} takes others solve within {patience:g} times its "
+        "processor time: "
     )
     scope = "from rest, judged; times of the algorithm over those of the default where both solve it"
     yield Statement(

@@ -33,9 +33,9 @@ def symmetry(symmetry: pd.DataFrame) -> Iterator[Statement]:
     values = {"checks": float(len(symmetry)), "broken": float(len(broken)), "design": float(len(design))}
     values |= {"largest": float(kept["deviation"].max())}
     text = (
-        "Of {checks:.0f} checks of axes, numbering, units, load steps and rigid motions {broken:.0f} fail by accident; "
-        "{design:.0f} fail by design, where a measure is not exact or the cords break a symmetry; the others deviate "
-        "by at most {largest:.0e}."
+        "Of {checks:.0f} checks of axes, numbering, units, load steps and rigid motions {broken:.0f} fail "
+        "unexpectedly. {design:.0f} fail as they must: the measure is not exact, or the cords break the symmetry. The "
+        "others deviate by at most {largest:.0e}."
     )
     scope = "small clamped panels and the tyre on a coarse mesh, by every measure and algorithm"
     yield Statement("symmetry", "invariance", text, values, len(symmetry), scope, OPENING, machine=True)

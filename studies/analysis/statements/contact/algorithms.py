@@ -58,8 +58,8 @@ def failures(outcomes: pd.DataFrame) -> Iterator[Statement]:
         if len(where)
         else "converges on all {of:.0f} problems of all {count:.0f} scenes"
     )
-    text = f"`trial-and-error`, the paper's algorithm with a detector of cycles, which the paper does not have, {ends};"
-    text += " problems whose path ends before the load are left out."
+    text = f"`trial-and-error` is the paper's algorithm with a detector of cycles added. It {ends}; problems that no "
+    text += "algorithm solves are not counted."
     yield Statement("trial-and-error-ends", "algorithms", text, values, int(could.sum()), SCOPE)
 
 

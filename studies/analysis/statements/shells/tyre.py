@@ -107,9 +107,9 @@ def solids(solid_shell: pd.DataFrame) -> Iterator[Statement]:
     values = {"off": size.max(), "low": known.min(), "high": known.max(), "travels": float(len(off))}
     values |= {"apart": float((size > known).sum())}
     text = (
-        "The limits of the force of an isotropic tyre as a shell and as a solid differ by at most {off:.2%} "
-        "at {travels:.0f} travels; the difference exceeds its uncertainty ({low:.2%} to {high:.2%}) at {apart:.0f} "
-        "of them."
+        "The forces of an isotropic tyre as a shell and as a solid differ in the limit of the meshes by at most "
+        "{off:.2%} at {travels:.0f} travels, by more than the uncertainty ({low:.2%} to {high:.2%}) at {apart:.0f} of "
+        "them."
     )
     scope = "isotropic tyre, follower load on the true face; an angle-ply solid is not computed"
     yield Statement("tyre-solid", PAGE, text, values, len(off), scope, LIMIT)

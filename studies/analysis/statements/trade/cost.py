@@ -28,7 +28,8 @@ def parts(tyre_models: pd.DataFrame) -> Iterator[Statement]:
     values |= {"same": float(parts["same"].sum()), "of": float(len(parts))}
     text = (
         "A half of an angle-ply tyre takes {half:.0%} of the operations of the whole, a quarter of an isotropic one "
-        "{quarter:.0%}; {same:.0f} of {of:.0f} parts give force, pressures and contact set of the whole."
+        "{quarter:.0%}; {same:.0f} of {of:.0f} parts give force, pressures and contact set of the whole. A part is "
+        "refused where load or plies do not have its symmetry: a mirror for angle plies, any part with friction."
     )
     scope = "one travel of 20 mm on the mesh of the paper; a mirror is refused for angle plies"
     yield Statement("parts-of-the-tyre", "cost", text, values, len(tyre_models), scope, OPENING)
@@ -45,15 +46,15 @@ def grids(grids_reaching: pd.DataFrame, work_precision: pd.DataFrame) -> Iterato
     largest = work_precision[work_precision["family"] == "patch"]["unknowns"].max()
     values = {"within": WITHIN, "adapted": best, "uniform": uniform, "largest": largest, "share": best / uniform}
     text = (
-        "The tyre's force at 20 mm stays within {within:.0%} on a uniform n x n grid of {uniform:.0f} unknowns and all "
-        "finer ones (one grid alone may be good by chance), on one that follows the error with {adapted:.0f}, "
-        "{share:.0%} of them"
+        "The tyre's force at 20 mm is within {within:.0%} of its limit from {uniform:.0f} unknowns on with uniform "
+        "grids and from {adapted:.0f} on with grids that follow the error, {share:.0%} of them"
     )
     seconds = own.set_index("family")["total_s"]
     values |= {"seconds": seconds.reindex([found.reindex(FAMILIES).idxmin()]).iloc[0] / seconds["uniform"]}
-    text += ", but with its estimate at {seconds:.1f} times the processor time"
-    text += "; the paper's graded grid does not get there with {largest:.0f}." if pd.isna(patch) else "."
-    scope = "default element, errors against the limit, which one grid does not show: page one asks for grids that do"
+    text += ", which with the estimate take {seconds:.1f} times the processor time"
+    text += "; the paper's graded grid is not within it at {largest:.0f}." if pd.isna(patch) else "."
+    text += " To know that without the limit takes the finer grids of the table above."
+    scope = "default element, errors against the limit; a grid counts with all finer ones of its family"
     yield Statement("grids-of-the-tyre", "cost", text, values, len(work_precision), scope, OPENING, machine=True)
 
 
@@ -83,8 +84,8 @@ def advice(held_out_summary: pd.DataFrame) -> Iterator[Statement]:
     row = own.iloc[0]
     values = {"met": row["met"], "advised": row["advised"], "median": row["median_regret"], "mean": row["mean_regret"]}
     text = (
-        "On scenes left out of what it learnt from, advice meets the tolerance in {met:.0%} of {advised:.0f} cases and "
-        "costs {median:.2f} times the best in the median, {mean:.2f} in the mean"
+        "`footprint advise`, tested on scenes withheld from its data, meets the tolerance in {met:.0%} of "
+        "{advised:.0f} cases and costs {median:.2f} times the best in the median, {mean:.2f} in the mean"
     )
     if "worst_regret" in row:
         values |= {"worst": row["worst_regret"], "above": row["share_above"]}

@@ -134,10 +134,16 @@ def test_two_step_cuts_of_a_drag_are_told_with_their_numbers() -> None:
     assert compared(answer(one), false) == ""
 
 
-def test_two_branches_of_a_thin_sphere_are_told_apart_by_stability() -> None:
-    asked = {"shape": "sphere", "h_over_R": 0.001, "delta_mm": 2.0, "epsilon": math.inf}
-    one, other = (solve(*complete("panel", asked, "6x6", contact=name)) for name in ("semismooth", "qp"))
-    assert (one.verdict, other.verdict) == ("converged", "unstable")
-    forces = [each.quantities["force_N"] for each in (one, other)]
-    assert abs(forces[0] - forces[1]) > 0.1 * max(forces)
-    assert compared(answer(one), answer(other)).startswith(f"{UNSTABLE}: 0 and ")
+def test_equilibria_of_a_snapping_cap_are_told_apart_by_stability() -> None:
+    """Below its limit load a cap has three: before, between and beyond the limit points; that between is unstable."""
+    result = solve(*complete("shallow-cap", {}, "8x2"))
+    assert result.end is not None
+    load = 0.9 * result.quantities["limit_load_fraction"]
+    algorithm = configured(result.request.contact, result.request.settings)
+    problem = result.end.problem_at(load)
+    before, between, beyond = (
+        Answer(problem, result.at(load, passage), algorithm, result.ways) for passage in range(3)
+    )
+    assert compared(before, between).startswith(f"{UNSTABLE}: 0 and 1 eigenvalues")
+    assert compared(between, beyond).startswith(f"{UNSTABLE}: 1 and 0 eigenvalues")
+    assert compared(before, beyond).startswith(f"{BRANCHES}, each confirmed")

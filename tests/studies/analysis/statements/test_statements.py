@@ -106,7 +106,7 @@ def test_a_graded_grid_that_gets_there_is_not_said_to_fail() -> None:
     precision = pd.DataFrame({"family": ["patch"], "unknowns": [9000]})
     (said,) = grids(pd.DataFrame(row), precision)
     assert (said.values["adapted"], said.values["share"]) == (200.0, 0.2)
-    assert "does not get there with {largest:.0f}" in said.text
+    assert "is not within it at {largest:.0f}" in said.text
     row[3]["unknowns"] = 900.0
     (said,) = grids(pd.DataFrame(row), precision)
     assert "does not get there" not in said.text

@@ -49,6 +49,21 @@ def test_what_is_recommended_is_a_command_that_holds(roof: pd.DataFrame, tmp_pat
 
 
 @pytest.mark.slow
+def test_what_is_known_for_a_smaller_error_serves_a_larger_one() -> None:
+    """One limit, one error a grid, a mesh no finer; the algorithms are tried once."""
+    table = choices([Ask(PATCH, "ring", {"delta_mm": "50"}, None, 20.0)], [0.01, 0.1])
+    exact = table[(table["row"] == GRID) & (table["name"] == "exact")]
+    coarse, fine = (exact[exact["asked"] == error].set_index("mesh") for error in (0.1, 0.01))
+    assert coarse["error_at_most"].equals(fine["error_at_most"])
+    assert table["limit"].nunique() == 1
+    offers = table[table["row"] == OFFER].drop_duplicates("asked").set_index("asked")
+    meshes = offers["mesh"].map(lambda mesh: int(mesh.split("x")[1]))
+    assert (meshes[0.1] < meshes[0.01], bool(offers.loc[0.1, "tried"])) == (True, True)
+    assert offers.loc[0.1, "error_at_most"] <= 0.1
+    assert set(table[table["row"] == ALGORITHM]["asked"]) == {0.01}
+
+
+@pytest.mark.slow
 def test_algorithms_are_rows_where_there_is_contact() -> None:
     table = choices([Ask(PATCH, "strip-contact", {"load_fraction": "5"}, None, 20.0)], [0.1])
     own = table[table["row"] == ALGORITHM].set_index("name")
