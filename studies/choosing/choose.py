@@ -75,7 +75,8 @@ def loosened(found: Choice, error: float, progress: Callable[[str], None] = lamb
     Algorithms are not tried again. Raises ValueError where no limit is known, or the error is smaller.
     """
     if found.limit is None or error < found.question.error:
-        raise ValueError(f"of {found.question.name} nothing is known to {100 * found.question.error:g} %")
+        least = min(error, found.question.error)
+        raise ValueError(f"of {found.question.name} nothing is known to {100 * least:g} %")
     question, reference = replace(found.question, error=error), found.verdicts[0].ladder
     verdicts = [judged(each.ladder, reference, found.limit, found.quantity, error) for each in found.verdicts]
     clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)

@@ -176,6 +176,8 @@ def unknowns_of_an_error(pages: Pages) -> Iterator[str]:
     found = defaultdict[object, set[object]](set)
     for _, each in said(pages, r"within ([\d.]+) % (?:takes|on) a uniform (?:n x n )?grid of (\d+) unknowns"):
         found[float(each[1])].add(int(each[2]))
+    for _, each in said(pages, r"within ([\d.]+) % of its limit from (\d+) unknowns on with uniform grids"):
+        found[float(each[1])].add(int(each[2]))
     for _, each in said(pages, r"tyre, `force_N`: ([^`]*)"):
         for error, count in re.findall(r"([\d.]+) % costs [\d.]+ s and (\d+) unknowns", each[1]):
             found[float(error)].add(int(count))

@@ -23,13 +23,13 @@ from studies.analysis.statements.questions import ASKS, READERS
 TRIAL = r"does not converge on \d+ of \d+ problems, on \w+|converges on all \d+"
 TEN = {  # question: words that its answer must have
     "Which strain measure do I need for 20 mm of tyre at 5 %?": r"20 mm of travel of the tyre within 5 %",
-    "What does a better grid save?": r"stays within 1 % on a uniform n x n grid of \d+ unknowns",
+    "What does a better grid save?": r"within 1 % of its limit from \d+ unknowns on with uniform grids",
     "Which contact algorithm, and when not?": r"Take `[\w-]+`: it converges on \d+ % of \d+ requests",
     "How far is the force of the tyre known?": r"in the limit of its grids, known to [\d.]+ %",
     'Does "solved" of OSQP mean solved?': r'OSQP alone .* "solved" on \d+ small contact problems.* \d+ fail the judge',
     "On which scenes does trial-and-error not converge?": TRIAL,
     "Is the paper's table reproduced?": r"is not reproduced at the travel that it states",
-    "What does 1 % cost?": r"1\.0 % costs [\d.e+]+ s and \d+ unknowns|1 % costs [\d.]+ to [\d.]+ times",
+    "What does 1 % cost?": r"An error of 1 % takes [\d.]+ times the seconds of 5 %",
     "What is the exact problem of a scene, and where is a picture of it?": r"has a sheet: geometry, material",
     "How sure is advice?": r"meets the tolerance in \d+ % of \d+ cases",
 }
@@ -69,7 +69,7 @@ def test_nothing_is_said_twice(said: dict[str, Said]) -> None:
 
 
 def test_page_one_says_what_the_paper_s_algorithm_lacks(said: dict[str, Said]) -> None:
-    assert "a detector of cycles, which the paper does not have" in said["trial-and-error-ends"].text
+    assert "the paper's algorithm with a detector of cycles added" in said["trial-and-error-ends"].text
 
 
 def test_every_page_opens_with_its_answer(files: dict[str, str], said: dict[str, Said]) -> None:
@@ -89,12 +89,12 @@ def test_a_number_of_page_one_is_the_same_on_the_page_it_links_to(files: dict[st
         assert one.text in files[f"{one.page}.md"], one.name
 
 
-@pytest.mark.parametrize("name", ["tyre-linear", "origin-of-travel"])
-def test_numbers_of_page_one_are_those_of_tables(files: dict[str, str], said: dict[str, Said], name: str) -> None:
+def test_numbers_of_page_one_are_those_of_tables(files: dict[str, str], said: dict[str, Said]) -> None:
     """What page one says in numbers stands in a table of the page that it links to, too, as far as it is rounded."""
-    assert said[name].text in files["index.md"]
-    tables = "\n".join(line for line in files[f"{said[name].page}.md"].splitlines() if line.startswith("|"))
-    assert lost(said[name].text, tables) == []
+    one = said["origin-of-travel"]
+    assert one.text in files["index.md"]
+    tables = "\n".join(line for line in files[f"{one.page}.md"].splitlines() if line.startswith("|"))
+    assert lost(one.text, tables) == []
 
 
 def lost(sentence: str, page: str) -> list[str]:
@@ -135,6 +135,7 @@ def test_every_column_of_page_one_is_in_the_glossary_or_plain(files: dict[str, s
 
 
 PLAIN = (
+    *("use", "not", "when", "changed", "change", "read", "from", "force"),
     "measure",
     "algorithm",
     "solved",

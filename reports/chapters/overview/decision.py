@@ -61,15 +61,16 @@ def decision_part(store: Store) -> Part:
         if not row["mesh"] and row["said"]
     ]
     unanswered = " ".join(lost)
+    scenes = ", ".join(map(code, dict.fromkeys(offers[offers["command"].str.contains("grading=adapted")]["scene"])))
+    adapted = f"The grid lines of {scenes} follow an estimate of the error, which is included." if scenes else ""
     text = prose(f"""## What to use
 
 The reference is the exact measure on an infinitely fine mesh. `footprint choose` recommends the cheapest configuration
 whose error is surely within the tolerance, solved from the unloaded state and certified: the judge, which trusts no
 algorithm, recomputes equilibrium, gaps and pressures. Another measure, element, part or algorithm than the default is
 recommended only where it saves a fifth of the time, with 1 s for loading. *Error at most* includes the uncertainty of
-the reference. Seconds are processor time of that one solve; for *adapted* grids, whose lines follow an estimate of the
-error, they include the estimate. Below 0.2 s noise decides. For a problem of your own: `footprint choose SCENE --error
-1%`. {unanswered}""")
+the reference. Seconds are processor time of that one solve. {adapted} Below 0.2 s noise decides. For a problem of your
+own: `footprint choose SCENE --error 1%`. {unanswered}""")
     made = table("The configuration recommended", heads, rows, words=7)
     lines = [row["command"] for row in offers.to_dict("records") if row["command"]]
     return joined(text, machine(made, commands(lines)))
@@ -80,8 +81,7 @@ def _offer(row: dict) -> list[str]:
         return [NOTHING, NOTHING, NOTHING, NOTHING, NOTHING, NOTHING]
     measure, element = (row["name"], "default") if row["axis"] == "measure" else (EXACT, row["name"])
     spent = digits(row["seconds"], 2) if str(row["tried"]) == "True" else f"about {digits(row['seconds'], 2)}"
-    mesh = f"{row['mesh']} adapted" if "grading=adapted" in row["command"] else row["mesh"]
-    chosen = [code(measure), element, code(row["contact"]), mesh]
+    chosen = [code(measure), element, code(row["contact"]), row["mesh"]]
     return [*chosen, share(row["error_at_most"], 1), spent]
 
 

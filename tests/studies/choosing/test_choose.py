@@ -11,7 +11,7 @@ import pytest
 from studies import choose as choose_in_notebook
 from studies.choosing import choose as choosing
 from studies.choosing.choice import ANSWERED, NOT_ANSWERED
-from studies.choosing.choose import choose
+from studies.choosing.choose import choose, loosened
 from studies.choosing.clock import Clock
 from studies.choosing.verdict import ENOUGH, NOT_ENOUGH, WORDS
 from studies.cli import INTERRUPTED, NOT_CONVERGED, OK, WRONG_USE, main
@@ -103,6 +103,9 @@ def test_a_budget_that_is_spent_names_what_was_not_tried(monkeypatch: pytest.Mon
     assert spent.recommended is None
     assert spent.as_json()["outcome"] == NOT_ANSWERED
     assert "fewer than three grids" in spent.reason
+    for known, error in ((spent, 0.05), (found, 0.01)):
+        with pytest.raises(ValueError, match="of ring nothing is known to 1 %"):
+            loosened(known, error)
 
 
 @pytest.mark.slow
