@@ -17,8 +17,8 @@ USUAL = "semismooth"
 WHEN_NOT = (  # what, when not, and why
     (
         "`semismooth`",
-        "alone on an indefinite tangent",
-        "pivots need not settle its cycles",
+        "alone where a result is called unstable",
+        "on an indefinite tangent pivots need not settle its cycles",
     ),
     ("`trial-and-error`", "on fine meshes", "every set is solved to the end, and patches of more nodes take more sets"),
     ("`regularised`", "where contact or friction must be exact", "the wall penetrates by p/ε"),

@@ -67,10 +67,10 @@ def decision_part(store: Store) -> Part:
 
 The reference is the exact measure on an infinitely fine mesh. `footprint choose` recommends the cheapest configuration
 whose error is surely within the tolerance, solved from the unloaded state and certified: the judge, which trusts no
-algorithm, recomputes equilibrium, gaps and pressures. Another measure, element, part or algorithm than the default is
-recommended only where it saves a fifth of the time, with 1 s for loading. *Error at most* includes the uncertainty of
-the reference. Seconds are processor time of that one solve. {adapted} Below 0.2 s noise decides. For a problem of your
-own: `footprint choose SCENE --error 1%`. {unanswered}""")
+algorithm, recomputes equilibrium, gaps and pressures. Another measure, element, part (half, quarter, or a sector
+around the patch) or algorithm than the default is recommended only where the seconds, with 1 s for loading, fall by a
+fifth. *Error at most* includes the uncertainty of the reference. Seconds are processor time of that one solve.
+{adapted} Below 0.2 s noise decides. For a problem of your own: `footprint choose SCENE --error 1%`. {unanswered}""")
     made = table("The configuration recommended", heads, rows, words=7)
     lines = [row["command"] for row in offers.to_dict("records") if row["command"]]
     return joined(text, machine(made, commands(lines)))
