@@ -46,8 +46,8 @@ def printed(tyre_readings: pd.DataFrame) -> Iterator[Statement]:
         text += (
             "; linear strains, whose force of {force:.0f} N on the paper's mesh is within {off:.1%} of the {sum:.0f} N "
             "that the printed pressures add up to, agree in that sum by chance: their pressures differ by "
-            "{linear_rms:.0%}, with {linear_nodes:.0f} nodes in only one patch, and by {linear_best:.0%} at the best of "
-            "the travels tried"
+            "{linear_rms:.0%}, with {linear_nodes:.0f} nodes in only one patch, and by {linear_best:.0%} at the best "
+            "of the travels tried"
         )
     yield Statement("printed-excluded", PAGE, f"{text}.", values, len(stated), OURS, OPENING)
     data = tyre_readings[(tyre_readings["kind"] != MODEL) & tyre_readings["best"].astype(bool)]
