@@ -35,7 +35,7 @@ NOISE = 1e-5  # of the value: what the iteration on a grid may leave
 
 @dataclass(frozen=True)
 class Difference:
-    """f, of the limit of a variant from that of the reference, over the latter; within +-``within``."""
+    """f, the limit of a variant over that of the reference, less one; within +-``within``."""
 
     value: float
     within: float
@@ -81,8 +81,8 @@ def difference(
     meet = max(value - width for value, width, _ in found) <= min(value + width for value, width, _ in found)
     lows, highs = zip(*((value - max(w, s), value + max(w, s)) for value, w, s in found), strict=True)
     low, high = (max(lows), min(highs)) if meet else (min(lows), max(highs))
-    scale = abs(reference.limit) or math.ulp(0.0)
-    return Difference((low + high) / 2 / scale, (high - low) / 2 / scale)
+    scale = reference.limit or math.ulp(0.0)
+    return Difference((low + high) / 2 / scale, (high - low) / 2 / abs(scale))
 
 
 def errors(values: Sequence[float], reference: Estimate) -> list[float]:

@@ -37,6 +37,16 @@ def test_a_crossing_of_the_reference_is_no_accuracy() -> None:
     assert first_enough(errors([seen.value for seen in classical], limit), apart, 0.05) is None
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_difference_is_relative_to_the_signed_reference(sign: float) -> None:
+    """A deflection counted negative that is 10 % larger in size is +10 % off, as one counted positive is."""
+    exact, classical = (ladder(sign * limit, sign) for limit in (100.0, 110.0))
+    apart = difference(classical, exact, known(exact))
+    assert isinstance(apart, Difference)
+    assert (apart.value, apart.within) == (pytest.approx(0.1, abs=1e-4), pytest.approx(0.0, abs=1e-3))
+    assert apart.within >= 0
+
+
 def test_the_grid_and_all_finer_ones_are_enough() -> None:
     """On the way to its limit the value crosses the reference: what counts begins behind the last grid that is off."""
     limit = Estimate(100.0, 0.001, 0.0)
