@@ -66,8 +66,9 @@ def limitations(store: Store) -> Part:
     steady = [f"- {each.text}" for each in found if not each.machine]
     timed = [f"- {each.text}" for each in found if each.machine]
     steady.append(
-        "- These pages cover one shell element in static equilibrium. The obstacle is rigid, its friction Coulomb's "
-        "with one coefficient; wear, rolling, dynamics and contact between two deformable bodies are not computed."
+        "- These pages cover one shell element with its options in static equilibrium. The obstacle is rigid, its "
+        "friction Coulomb's with one coefficient; wear, rolling tyres, dynamics and contact between two deformable "
+        "bodies are not computed."
     )
     return joined("## Known limitations", "\n".join(steady), machine("\n".join(timed)) if timed else "")
 

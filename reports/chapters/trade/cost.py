@@ -60,7 +60,7 @@ def _precision(store: Store) -> Part:
 
 Force of the paper's tyre at {fixed(DELTA, 0)} mm over the unknowns, on families of grids: `uniform`; `patch`, the
 spacing of the paper, finer around the patch; `adapted`, lines that follow an estimate of the error of the force from
-two coarse solutions; `local`, single elements cut where the force is decided, as by `footprint solve tyre --error`;
+two coarse solutions; `local`, single elements cut where the force is decided;
 `extrapolated`, the limit that each round of `local` states from its grid and the one with all elements cut, over the
 unknowns of the latter; the last one is half of what the elements are apart off by definition. Errors are against the
 mean of the last such limits of both elements, {fixed(against["reference_N"], 1)} N: they are

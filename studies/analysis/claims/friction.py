@@ -104,7 +104,7 @@ def _one_answer(friction_klarbring: pd.DataFrame) -> Verdict | None:
     "friction-springs",
     "Tangential springs give the answer of Coulomb's law to 1 %.",
     "manuals",
-    "the scenes with friction, springs of 10^4 MPa/mm",
+    "the scenes with friction, one mesh each, springs of 10^4 MPa/mm",
     CAMPAIGN,
 )
 def _springs(friction_agreement: pd.DataFrame) -> Verdict | None:

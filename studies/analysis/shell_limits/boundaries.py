@@ -1,7 +1,8 @@
 """Where the error of the shell's kinematics passes a level, with what power of the thickness it grows, and the costs.
 
-Between two thicknesses the error is a power of h: log error over log thickness is interpolated. Nothing is
-extrapolated: what is not passed on the way is infinite, what is passed from the start is 0.
+Between two thicknesses the error is a power of h: log error over log thickness is interpolated; where it changes its
+sign between them, two powers work against each other, and it is interpolated as it is. Nothing is extrapolated: what
+is not passed on the way is infinite, what is passed from the start is 0.
 """
 
 from __future__ import annotations
@@ -74,7 +75,13 @@ def boundary(ratio: Sequence[float] | np.ndarray, error: Sequence[float] | np.nd
         return math.inf
     if after == 0:
         return 0.0
-    (x0, x1), (y0, y1) = (np.log(np.asarray(each, float)[after - 1 : after + 1]) for each in (ratio, _positive(size)))
+    (before, there), around = (
+        np.asarray(error, float)[after - 1 : after + 1],
+        np.asarray(ratio, float)[after - 1 : after + 1],
+    )
+    if before * there < 0:
+        return float(np.interp(level, [-abs(before), abs(there)], around))
+    (x0, x1), (y0, y1) = np.log(around), np.log(_positive(size)[after - 1 : after + 1])
     share = (math.log(level) - y0) / (y1 - y0)
     return float(np.exp(x0 + share * (x1 - x0)))
 

@@ -107,7 +107,8 @@ def cost(data_cells: pd.DataFrame) -> Iterator[Statement]:
     curved = middle.drop(index=[LINEAR, "elongation"], errors="ignore")
     if curved.empty or LINEAR not in middle:
         return
-    values = {"low": curved.min(), "high": curved.max(), "linear": middle[LINEAR], "both": float(len(both))}
+    values = {"low": curved.min(), "high": curved.max(), "linear": middle[LINEAR]}
+    values |= {"both": float(both["measure"].isin(curved.index).sum())}
     span = "{low:.2f} to {high:.2f}" if curved.max() - curved.min() > 0.005 else "{high:.2f}"
     text = (
         f"A nonlinear classical measure takes {span} times the operations of the exact measure in the "

@@ -121,7 +121,11 @@ def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
     own = friction_cost[friction_cost["friction"] == 1]
     values: dict[str, float | str] = {f"{end}_ratio": getattr(own["operations_ratio"], end)() for end in ("min", "max")}
     values |= {f"{end}_each": getattr(own["factorisations"], end)() for end in ("min", "max")}
-    values |= {"bar": COST_BARS["friction_cost"], "bar_each": COST_BARS["friction_factorisations"]}
+    values |= {
+        "mesh": str(default(cost_table, "mesh")),
+        "bar": COST_BARS["friction_cost"],
+        "bar_each": COST_BARS["friction_factorisations"],
+    }
     above = own[
         (own["operations_ratio"] > COST_BARS["friction_cost"])
         | (own["factorisations"] > COST_BARS["friction_factorisations"])
@@ -129,8 +133,9 @@ def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
     values |= {"above": listed([f"{row['stage']} to {row['load']:g} mm" for row in above.to_dict("records")])}
     values |= {"count": float(len(above)), "steps": float(len(own))}
     text = (
-        "With friction an iteration takes {min_ratio:.2f} to {max_ratio:.2f} times the operations of one without, and "
-        "{min_each:.2f} to {max_each:.2f} factorisations; required are at most {bar:g} and {bar_each:g}, and "
+        "On {mesh} elements of the tyre an iteration with friction takes {min_ratio:.2f} to {max_ratio:.2f} times the "
+        "operations of one without, and {min_each:.2f} to {max_each:.2f} factorisations, more on finer meshes; "
+        "required are at most {bar:g} and {bar_each:g}, and "
     )
     text += (
         "{count:.0f} of {steps:.0f} steps exceed one of them: {above}."

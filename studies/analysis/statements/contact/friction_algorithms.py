@@ -76,7 +76,8 @@ def regularisation(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
     values |= {"states": float(own["states"].sum()), "median": own["force_error"].median()}
     text = (
         "Coulomb's law regularised by springs of {epsilons} MPa/mm changes nodal forces by {low:.0e} to {high:.0e} of "
-        "the largest on {cases:.0f} scenes, {median:.0e} in the median; {states:.0f} nodes are in another state."
+        "the largest on {cases:.0f} scenes, one mesh each, {median:.0e} in the median; {states:.0f} nodes are in "
+        "another state. Finer meshes, or other load steps, may differ by more."
     )
     yield Statement("friction-regularised", PAGE, text, values, len(own), f"{SAME_STEPS}; one stiffness of springs")
 

@@ -31,6 +31,8 @@ def test_the_boundary_of_a_power_is_where_the_power_passes() -> None:
     assert boundary(RATIOS, error, 1e-5) == 0.0
     assert 0.1 < boundary(RATIOS, np.array([0.0, 0.0, 0.0, 1.0]), 0.01) < 0.3
     assert boundary(RATIOS, np.array([1e-3, 2e-2, 1e-3, 2e-2]), 0.01) < 0.03  # the first time counts
+    crossing = np.array([1e-4, 1e-3, 0.02, -0.04])  # through nought between the last two
+    assert boundary(RATIOS, crossing, 0.03) == pytest.approx(np.interp(-0.03, [-0.04, 0.02], RATIOS[[3, 2]]))
     assert error_at(RATIOS, error, 0.05) == pytest.approx(0.7 * 0.05**2, rel=1e-12)
     assert math.isnan(error_at(RATIOS, error, 0.005))
     assert error_at(RATIOS, error, 3.0) == pytest.approx(abs(error[-1]))

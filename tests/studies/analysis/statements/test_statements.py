@@ -62,7 +62,7 @@ def test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers(tmp_path: Pa
     store = store_of(tmp_path, list(printed(readings())))
     said = sentence(store, "printed-excluded")
     assert "no reading fits better than 15.0 % (rms) with 50 nodes in only one patch (sanders)" in said
-    assert "2010 N is within 0.5 % of the 2000 N" in said
+    assert "2010 N on the paper's mesh is within 0.5 % of the 2000 N" in said
     assert "differ by 40 %, with 70 nodes in only one patch, and by 35 % at the best" in said
     unknown = sentence(store, "origin-of-travel")
     assert "between 24 and 24 mm" in unknown
