@@ -66,7 +66,7 @@ def test_the_tyre_has_intervals(table: pd.DataFrame) -> None:
 
 
 def test_operations_are_compared_of_the_same_request() -> None:
-    """A pair differs in its measure alone: another mesh, or what did not converge, is none; linear ones are not counted."""
+    """A pair differs in its measure alone: another mesh, or what did not converge, is none; nor is a linear one."""
     names = dict.fromkeys(REQUEST, "x")
     rows = [("exact", "8x8", 100), ("donnell", "8x8", 200), ("linear", "8x8", 50), ("linear", "16x16", 9)]
     table = pd.DataFrame([{**names, "measure": m, "mesh": n, "operations": k} for m, n, k in rows])
