@@ -1,5 +1,5 @@
 # make report     set everything up, solve the quick campaign, write its pages into .footprint/pages/quick
-# make standard   the same for the standard campaign (80 minutes on two cores), and all of reports/pages
+# make standard   the same for the standard campaign (70 minutes on two cores), and all of reports/pages
 # make test       set everything up, run the tests one waits for; make slow: the others
 PYTHON ?= python3
 VENV   ?= .venv

@@ -5,7 +5,7 @@ from __future__ import annotations
 from reports.chapter import Chapter
 from reports.chapters.arena.page import arena_part
 from reports.chapters.contact.agreement import agreement_part
-from reports.chapters.contact.costs import costs_part
+from reports.chapters.contact.costs import USUAL, costs_part
 from reports.chapters.contact.penalty import penalty_part
 from reports.formats import scientific
 from reports.markdown import Part, joined, listing, machine, prose, table
@@ -13,7 +13,6 @@ from reports.store.tables import Store
 
 EXACT = 1e-9  # an error below it is no error
 ALONE = "alone"  # in the name of a solver that is taken at its word
-USUAL = "semismooth"
 WHEN_NOT = (  # what, when not, and why
     (
         "`semismooth`",

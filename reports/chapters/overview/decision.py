@@ -181,11 +181,11 @@ def options_part(store: Store) -> Part:
     for _, each in own.groupby(PROBLEM, sort=False):
         by = {row["name"]: row for row in each.to_dict("records")}
         rows.append([problem(each.iloc[0].to_dict()), *(_mesh(by[name]) if name in by else NOTHING for name in names)])
-    told = prose("""Seconds where each grid starts from the solution on a coarser one. *no mesh yet*: not within that
+    text = prose("""Seconds where each grid starts from the solution on a coarser one. *no mesh yet*: not within that
 error on the grids that there was time for; *not enough*: its limit is farther off; *not settled*: its limit may be;
 *not known*: it has no limit.""")
     shown = table(f"The mesh from which on the error is surely within {error}", ["problem", *map(code, names)], rows)
-    return Part(machine(folded("Options of the element, each changed alone", f"{told}\n\n{shown}")))
+    return Part(machine(folded("Options of the element, each changed alone", f"{text}\n\n{shown}")))
 
 
 def _mesh(row: dict) -> str:

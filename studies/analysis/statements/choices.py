@@ -177,9 +177,9 @@ def algorithm(contact_summary: pd.DataFrame, choices: pd.DataFrame) -> Iterator[
         if len(over):
             values |= {f"low{n}": float(over.min()), f"high{n}": float(over.max())}
             place += (
-                f" at {{low{n}:.2g}} to {{high{n}:.2g}} times"
+                f" at {{low{n}:.2f}} to {{high{n}:.2f}} times"
                 if over.max() > 1.01 * over.min()
-                else f" at {{low{n}:.2g}} times"
+                else f" at {{low{n}:.2f}} times"
             )
         if other:
             values |= {f"other{n}": float(other)}

@@ -39,7 +39,7 @@ def test_a_crossing_of_the_reference_is_no_accuracy() -> None:
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_difference_is_relative_to_the_signed_reference(sign: float) -> None:
-    """A deflection counted negative that is 10 % larger in size is +10 % off, as one counted positive is."""
+    """A deflection counted negative that is 10 % larger in size has an error of +10 %, as a positive one has."""
     exact, classical = (ladder(sign * limit, sign) for limit in (100.0, 110.0))
     apart = difference(classical, exact, known(exact))
     assert isinstance(apart, Difference)

@@ -94,10 +94,10 @@ def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) 
     )
     (found,) = algorithm(summary, table)
     assert "Take `semismooth`: it converges on 100%" in filled(found)
-    assert "`lcp` 2 of 2 at 0.9 times; `qp` 0 of 2" in filled(found)
+    assert "`lcp` 2 of 2 at 0.90 times; `qp` 0 of 2" in filled(found)
     other = table.assign(agrees=table["agrees"].where(table["name"] != "lcp", False))
     found = finest_trials(other).drop_duplicates("name").set_index("name")
     assert found["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
     assert found["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
     (said,) = algorithm(summary, other)
-    assert "`lcp` 2 of 2 at 0.9 times, 2 with the penetration of its springs" in filled(said)
+    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in filled(said)
