@@ -231,6 +231,3 @@ def named(names: Sequence[str]) -> str:
 def named_counts(counts: dict[str, int]) -> str:
     """Names as code with their counts, or none."""
     return ", ".join(f"`{name}` {count}" for name, count in counts.items()) or "none"
-
-
-MAKERS = (by_regime, tyre, cost, cheapest, algorithm)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable
 
 import numpy as np
 import pandas as pd
@@ -10,9 +10,10 @@ import pytest
 
 from reports.formats import Line
 from studies.analysis.comparisons.friction import FAMILIES, by_algorithm, ends, orders, step_orders
-from studies.analysis.statements.contact import friction as tyre
-from studies.analysis.statements.contact import friction_algorithms as algorithms
+from studies.analysis.statements import friction as tyre
+from studies.analysis.statements import friction_algorithms as algorithms
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
+from support.sentences import said
 from support.stores.friction import (
     DRAGS,
     LOST,
@@ -35,7 +36,7 @@ from support.stores.friction import (
 )
 
 
-def texts(found: Iterator[Statement]) -> list[str]:
+def texts(found: Iterable[Statement]) -> list[str]:
     return [Line({}).filled(each.text, each.values) for each in found]
 
 
@@ -144,19 +145,21 @@ def test_what_springs_change() -> None:
 
 
 def test_the_plate_and_who_fails_on_it() -> None:
-    (text,) = texts(algorithms.greco(greco()))
+    (text,) = texts(said("friction-greco", friction_greco=greco()))
     assert "2 of 3 algorithms converge, with errors of the slips of at most 0.010 % on 16x16" in text
     assert text.endswith("; `trial-and-error` (cycling) fails.")
-    assert texts(algorithms.greco(greco()[lambda t: t["algorithm"] != NAIVE]))[0].endswith("16x16 elements.")
+    assert texts(said("friction-greco", friction_greco=greco()[lambda t: t["algorithm"] != NAIVE]))[0].endswith(
+        "16x16 elements."
+    )
 
 
 def test_answers_of_springs_are_counted_by_how_many_there_are() -> None:
-    (text,) = texts(algorithms.klarbring(klarbring()))
+    (text,) = texts(said("friction-klarbring", friction_klarbring=klarbring()))
     assert "Of 3 sets of Klarbring's springs 1 have one answer, 1 several and 1 none" in text
     assert "in 2 of 3 solves and one of several in 3 of 3; where there is none they claim 0 of 3" in text
     wrong = klarbring()
     wrong.loc[wrong["case"] == "nothing", ["outcome", "found"]] = ("converged", "wrong")
-    assert "they claim 3 of 3, and 3 claims are wrong" in texts(algorithms.klarbring(wrong))[0]
+    assert "they claim 3 of 3, and 3 claims are wrong" in texts(said("friction-klarbring", friction_klarbring=wrong))[0]
 
 
 def test_orders_beside_theory() -> None:
@@ -170,12 +173,12 @@ def test_orders_beside_theory() -> None:
 
 
 def test_tied_nodes_and_motions() -> None:
-    (text,) = texts(algorithms.ends_of_the_law(tied()))
+    (text,) = texts(said("friction-tied", friction_tied=tied()))
     assert "1 of 2 cases have an answer" in text
     assert "`semismooth` finds 1 of them, to 1e-15 of the displacements, and claims one in 0 of the 1 without." in text
     false = tied().assign(outcome="converged", otherwise=1.0)
-    assert "finds 0 of them, and claims one in 1 of the 1" in texts(algorithms.ends_of_the_law(false))[0]
-    (text,) = texts(algorithms.rigid_motions(joint_motion(), rolling()))
+    assert "finds 0 of them, and claims one in 1 of the 1" in texts(said("friction-tied", friction_tied=false))[0]
+    (text,) = texts(said("friction-motions", friction_joint_motion=joint_motion(), friction_rolling=rolling()))
     assert "up to 500 mm and 3 rad keeps its friction, 13.5 N, to 1e-11 N and dissipates 1e-13" in text
     assert "hub in the middle to 1e-14 mm, and rolls on the radius of its bars to 1.0e-06" in text
 

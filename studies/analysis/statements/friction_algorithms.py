@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.comparisons.friction import FIRST, FLOOR
-from studies.analysis.statements.contact.friction import PAGE, listed
+from studies.analysis.evidence import listed
+from studies.analysis.statements.friction import PAGE
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.scenes.agreement import AGREED
 from studies.result import SOLVED
@@ -82,44 +83,6 @@ def regularisation(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
     yield Statement("friction-regularised", PAGE, text, values, len(own), f"{SAME_STEPS}; one stiffness of springs")
 
 
-def greco(friction_greco: pd.DataFrame) -> Iterator[Statement]:
-    """The plate that separates methods."""
-    finest = friction_greco[friction_greco["elements"] == friction_greco["elements"].max()]
-    solved = finest[finest["outcome"].isin(SOLVED)]
-    lost = friction_greco[~friction_greco["outcome"].isin(SOLVED)].drop_duplicates("algorithm")
-    values: dict[str, float | str] = {"elements": float(finest["elements"].iloc[0]), "all": float(len(finest))}
-    values |= {"solved": float(len(solved)), "off": solved["error"].max()}
-    values |= {"lost": listed([f"`{row['algorithm']}` ({row['outcome']})" for row in lost.to_dict("records")])}
-    text = "On the GRECO plate, which is open, slips and sticks, {solved:.0f} of {all:.0f} algorithms converge"
-    if len(solved):
-        text += ", with errors of the slips of at most {off:.3%} on {elements:.0f}x{elements:.0f} elements"
-    text += "; {lost} fails." if len(lost) == 1 else "; {lost} fail." if len(lost) else "."
-    scope = "9-node quadrilaterals, from rest; against the slips of fine graded meshes"
-    yield Statement("friction-greco", PAGE, text, values, len(finest), scope)
-
-
-def klarbring(friction_klarbring: pd.DataFrame) -> Iterator[Statement]:
-    """None, one or several answers."""
-    table = friction_klarbring
-    cases = table.drop_duplicates("case")["answers"]
-    claimed = table["outcome"].isin(SOLVED)
-    right = claimed & table["found"].notna() & (table["found"] != "wrong")
-    counts = {"none": table["answers"] == 0, "one": table["answers"] == 1, "several": table["answers"] > 1}
-    values: dict[str, float | str] = {"cases": float(len(cases)), "wrong": float((table["found"] == "wrong").sum())}
-    values |= {"of_none": float((cases == 0).sum()), "of_one": float((cases == 1).sum())}
-    values |= {"of_several": float((cases > 1).sum())}
-    for name, rows in counts.items():
-        values |= {f"{name}_right": float(right[rows].sum()), f"{name}_all": float(rows.sum())}
-    values |= {"none_claims": float((claimed & counts["none"]).sum())}
-    text = (
-        "Of {cases:.0f} sets of Klarbring's springs {of_one:.0f} have one answer, {of_several:.0f} several and "
-        "{of_none:.0f} none: at large coefficients that is physics, not a failure. Algorithms find the one answer in "
-        "{one_right:.0f} of {one_all:.0f} solves and one of several in {several_right:.0f} of {several_all:.0f}; where "
-        "there is none they claim {none_claims:.0f} of {none_all:.0f}, and {wrong:.0f} claims are wrong."
-    )
-    yield Statement("friction-klarbring", PAGE, text, values, len(table), "one candidate, two displacements, from rest")
-
-
 def closed_forms(friction_orders: pd.DataFrame) -> Iterator[Statement]:
     """Orders against theory."""
     table = friction_orders
@@ -136,23 +99,6 @@ def closed_forms(friction_orders: pd.DataFrame) -> Iterator[Statement]:
     text = "Of {errors:.0f} errors against closed forms ({families}) {rounding:.0f} are below {floor:.0e}"
     text += f", {listed(told)}."
     yield Statement("friction-orders", PAGE, text, values, len(table), "the four finest meshes, or numbers of steps")
-
-
-def ends_of_the_law(friction_tied: pd.DataFrame) -> Iterator[Statement]:
-    """An infinite coefficient beside the answers found by trying every set."""
-    own = friction_tied
-    there, none = own[own["answers"] > 0], own[own["answers"] == 0]
-    same = there[there["outcome"].isin(SOLVED) & (there["otherwise"] == 0)]
-    values: dict[str, float | str] = {"cases": float(len(own)), "there": float(len(there)), "same": float(len(same))}
-    values |= {"off": same["difference"].max(), "none": float(len(none))}
-    values |= {"claims": float(none["outcome"].isin(SOLVED).sum())}
-    text = (
-        "With μ = ∞ on the GRECO plate {there:.0f} of {cases:.0f} cases have an answer, as trying every set of tied "
-        "nodes shows; `semismooth` finds {same:.0f} of them"
-    )
-    text += ", to {off:.0e} of the displacements" if len(same) else ""
-    text += ", and claims one in {claims:.0f} of the {none:.0f} without." if len(none) else "."
-    yield Statement("friction-tied", PAGE, text, values, len(own), "coarse meshes, few candidates", machine=True)
 
 
 def crushed(friction_crushed_ring: pd.DataFrame) -> Iterator[Statement]:
@@ -176,25 +122,6 @@ def crushed(friction_crushed_ring: pd.DataFrame) -> Iterator[Statement]:
     )
 
 
-def rigid_motions(friction_joint_motion: pd.DataFrame, friction_rolling: pd.DataFrame) -> Iterator[Statement]:
-    """Body and foundation moved together, and a wheel that rolls."""
-    together = friction_joint_motion[friction_joint_motion["step"] == "together"]
-    rolls = friction_rolling[friction_rolling["outcome"].isin(SOLVED)]
-    if together.empty or rolls.empty:
-        return
-    values: dict[str, float | str] = {"change": together["change_N"].max(), "most": together["friction_N"].max()}
-    values |= {"way": together["way_mm"].max(), "turn": together["turn_rad"].max()}
-    values |= {"lost": together["dissipation_N_mm"].abs().max()}
-    values |= {"hub": rolls["hub_error_mm"].max(), "radius": rolls["radius_error"].abs().max()}
-    text = (
-        "A body moved with its foundation by up to {way:.0f} mm and {turn:.2g} rad keeps its friction, {most:.3g} N, "
-        "to {change:.0e} N and dissipates {lost:.0e} N mm; a wheel rolled between plates has its hub in the middle to "
-        "{hub:.0e} mm, and rolls on the radius of its bars to {radius:.1e}."
-    )
-    count = len(together) + len(rolls)
-    yield Statement("friction-motions", PAGE, text, values, count, "small trusses, by `semismooth`", machine=True)
-
-
 def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
     """Public problems: who has an answer that the judge takes."""
     table = friction_public.dropna(subset=["algorithm"])  # the other files are no problems
@@ -211,9 +138,3 @@ def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
     )
     scope = "rigid bodies, as published; a few seconds of the processor each"
     yield Statement("friction-public", PAGE, text, values, int(values["problems"]), scope, machine=True)
-
-
-MAKERS = (
-    *(agreement, failures, regularisation, greco, klarbring),
-    *(closed_forms, ends_of_the_law, rigid_motions, crushed, public),
-)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from inspect import signature
 from typing import Any
 
@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.comparisons.friction import COST_BARS, FULL
+from studies.analysis.evidence import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.scenes.cost import cost_table
 from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH, patch_table, steps_table
@@ -152,11 +153,3 @@ def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
 def default(maker: Callable[..., pd.DataFrame], name: str) -> Any:
     """What a table is made with."""
     return signature(maker).parameters[name].default
-
-
-def listed(words: Sequence[str]) -> str:
-    """Words in a list."""
-    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
-
-
-MAKERS = (limits, patch, steps, symmetry, costs)

@@ -1,0 +1,155 @@
+"""What is said of contact algorithms: what each solves, refuses and costs, whether they agree, and the arena."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from studies.analysis.cells.answers import Answer, Answers
+from studies.analysis.findings.contact_summary import DEFAULT
+from studies.analysis.statements.record import ANSWER, FINDING, LIMIT, OPENING, Statement
+from studies.campaigns.report_cells import agreement
+
+SCOPE = "problems put to two algorithms at least; those whose path ends before the load are left out"
+AGREE = 1e-7  # relative difference of forces up to which two algorithms agree
+CASE = ("load", "section")  # settings that change the problem
+MESHES = ("28x26", "42x40", "84x80")
+
+
+def ratios(contact_summary: pd.DataFrame) -> Iterator[Statement]:
+    """Seconds over those of the default, with intervals."""
+    own = contact_summary[contact_summary["algorithm"] != contact_summary["default"]].dropna(subset=["seconds_ratio"])
+    if own.empty:
+        return
+    values: dict[str, float | str] = {"default": f"`{own['default'].iloc[0]}`"}
+    said = []
+    for n, row in enumerate(own.sort_values("seconds_ratio", kind="stable").to_dict("records")):
+        values |= {f"name{n}": f"`{row['algorithm']}`", f"both{n}": float(row["both"])}
+        values |= {f"share{n}": float(row["solved_share"])}
+        values |= {f"{end}{n}": float(row[f"seconds_{end}"]) for end in ("ratio", "low", "high")}
+        said.append(
+            f"{{name{n}}} {{ratio{n}:.2f}} [{{low{n}:.2f}}, {{high{n}:.2f}}] "
+            f"({{both{n}:.0f}} solved by both; solves {{share{n}:.0%}})"
+        )
+    text = f"Processor time over that of {{default}}, in the median over problems that both solve: {', '.join(said)}."
+    scope = f"{SCOPE}; most are small; 95 % intervals of drawing scenes"
+    yield Statement("algorithm-cost", "algorithms", text, values, int(own["both"].max()), scope, machine=True)
+
+
+def failures(outcomes: pd.DataFrame) -> Iterator[Statement]:
+    """Where an algorithm fails that others solve."""
+    own = outcomes[(outcomes["axis"] == "contact") & outcomes["scene"].notna()]
+    if own.empty:
+        return
+    lost = own[own["failed"] > 0]
+    told = ", ".join(
+        f"`{row['name']}` {row['failed']} of {row['planned'] - row['refused'] - row['path_ends']} on {row['scene']}"
+        for row in lost.sort_values("failed", ascending=False, kind="stable").head(6).to_dict("records")
+    )
+    values: dict[str, float | str] = {"failed": float(lost["failed"].sum()), "told": told}
+    values |= {"planned": float(own["planned"].sum()), "names": float(own["name"].nunique())}
+    text = "Of {planned:.0f} requests put to {names:.0f} contact algorithms {failed:.0f} fail"
+    text += ": {told}." if told else ": every algorithm converges on every scene that it takes."
+    yield Statement("algorithm-failures", "algorithms", text, values, int(own["planned"].sum()), SCOPE, LIMIT)
+    trial = own[own["name"] == "trial-and-error"]
+    if trial.empty:
+        return
+    where = trial[trial["failed"] > 0]
+    could = trial["planned"] - trial["refused"] - trial["path_ends"]
+    values = {"scenes": ", ".join(where["scene"]), "lost": float(trial["failed"].sum()), "of": float(could.sum())}
+    values |= {"count": float(len(trial))}
+    ends = (
+        "does not converge on {lost:.0f} of {of:.0f} problems, on {scenes}"
+        if len(where)
+        else "converges on all {of:.0f} problems of all {count:.0f} scenes"
+    )
+    text = f"`trial-and-error` is the paper's algorithm with a detector of cycles added. It {ends}; problems that no "
+    text += "algorithm solves are not counted."
+    yield Statement("trial-and-error-ends", "algorithms", text, values, int(could.sum()), SCOPE)
+
+
+def agree(answers: Answers) -> Iterator[Statement]:
+    """Every solve with the exact condition against the reference of its case."""
+    found = (each for each in answers.those(agreement()) if each.steps)  # what was refused has no state to compare
+    solved = [each for each in found if each.settings["epsilon"] in ("inf", math.inf)]
+    references = {_case(each): each for each in solved if each.label.startswith(f"agreement {DEFAULT} ")}
+    others = [each for each in solved if _case(each) in references and each is not references[_case(each)]]
+    pairs = [_unlike(each, references[_case(each)]) for each in others]
+    if not pairs:
+        return
+    offs = [off for off, _ in pairs]
+    same = sum(off <= AGREE and nodes == 0 for off, nodes in pairs)
+    values = {"agree": float(same), "of": float(len(pairs)), "off": max(offs), "bound": AGREE}
+    values |= {"ways": float(len({each.label.removeprefix("agreement ").rsplit(" ", 3)[0] for each in others}))}
+    text = (
+        "{agree:.0f} of {of:.0f} other solves of the pressed tyre, by {ways:.0f} algorithms and settings, have the "
+        "contact set of `semismooth` node by node; forces differ by at most {off:.0e} of their value."
+    )
+    scope = "the exact condition, where both end, on the paper's tyre; a finite ε solves other equations"
+    yield Statement("algorithms-agree", "algorithms", text, values, len(pairs), scope, OPENING)
+
+
+def _case(answer: Answer) -> tuple[str, ...]:
+    return tuple(str(answer.settings[key]) for key in CASE)
+
+
+def _unlike(answer: Answer, other: Answer) -> tuple[float, int]:
+    """The largest relative difference of forces, and of nodes in contact in one only, over the travels of both."""
+    forces = [{step["delta_mm"]: step["force_N"] for step in each.steps} for each in (answer, other)]
+    common = [delta for delta in forces[0] if delta in forces[1]]
+    off = max((abs(forces[0][delta] / forces[1][delta] - 1) for delta in common), default=math.inf)
+    tables = [each.table("contact") for each in (answer, other)]
+    sets = [table[table["delta_mm"].isin(common)]["active"].to_numpy() for table in tables]
+    return off, int(np.sum(sets[0] != sets[1])) if len(sets[0]) == len(sets[1]) else -1
+
+
+def settled(answers: Answers) -> Iterator[Statement]:
+    """When an active set has settled."""
+    ways = ("semismooth", "semismooth, settle 1")
+    found = {way: [answers.get(f"one step {way} {mesh}") for mesh in MESHES] for way in ways}
+    known = {way: [each for each in own if each is not None] for way, own in found.items()}
+    if any(len(own) < len(MESHES) for own in known.values()):
+        return
+    ours, theirs = (sum(each.converged and not each.record["cuts"] for each in known[way]) for way in ways)
+    values = {"meshes": float(len(MESHES)), "ours": float(ours), "theirs": float(theirs)}
+    text = (
+        "Pressed by 20 mm in one step on {meshes:.0f} meshes, `semismooth`, which updates the contact set on one "
+        "linearisation until few nodes change, converges without a cut on {ours:.0f}; with a linearisation for every "
+        "set (settle 1) on {theirs:.0f}. Either has converged only when no node changes any more."
+    )
+    scope = "half of the paper's tyre"
+    yield Statement("settling", "algorithms", text, values, 2 * len(MESHES), scope, ANSWER)
+
+
+def arena(solver_summary: pd.DataFrame, solver_run: pd.DataFrame) -> Iterator[Statement]:
+    """Who solves most of the convex problems to the middle tolerance, and how many claim too much."""
+    whole = solver_summary[(solver_summary["size"] == "all") & (solver_summary["kind"] == "convex")]
+    whole = whole[whole["refused"] < whole["problems"]]
+    if whole.empty:
+        return
+    asked = sorted(whole["tolerance"].unique(), reverse=True)
+    middle, strict = (whole[whole["tolerance"] == each] for each in (asked[len(asked) // 2], asked[-1]))
+    best = middle.sort_values(["solved", "mean_s"], ascending=[False, True], kind="stable").iloc[0]
+    limit = float(dict(zip(solver_run["name"], solver_run["value"], strict=True))["limit_s"])
+    values: dict[str, float | str] = {"best": str(best["solver"]), "convex": float(best["problems"])}
+    values |= {"tolerance": float(best["tolerance"]), "limit": limit, "solvers": float(len(middle))}
+    values |= {"solved": float(best["solved"]), "mean": float(best["mean_s"]), "claims": float(middle["claimed"].sum())}
+    values |= {"false": float(middle["false"].sum()), "wrong": float((middle["false"] > 0).sum())}
+    text = (
+        "{best} solves most of {convex:.0f} convex problems to {tolerance:.0e}: {solved:.0f}, in {mean:.3f} s on "
+        "average (a failure costs {limit:g} s). Of {claims:.0f} claims of {solvers:.0f} solvers and forms {false:.0f}, "
+        "by {wrong:.0f} of them, are false."
+    )
+    own, hard = (each[each["solver"] == DEFAULT] for each in (middle, strict))
+    if len(own) and len(hard):
+        values |= {"ours": float(own["false"].iloc[0]), "ours_solved": float(own["solved"].iloc[0])}
+        values |= {"strict": asked[-1], "ours_strict": float(hard["false"].iloc[0])}
+        values |= {"worst": float(hard["worst_claim"].iloc[0])}
+        text += f" `{DEFAULT}`, the default here, solves {{ours_solved:.0f}} and makes {{ours:.0f}} false claims, "
+        text += "{ours_strict:.0f} when asked for {strict:.0e}"
+        text += " (the worst {worst:.2g} times that)." if values["ours_strict"] else "."
+    scope = "one linearised problem at a time, from rest, one thread; defaults of the solvers but for the tolerance"
+    yield Statement("arena", "algorithms", text, values, int(best["problems"]), scope, FINDING, machine=True)
