@@ -3,6 +3,7 @@
 A declaration (a table of TOML) names its table and reads its ``values`` one after another::
 
     from = "tyre_budget"                        the table; its rows are those of ``where``, one each of ``once``
+    columns.part = "change / within"            columns that are added to it
     where = 'changed == "linear"'               a query of pandas, or several, one after another
     cases = "count"                             rows
     off = "max abs(change)"                     an aggregate of an expression of columns
@@ -10,7 +11,7 @@ A declaration (a table of TOML) names its table and reads its ``values`` one aft
     locks = "min ratio from shear_locking"      of another table, all of it
     share = "= off / locks"                     of values that are known
     level = 0.05                                as it stands
-    names = {form = "`{measure}`", where = ..., largest_first = "change", join = "and", empty = "none"}
+    told = {form = "{measure} {change:.1%}", largest_first = "change", most = 6, join = "and", empty = "none"}
 
 What has no row to rest on is not said: a missing table, rows of which none is left, an aggregate of nothing.
 """
@@ -140,6 +141,8 @@ def _rows(
         if found is None:
             raise NothingError(f"no table {declaration['from']}")
         rows = found
+    for name, expression in declaration.get("columns", {}).items():
+        rows = rows.assign(**{name: _column(rows, expression)})
     queries = declaration.get("where") or ()
     for query in [queries] if isinstance(queries, str) else queries:
         rows = rows.query(query, engine="python", local_dict={**CONSTANTS, **values})
@@ -162,8 +165,12 @@ def _value(declared: Any, rows: pd.DataFrame, tables: Tables, values: Mapping[st
         take = AGGREGATES[found["take"]]
         if rows.empty:
             raise NothingError(declared)
-    of: Any = rows.eval(found["of"], engine="python", local_dict=CONSTANTS) if found["of"] else rows
-    return take(of)
+    taken: Any = _column(rows, found["of"]) if found["of"] else rows
+    return take(taken)
+
+
+def _column(rows: pd.DataFrame, expression: str) -> Any:
+    return rows.eval(expression, engine="python", local_dict=CONSTANTS)
 
 
 def evaluated(expression: str, values: Mapping[str, Value]) -> Any:
@@ -176,7 +183,7 @@ def _formed(declared: Mapping[str, Any], rows: pd.DataFrame) -> str:
     if "largest_first" in declared:
         rows = rows.sort_values(declared["largest_first"], ascending=False, kind="stable")
     filled = (declared["form"].format(**{str(name): it for name, it in row.items()}) for row in rows.to_dict("records"))
-    words, join = list(dict.fromkeys(filled)), declared.get("join", ", ")
+    words, join = list(dict.fromkeys(filled))[: declared.get("most")], declared.get("join", ", ")
     return (listed(words) if join == "and" else join.join(words)) or declared.get("empty", "")
 
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from studies.analysis.cells.answers import Answer, Answers
 from studies.analysis.findings.contact_summary import DEFAULT
-from studies.analysis.statements.record import ANSWER, FINDING, LIMIT, OPENING, Statement
+from studies.analysis.statements.record import ANSWER, FINDING, OPENING, Statement
 from studies.campaigns.report_cells import agreement
 
 SCOPE = "problems put to two algorithms at least; those whose path ends before the load are left out"
@@ -37,38 +37,6 @@ def ratios(contact_summary: pd.DataFrame) -> Iterator[Statement]:
     text = f"Processor time over that of {{default}}, in the median over problems that both solve: {', '.join(said)}."
     scope = f"{SCOPE}; most are small; 95 % intervals of drawing scenes"
     yield Statement("algorithm-cost", "algorithms", text, values, int(own["both"].max()), scope, machine=True)
-
-
-def failures(outcomes: pd.DataFrame) -> Iterator[Statement]:
-    """Where an algorithm fails that others solve."""
-    own = outcomes[(outcomes["axis"] == "contact") & outcomes["scene"].notna()]
-    if own.empty:
-        return
-    lost = own[own["failed"] > 0]
-    told = ", ".join(
-        f"`{row['name']}` {row['failed']} of {row['planned'] - row['refused'] - row['path_ends']} on {row['scene']}"
-        for row in lost.sort_values("failed", ascending=False, kind="stable").head(6).to_dict("records")
-    )
-    values: dict[str, float | str] = {"failed": float(lost["failed"].sum()), "told": told}
-    values |= {"planned": float(own["planned"].sum()), "names": float(own["name"].nunique())}
-    text = "Of {planned:.0f} requests put to {names:.0f} contact algorithms {failed:.0f} fail"
-    text += ": {told}." if told else ": every algorithm converges on every scene that it takes."
-    yield Statement("algorithm-failures", "algorithms", text, values, int(own["planned"].sum()), SCOPE, LIMIT)
-    trial = own[own["name"] == "trial-and-error"]
-    if trial.empty:
-        return
-    where = trial[trial["failed"] > 0]
-    could = trial["planned"] - trial["refused"] - trial["path_ends"]
-    values = {"scenes": ", ".join(where["scene"]), "lost": float(trial["failed"].sum()), "of": float(could.sum())}
-    values |= {"count": float(len(trial))}
-    ends = (
-        "does not converge on {lost:.0f} of {of:.0f} problems, on {scenes}"
-        if len(where)
-        else "converges on all {of:.0f} problems of all {count:.0f} scenes"
-    )
-    text = f"`trial-and-error` is the paper's algorithm with a detector of cycles added. It {ends}; problems that no "
-    text += "algorithm solves are not counted."
-    yield Statement("trial-and-error-ends", "algorithms", text, values, int(could.sum()), SCOPE)
 
 
 def agree(answers: Answers) -> Iterator[Statement]:

@@ -1,24 +1,24 @@
-"""What is said of the tyre with friction: its limits, its path, its symmetry, and what friction costs."""
+"""What is said of friction: the tyre's limits, path and symmetry, the algorithms, and what they are checked by."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from inspect import signature
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.friction import COST_BARS, FULL
+from studies.analysis.comparisons.friction import FIRST, FLOOR, FULL
 from studies.analysis.evidence import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.scenes.cost import cost_table
-from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH, patch_table, steps_table
+from studies.experiments.friction.scenes.agreement import AGREED
+from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
+from studies.result import SOLVED
 
 PAGE = "friction"
 KEPT = 1e-9  # of the largest force: a difference of images below this is rounding
 TYRE = f"the paper's whole tyre on {MESH} elements, pressed by {DELTA:g} mm"
 SCOPE = f"{TYRE}, one load step from stop to stop"
+SAME_STEPS = "the scenes of the page, in the same load steps, from the same start"
 
 
 def limits(friction_drag_ends: pd.DataFrame, friction_turn_ends: pd.DataFrame) -> Iterator[Statement]:
@@ -73,30 +73,8 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Statement]:
         pull = last[["friction_x_N", "friction_y_N", "friction_z_N"]].sum().to_numpy(float)
         values |= {"left": float(np.linalg.norm(pull)), "bound": float(values["mu"]) * float(last["normal_N"].sum())}
         text += "; back at its start the plane still pulls with {left:.0f} N of at most {bound:.0f} N: the path matters"
-    scope = f"{TYRE}, {default(patch_table, 'steps')} load steps from stop to stop"
+    scope = f"{TYRE}, {int(friction_patch['steps'].iloc[0])} load steps from stop to stop"
     yield Statement("friction-patch", PAGE, f"{text}.", values, len(stops), scope)
-
-
-def steps(friction_step_orders: pd.DataFrame, friction_steps: pd.DataFrame) -> Iterator[Statement]:
-    """What load steps cost in accuracy."""
-    rows = {str(row["quantity"]): row for row in friction_step_orders.to_dict("records")}
-    own = friction_steps.sort_values("steps")
-    values: dict[str, float | str] = {}
-    for short, name in (("force", "friction_N"), ("work", "dissipation_N_mm")):
-        row = rows[name]
-        values |= {f"{short}_{key}": float(row[key]) for key in ("first_error", "error", "order")}
-    values |= {"fewest": float(own["steps"].iloc[0]), "most": float(own["steps"].iloc[-1])}
-    values |= {"word": "step" if values["fewest"] == 1 else "steps"}
-    values |= {"times": float(own["operations"].iloc[-1] / own["operations"].iloc[0])}
-    text = (
-        "With friction load steps are part of the answer: pressed and dragged by 1 mm in {fewest:.0f} {word} each the "
-        "tyre has errors of {force_first_error:+.1%} in its force and {work_first_error:+.0%} in its dissipation; in "
-        "{most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
-        "Observed orders in the size of a step are {force_order:.2f} and {work_order:.2f}; theory says 1."
-    )
-    mesh = default(steps_table, "mesh")
-    scope = f"the whole tyre on {mesh} elements, μ = {default(steps_table, 'mu')}; the limit is extrapolated"
-    yield Statement("friction-steps", PAGE, text, values, len(own), scope, LIMIT)
 
 
 def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
@@ -117,39 +95,91 @@ def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
     yield Statement("friction-symmetry", PAGE, f"{text}.", values, len(friction_symmetry), SCOPE, machine=True)
 
 
-def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
-    """Operations and factorisations of an iteration against what is required."""
-    own = friction_cost[friction_cost["friction"] == 1]
-    values: dict[str, float | str] = {f"{end}_ratio": getattr(own["operations_ratio"], end)() for end in ("min", "max")}
-    values |= {f"{end}_each": getattr(own["factorisations"], end)() for end in ("min", "max")}
-    values |= {
-        "mesh": str(default(cost_table, "mesh")),
-        "bar": COST_BARS["friction_cost"],
-        "bar_each": COST_BARS["friction_factorisations"],
-    }
-    above = own[
-        (own["operations_ratio"] > COST_BARS["friction_cost"])
-        | (own["factorisations"] > COST_BARS["friction_factorisations"])
-    ]
-    values |= {"above": listed([f"{row['stage']} to {row['load']:g} mm" for row in above.to_dict("records")])}
-    values |= {"count": float(len(above)), "steps": float(len(own))}
+def agreement(friction_algorithms: pd.DataFrame) -> Iterator[Statement]:
+    """Who agrees with the first one everywhere, who does not, and what regularisation changes."""
+    table = friction_algorithms
+    cases = int(table["cases"].max())
+    exact = table[(table["exact"] == 1) & (table["algorithm"] != FIRST)]
+    every = exact[exact["agrees"] == exact["cases"]]
+    values: dict[str, float | str] = {"cases": float(cases), "bound": AGREED, "first": f"`{FIRST}`"}
+    values |= {"ends": float(table.loc[table["algorithm"] == FIRST, "solved"].sum())}
+    values |= {"names": listed([f"`{name}`" for name in every["algorithm"]])}
+    text = "{first} converges on {ends:.0f} of {cases:.0f} scenes with friction"
+    if len(every):
+        text += "; so do {names}, with every node in the same state and forces that differ by at most {bound:.0e}"
+    for n, row in enumerate(exact[exact["agrees"] < exact["cases"]].to_dict("records")):
+        values |= {f"name{n}": f"`{row['algorithm']}`", f"solved{n}": float(row["solved"])}
+        values |= {f"agrees{n}": float(row["agrees"])}
+        text += f"; {{name{n}}} converges on {{solved{n}:.0f}} and agrees on {{agrees{n}:.0f}}"
+    yield Statement("friction-agreement", PAGE, f"{text}.", values, cases * len(table), SAME_STEPS, OPENING)
+
+
+def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
+    """Which algorithm does not end where, and where other load steps make another path."""
+    table = friction_agreement
+    lost = table[~table["outcome"].isin(SOLVED)]
+    for name, own in lost.groupby("algorithm", sort=False):
+        values: dict[str, float | str] = {"name": f"`{name}`", "lost": float(len(own))}
+        values |= {
+            "of": float((table["algorithm"] == name).sum()),
+            "where": listed([f"'{case}'" for case in own["case"]]),
+        }
+        text = "{name} does not converge on {lost:.0f} of {of:.0f} scenes with friction: {where}."
+        yield Statement(f"friction-fails-{name}", PAGE, text, values, int(values["of"]), SAME_STEPS, LIMIT)
+
+
+def closed_forms(friction_orders: pd.DataFrame) -> Iterator[Statement]:
+    """Orders against theory."""
+    table = friction_orders
+    known = table.dropna(subset=["order"])
+    if known.empty:
+        return
+    values: dict[str, float | str] = {"families": listed(list(dict.fromkeys(table["family"])))}
+    values |= {"errors": float(len(table)), "floor": FLOOR, "rounding": float(len(table) - len(known))}
+    told = []
+    for theory, own in known.groupby("theory", sort=True):
+        n = f"{theory:g}"
+        values |= {f"low{n}": own["order"].min(), f"high{n}": own["order"].max(), f"count{n}": float(len(own))}
+        told.append(f"{{count{n}:.0f}} fall with orders from {{low{n}:.2f}} to {{high{n}:.2f}} where theory says {n}")
+    text = "Of {errors:.0f} errors against closed forms ({families}) {rounding:.0f} are below {floor:.0e}"
+    text += f", {listed(told)}."
+    yield Statement("friction-orders", PAGE, text, values, len(table), "the four finest meshes, or numbers of steps")
+
+
+def crushed(friction_crushed_ring: pd.DataFrame) -> Iterator[Statement]:
+    """What friction adds to the force on a ring, here and by another program."""
+    table = friction_crushed_ring.dropna(subset=["aster_change"])
+    if table.empty:
+        return
+    values: dict[str, float | str] = {"mu": float(table["mu"].iloc[0]), "states": float(table["delta_mm"].nunique())}
+    values |= {f"aster_{end}": getattr(table["aster_change"], end)() for end in ("min", "max")}
+    told = []
+    for n, (scene, own) in enumerate(table.groupby("scene", sort=False)):
+        values |= {f"name{n}": f"`{scene}`", f"low{n}": own["change"].min(), f"high{n}": own["change"].max()}
+        told.append(f"{{low{n}:+.2%}} to {{high{n}:+.2%}} on {{name{n}}}")
+    text = f"Friction with μ = {{mu:g}} adds {listed(told)}, over {{states:.0f}} states of the crushed ring; "
+    text += "Code_Aster finds {aster_min:+.2%} to {aster_max:+.2%} by another law of the material."
+    failed = table["failures"].notna().sum()
+    values |= {"failed": float(failed)}
+    text += " The judge refuses {failed:.0f} of these states." if failed else ""
+    yield Statement(
+        "friction-crushed-ring", PAGE, text, values, len(table), "the meshes that the scenes have by default"
+    )
+
+
+def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
+    """Public problems: who has an answer that the judge takes."""
+    table = friction_public.dropna(subset=["algorithm"])  # the other files are no problems
+    table = table.assign(certified=table["certified"].map({True: 1.0, False: 0.0}).astype(float))
+    claimed = table[table["outcome"].isin(SOLVED)]
+    taken = claimed[claimed["certified"] == 1]
+    counts = taken.groupby("algorithm")["problem"].nunique().sort_values(ascending=False, kind="stable")
+    values: dict[str, float | str] = {"problems": float(table["problem"].nunique())}
+    values |= {"solved": float(taken["problem"].nunique()), "false": float((claimed["certified"] == 0).sum())}
+    values |= {"told": listed([f"{name} {count}" for name, count in counts.items()])}
     text = (
-        "On {mesh} elements of the tyre an iteration with friction takes {min_ratio:.2f} to {max_ratio:.2f} times the "
-        "operations of one without, and {min_each:.2f} to {max_each:.2f} factorisations, more on finer meshes; "
-        "required are at most {bar:g} and {bar_each:g}, and "
+        "Of {problems:.0f} public problems of Siconos {solved:.0f} have an answer that the judge takes; by algorithm: "
+        "{told}. Of what is claimed {false:.0f} answers are refused by the judge."
     )
-    text += (
-        "{count:.0f} of {steps:.0f} steps exceed one of them: {above}."
-        if len(above)
-        else "none of {steps:.0f} steps exceeds them."
-    )
-    scope = f"the whole tyre on {default(cost_table, 'mesh')} elements, by `{default(cost_table, 'contact')}`"
-    yield Statement("friction-cost", PAGE, text, values, len(own), scope)
-    times: dict[str, float | str] = {f"{end}_ratio": getattr(own["time_ratio"], end)() for end in ("min", "max")}
-    text = "In processor time an iteration with friction takes {min_ratio:.2f} to {max_ratio:.2f} times one without."
-    yield Statement("friction-seconds", PAGE, text, times, len(own), f"{scope}; the least of repeats", machine=True)
-
-
-def default(maker: Callable[..., pd.DataFrame], name: str) -> Any:
-    """What a table is made with."""
-    return signature(maker).parameters[name].default
+    scope = "rigid bodies, as published; a few seconds of the processor each"
+    yield Statement("friction-public", PAGE, text, values, int(values["problems"]), scope, machine=True)

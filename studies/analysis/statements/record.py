@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 import pandas as pd
 
 from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
+from studies.experiments.friction.scenes.cost import cost_table
+from studies.experiments.friction.scenes.rubbed_scenes import steps_table
 
 OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
 COLUMNS = ("statement", "page", "role", "text", "problems", "scope", "machine")
@@ -34,10 +37,18 @@ class Statement:
     machine: bool = False
 
 
+def _defaults(table: str, maker: Callable[..., pd.DataFrame]) -> dict[str, Any]:
+    """What a table of experiments is made with, by names that are not published."""
+    return {f"_{table}_{name}": each.default for name, each in signature(maker).parameters.items()}
+
+
+DEFAULTS = _defaults("cost", cost_table) | _defaults("steps", steps_table)
+
+
 def declared(declaration: Mapping[str, Any], tables: Tables) -> Iterator[Statement]:
     """What a declaration says; nothing where its tables do not bear it."""
     try:
-        values = read_values(declaration, tables)
+        values = read_values(declaration, tables, DEFAULTS)
     except NothingError:
         return
     told = declaration["text"]
