@@ -32,8 +32,7 @@ from studies.analysis.comparisons.tyre.models import BEHIND, SAME, grids_reachin
 from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison
 from studies.analysis.comparisons.tyre.readings import tyre_readings
 from studies.analysis.comparisons.tyre.solid_shell import solid_shell
-from studies.analysis.findings.contact_summary import contact_summary
-from studies.analysis.findings.outcomes import outcomes
+from studies.analysis.outcomes import contact_summary, outcomes
 from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, rigid_body_powers
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.shell_limits.boundaries import boundaries

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.cells.answers import Answer, Answers
-from studies.analysis.findings.contact_summary import DEFAULT
+from studies.analysis.outcomes import DEFAULT
 from studies.analysis.statements.record import ANSWER, FINDING, OPENING, Statement
 from studies.campaigns.report_cells import agreement
 

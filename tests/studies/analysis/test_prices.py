@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 
 from studies.analysis.advice.choose import advise
-from studies.analysis.advice.questions import asked_question
+from studies.analysis.advice.questions import COSTS, asked_question
 from studies.analysis.advice.shipped import CELLS, QUESTIONS, shipped_question, shipped_tables, worth
 from studies.analysis.cells.rows import PRICES
-from studies.analysis.ranking.costs import COSTS
 from studies.analysis.verify import verified
 from studies.scene import UsageError
 from support.stores.sweeps import cells
