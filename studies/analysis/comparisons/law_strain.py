@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pandas as pd
+
+from studies.analysis.richardson import power_of
 
 REFERENCE, OTHERS = "svk", {"hencky": "off_hencky", "neo-hooke": "off_neo_hooke"}
 ONE_PERCENT = 0.01
@@ -43,10 +44,7 @@ def law_rules(study: pd.DataFrame) -> pd.DataFrame:
         least, largest = float(own["strain"].min()), float(own["strain"].max())
         at = ONE_PERCENT / factor if ONE_PERCENT / factor <= largest else math.nan
         row |= {"least_strain": least, "largest_strain": largest, "factor": factor, "percent_at": at}
-        rows.append({**row, "power": _power(own) if largest >= SPAN * least else math.nan})
+        rows.append(
+            {**row, "power": power_of(own["strain"], own["off_hencky"]) if largest >= SPAN * least else math.nan}
+        )
     return pd.DataFrame(rows)
-
-
-def _power(own: pd.DataFrame) -> float:
-    """Slope of the logarithms."""
-    return float(np.polyfit(np.log(own["strain"]), np.log(own["off_hencky"].abs()), 1)[0])
