@@ -22,7 +22,6 @@ from studies.analysis.comparisons.error_statements import TIMES, error_statement
 from studies.analysis.comparisons.friction import COST_BARS, FULL, GRECO, all_orders, by_algorithm, ends, step_orders
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.ladders import summary as summary_of_ladders
-from studies.analysis.comparisons.law_strain import law_rules
 from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY, contact_orders, manufactured_orders
 from studies.analysis.comparisons.programs import agreement, peer_factors
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
@@ -33,7 +32,7 @@ from studies.analysis.comparisons.tyre.readings import tyre_readings
 from studies.analysis.comparisons.tyre.solid_shell import solid_shell
 from studies.analysis.evidence import Evidence, Tables
 from studies.analysis.outcomes import contact_summary, outcomes
-from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, rigid_body_powers
+from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, law_rules, rigid_body_powers
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.shell_limits.boundaries import boundaries
 from studies.analysis.statements.tables import statement_tables

@@ -11,7 +11,11 @@ A declaration (a table of TOML) names its table and reads its ``values`` one aft
     locks = "min ratio from shear_locking"      of another table, all of it
     share = "= off / locks"                     of values that are known
     level = 0.05                                as it stands
-    told = {form = "{measure} {change:.1%}", largest_first = "change", most = 6, join = "and", empty = "none"}
+    told = {form = "{measure} {change:.1%}", sort = "-change", most = 6, join = "and", empty = "none"}
+    told = {by = "measure", each."low#" = "min change", text = "{low#:.1%}", number = "mesh", join = "; "}
+
+The last one reads values of each group of rows (without ``by``: of each row), numbered by a column or from 0, and puts
+their texts in place of <told>.
 
 What has no row to rest on is not said: a missing table, rows of which none is left, an aggregate of nothing.
 """
@@ -28,6 +32,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from studies.analysis.cells.answers import Answers
@@ -126,7 +131,10 @@ def read_values(
     if rows.empty and "from" in declaration:
         raise NothingError(f"no row of {declaration['from']}")
     for name, declared in declaration["values"].items():
-        values[name] = _value(declared, rows, tables, values)
+        if isinstance(declared, Mapping) and "each" in declared:
+            values |= _numbered(name, declared, rows, tables, values)
+        else:
+            values[name] = _value(declared, rows, tables, values)
     if "need" in declaration and not evaluated(declaration["need"], values):
         raise NothingError(declaration["need"])
     return values
@@ -146,6 +154,8 @@ def _rows(
     queries = declaration.get("where") or ()
     for query in [queries] if isinstance(queries, str) else queries:
         rows = rows.query(query, engine="python", local_dict={**CONSTANTS, **values})
+    if "sort" in declaration:
+        rows = rows.iloc[np.argsort(np.asarray(_column(rows, declaration["sort"])), kind="stable")]
     return rows.drop_duplicates(declaration["once"]) if "once" in declaration else rows
 
 
@@ -179,11 +189,29 @@ def evaluated(expression: str, values: Mapping[str, Value]) -> Any:
 
 
 def _formed(declared: Mapping[str, Any], rows: pd.DataFrame) -> str:
-    """A form filled from each row, and joined; by "and": as a list in words."""
-    if "largest_first" in declared:
-        rows = rows.sort_values(declared["largest_first"], ascending=False, kind="stable")
-    filled = (declared["form"].format(**{str(name): it for name, it in row.items()}) for row in rows.to_dict("records"))
-    words, join = list(dict.fromkeys(filled))[: declared.get("most")], declared.get("join", ", ")
+    """A form filled from each row."""
+    records = ({str(name): value for name, value in row.items()} for row in rows.to_dict("records"))
+    return _joined([declared["form"].format(**record) for record in records], declared)
+
+
+def _numbered(
+    name: str, declared: Mapping[str, Any], rows: pd.DataFrame, tables: Tables, values: Mapping[str, Value]
+) -> dict[str, Value]:
+    """The values of each row, or of each group of rows, and under _name their texts, joined."""
+    rows = _rows(declared, rows, tables, values)
+    groups = rows.groupby(declared["by"] if "by" in declared else np.arange(len(rows)), sort=False)
+    found: dict[str, Value] = {}
+    texts = []
+    for n, (_, own) in enumerate(groups):
+        number = str(own[declared["number"]].iloc[0]) if "number" in declared else str(n)
+        found |= {key.replace("#", number): _value(each, own, tables, values) for key, each in declared["each"].items()}
+        texts.append(declared["text"].replace("#", number))
+    return {**found, f"_{name}": _joined(texts, declared)}
+
+
+def _joined(words: list[str], declared: Mapping[str, Any]) -> str:
+    """Words that differ, as many as are asked for; by "and": as a list in words."""
+    words, join = list(dict.fromkeys(words))[: declared.get("most")], declared.get("join", ", ")
     return (listed(words) if join == "and" else join.join(words)) or declared.get("empty", "")
 
 

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.friction import FIRST, FLOOR, FULL
+from studies.analysis.comparisons.friction import FULL
 from studies.analysis.evidence import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.scenes.agreement import AGREED
 from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
 from studies.result import SOLVED
 
@@ -95,25 +94,6 @@ def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
     yield Statement("friction-symmetry", PAGE, f"{text}.", values, len(friction_symmetry), SCOPE, machine=True)
 
 
-def agreement(friction_algorithms: pd.DataFrame) -> Iterator[Statement]:
-    """Who agrees with the first one everywhere, who does not, and what regularisation changes."""
-    table = friction_algorithms
-    cases = int(table["cases"].max())
-    exact = table[(table["exact"] == 1) & (table["algorithm"] != FIRST)]
-    every = exact[exact["agrees"] == exact["cases"]]
-    values: dict[str, float | str] = {"cases": float(cases), "bound": AGREED, "first": f"`{FIRST}`"}
-    values |= {"ends": float(table.loc[table["algorithm"] == FIRST, "solved"].sum())}
-    values |= {"names": listed([f"`{name}`" for name in every["algorithm"]])}
-    text = "{first} converges on {ends:.0f} of {cases:.0f} scenes with friction"
-    if len(every):
-        text += "; so do {names}, with every node in the same state and forces that differ by at most {bound:.0e}"
-    for n, row in enumerate(exact[exact["agrees"] < exact["cases"]].to_dict("records")):
-        values |= {f"name{n}": f"`{row['algorithm']}`", f"solved{n}": float(row["solved"])}
-        values |= {f"agrees{n}": float(row["agrees"])}
-        text += f"; {{name{n}}} converges on {{solved{n}:.0f}} and agrees on {{agrees{n}:.0f}}"
-    yield Statement("friction-agreement", PAGE, f"{text}.", values, cases * len(table), SAME_STEPS, OPENING)
-
-
 def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
     """Which algorithm does not end where, and where other load steps make another path."""
     table = friction_agreement
@@ -126,45 +106,6 @@ def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
         }
         text = "{name} does not converge on {lost:.0f} of {of:.0f} scenes with friction: {where}."
         yield Statement(f"friction-fails-{name}", PAGE, text, values, int(values["of"]), SAME_STEPS, LIMIT)
-
-
-def closed_forms(friction_orders: pd.DataFrame) -> Iterator[Statement]:
-    """Orders against theory."""
-    table = friction_orders
-    known = table.dropna(subset=["order"])
-    if known.empty:
-        return
-    values: dict[str, float | str] = {"families": listed(list(dict.fromkeys(table["family"])))}
-    values |= {"errors": float(len(table)), "floor": FLOOR, "rounding": float(len(table) - len(known))}
-    told = []
-    for theory, own in known.groupby("theory", sort=True):
-        n = f"{theory:g}"
-        values |= {f"low{n}": own["order"].min(), f"high{n}": own["order"].max(), f"count{n}": float(len(own))}
-        told.append(f"{{count{n}:.0f}} fall with orders from {{low{n}:.2f}} to {{high{n}:.2f}} where theory says {n}")
-    text = "Of {errors:.0f} errors against closed forms ({families}) {rounding:.0f} are below {floor:.0e}"
-    text += f", {listed(told)}."
-    yield Statement("friction-orders", PAGE, text, values, len(table), "the four finest meshes, or numbers of steps")
-
-
-def crushed(friction_crushed_ring: pd.DataFrame) -> Iterator[Statement]:
-    """What friction adds to the force on a ring, here and by another program."""
-    table = friction_crushed_ring.dropna(subset=["aster_change"])
-    if table.empty:
-        return
-    values: dict[str, float | str] = {"mu": float(table["mu"].iloc[0]), "states": float(table["delta_mm"].nunique())}
-    values |= {f"aster_{end}": getattr(table["aster_change"], end)() for end in ("min", "max")}
-    told = []
-    for n, (scene, own) in enumerate(table.groupby("scene", sort=False)):
-        values |= {f"name{n}": f"`{scene}`", f"low{n}": own["change"].min(), f"high{n}": own["change"].max()}
-        told.append(f"{{low{n}:+.2%}} to {{high{n}:+.2%}} on {{name{n}}}")
-    text = f"Friction with μ = {{mu:g}} adds {listed(told)}, over {{states:.0f}} states of the crushed ring; "
-    text += "Code_Aster finds {aster_min:+.2%} to {aster_max:+.2%} by another law of the material."
-    failed = table["failures"].notna().sum()
-    values |= {"failed": float(failed)}
-    text += " The judge refuses {failed:.0f} of these states." if failed else ""
-    yield Statement(
-        "friction-crushed-ring", PAGE, text, values, len(table), "the meshes that the scenes have by default"
-    )
 
 
 def public(friction_public: pd.DataFrame) -> Iterator[Statement]:

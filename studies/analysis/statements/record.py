@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from inspect import signature
@@ -9,7 +10,9 @@ from typing import Any
 
 import pandas as pd
 
+from studies.analysis.comparisons.friction import FLOOR
 from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
+from studies.experiments.friction.scenes.agreement import AGREED
 from studies.experiments.friction.scenes.cost import cost_table
 from studies.experiments.friction.scenes.rubbed_scenes import steps_table
 
@@ -42,7 +45,7 @@ def _defaults(table: str, maker: Callable[..., pd.DataFrame]) -> dict[str, Any]:
     return {f"_{table}_{name}": each.default for name, each in signature(maker).parameters.items()}
 
 
-DEFAULTS = _defaults("cost", cost_table) | _defaults("steps", steps_table)
+DEFAULTS = _defaults("cost", cost_table) | _defaults("steps", steps_table) | {"_agreed": AGREED, "_floor": FLOOR}
 
 
 def declared(declaration: Mapping[str, Any], tables: Tables) -> Iterator[Statement]:
@@ -53,10 +56,11 @@ def declared(declaration: Mapping[str, Any], tables: Tables) -> Iterator[Stateme
         return
     told = declaration["text"]
     parts = [{"text": part} if isinstance(part, str) else part for part in ([told] if isinstance(told, str) else told)]
+    text = "".join(part["text"] for part in parts if evaluated(part.get("when", "True"), values))
     yield Statement(
         name=declaration["name"],
         page=declaration["page"],
-        text="".join(part["text"] for part in parts if evaluated(part.get("when", "True"), values)),
+        text=re.sub(r"<(\w+)>", lambda found: str(values[f"_{found[1]}"]), text),
         values={name: value for name, value in values.items() if not name.startswith("_")},
         problems=int(values.get("_problems", values["_rows"])),
         scope=declaration["scope"].format(**values),

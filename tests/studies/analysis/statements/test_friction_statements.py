@@ -116,14 +116,14 @@ def test_steps_above_what_is_required_are_named() -> None:
 
 
 def test_who_agrees_and_who_does_not() -> None:
-    (opening,) = friction.agreement(by_algorithm(agreement()))
+    (opening,) = said("friction-agreement", friction_algorithms=by_algorithm(agreement()))
     (text,) = texts(iter([opening]))
     assert opening.role == OPENING
     assert text.startswith("`semismooth` converges on 3 of 3 scenes with friction; so do `qp`, with every node")
     assert text.endswith("; `trial-and-error` converges on 2 and agrees on 1.")
     off = agreement()
     off.loc[(off["algorithm"] == "qp") & (off["case"] == LOST), "agrees"] = 0
-    (text,) = texts(friction.agreement(by_algorithm(off)))
+    (text,) = texts(said("friction-agreement", friction_algorithms=by_algorithm(off)))
     assert "so do" not in text
     assert "`qp` converges on 3 and agrees on 2" in text
 
@@ -166,11 +166,11 @@ def test_answers_of_springs_are_counted_by_how_many_there_are() -> None:
 def test_orders_beside_theory() -> None:
     tables = made_up_friction()
     found = pd.concat([orders(name, tables[family.table]) for name, family in FAMILIES.items()])
-    (text,) = texts(friction.closed_forms(found))
+    (text,) = texts(said("friction-orders", friction_orders=found))
     assert "1 are below 1e-08, 3 fall with orders from 1.00 to 1.00 where theory says 1" in text
     assert "11 fall with orders from 2.00 to 2.00 where theory says 2" in text
     found.loc[found["quantity"] == "moment", "order"] = 0.5
-    assert "orders from 0.50 to 2.00 where theory says 2" in texts(friction.closed_forms(found))[0]
+    assert "orders from 0.50 to 2.00 where theory says 2" in texts(said("friction-orders", friction_orders=found))[0]
 
 
 def test_tied_nodes_and_motions() -> None:
@@ -186,11 +186,12 @@ def test_tied_nodes_and_motions() -> None:
 
 def test_what_friction_adds_to_the_ring() -> None:
     """The state that nobody else has is not in it."""
-    (text,) = texts(friction.crushed(crushed()))
+    (text,) = texts(said("friction-crushed-ring", friction_crushed_ring=crushed()))
     assert "μ = 0.4 adds +1.00 % to +2.00 % on `crushed-ring`, over 2 states" in text
     assert "Code_Aster finds +2.00 % to +4.00 %" in text
     assert "refuses" not in text
-    (text,) = texts(friction.crushed(crushed().assign(failures=["", "cone", ""]).replace("", None)))
+    refused = crushed().assign(failures=["", "cone", ""]).replace("", None)
+    (text,) = texts(said("friction-crushed-ring", friction_crushed_ring=refused))
     assert text.endswith("The judge refuses 1 of these states.")
 
 

@@ -1,4 +1,4 @@
-"""What is said of contact algorithms: what each solves, refuses and costs, whether they agree, and the arena."""
+"""What is said of contact: whether algorithms agree, when a set has settled, the arena, and closed forms."""
 
 from __future__ import annotations
 
@@ -9,34 +9,15 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.cells.answers import Answer, Answers
+from studies.analysis.comparisons import ladders
 from studies.analysis.outcomes import DEFAULT
 from studies.analysis.statements.record import ANSWER, FINDING, OPENING, Statement
 from studies.campaigns.report_cells import agreement
 
-SCOPE = "problems put to two algorithms at least; those whose path ends before the load are left out"
 AGREE = 1e-7  # relative difference of forces up to which two algorithms agree
 CASE = ("load", "section")  # settings that change the problem
+CONTACT_SCENES = ("strip-contact", "plate-contact", "ring", "heavy-strip")  # with a closed form
 MESHES = ("28x26", "42x40", "84x80")
-
-
-def ratios(contact_summary: pd.DataFrame) -> Iterator[Statement]:
-    """Seconds over those of the default, with intervals."""
-    own = contact_summary[contact_summary["algorithm"] != contact_summary["default"]].dropna(subset=["seconds_ratio"])
-    if own.empty:
-        return
-    values: dict[str, float | str] = {"default": f"`{own['default'].iloc[0]}`"}
-    said = []
-    for n, row in enumerate(own.sort_values("seconds_ratio", kind="stable").to_dict("records")):
-        values |= {f"name{n}": f"`{row['algorithm']}`", f"both{n}": float(row["both"])}
-        values |= {f"share{n}": float(row["solved_share"])}
-        values |= {f"{end}{n}": float(row[f"seconds_{end}"]) for end in ("ratio", "low", "high")}
-        said.append(
-            f"{{name{n}}} {{ratio{n}:.2f}} [{{low{n}:.2f}}, {{high{n}:.2f}}] "
-            f"({{both{n}:.0f}} solved by both; solves {{share{n}:.0%}})"
-        )
-    text = f"Processor time over that of {{default}}, in the median over problems that both solve: {', '.join(said)}."
-    scope = f"{SCOPE}; most are small; 95 % intervals of drawing scenes"
-    yield Statement("algorithm-cost", "algorithms", text, values, int(own["both"].max()), scope, machine=True)
 
 
 def agree(answers: Answers) -> Iterator[Statement]:
@@ -121,3 +102,28 @@ def arena(solver_summary: pd.DataFrame, solver_run: pd.DataFrame) -> Iterator[St
         text += " (the worst {worst:.2g} times that)." if values["ours_strict"] else "."
     scope = "one linearised problem at a time, from rest, one thread; defaults of the solvers but for the tolerance"
     yield Statement("arena", "algorithms", text, values, int(best["problems"]), scope, FINDING, machine=True)
+
+
+def closed_forms(convergence: pd.DataFrame, convergence_errors: pd.DataFrame) -> Iterator[Statement]:
+    """Contact problems with a closed form."""
+    own = convergence[convergence["scene"].isin(CONTACT_SCENES) & (convergence["element"] == ladders.DEFAULT)]
+    own = own.drop_duplicates("sequence")
+    pairs = convergence_errors[
+        convergence_errors["sequence"].isin(own["sequence"]) & (convergence_errors["kind"] == "exact")
+    ]
+    pairs = pairs.drop_duplicates(["sequence", "reference"], keep="last")
+    if pairs.empty:
+        return
+    off = pairs["error"].abs()
+    values = {
+        "cases": float(len(pairs)),
+        "scenes": float(own["scene"].nunique()),
+        "off": off.max(),
+        "middle": off.median(),
+    }
+    text = (
+        "On the finest meshes of {scenes:.0f} contact problems with a closed form {cases:.0f} quantities err by at "
+        "most {off:.2%}, {middle:.3%} in the median."
+    )
+    scope = "beams and rings on rigid planes; there is no Hertz problem of solids"
+    yield Statement("closed-forms", "convergence", text, values, len(pairs), scope, ANSWER)
