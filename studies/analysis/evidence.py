@@ -110,15 +110,6 @@ def read_declarations(path: Path) -> Iterator[tuple[str, dict[str, Any]]]:
             yield array, whole
 
 
-def tables_of(declaration: Mapping[str, Any]) -> set[str]:
-    """The tables that a declaration names."""
-    forms = [each for each in declaration["values"].values() if isinstance(each, Mapping)]
-    texts = [each for each in declaration["values"].values() if isinstance(each, str)]
-    found = (VALUE.fullmatch(text) for text in texts if not text.startswith("= "))
-    named = [each["table"] for each in found if each] + [each.get("from") for each in (declaration, *forms)]
-    return {name for name in named if name}
-
-
 def read_values(
     declaration: Mapping[str, Any], tables: Tables, known: Mapping[str, Value] = MappingProxyType({})
 ) -> dict[str, Value]:

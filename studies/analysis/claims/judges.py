@@ -7,7 +7,7 @@ from itertools import pairwise
 import pandas as pd
 
 from studies.analysis.claims.record import Verdict, always, banded, counted
-from studies.result import CONVERGED
+from studies.analysis.comparisons.friction import public_answers
 
 CLOSE = 0.002  # of a published value
 WITHIN = 0.01  # error of the force
@@ -106,11 +106,9 @@ def one_step(friction_steps: pd.DataFrame) -> Verdict | None:
 
 def public_friction(friction_public: pd.DataFrame) -> Verdict | None:
     """Of how many problems has the best algorithm an answer that the judge takes?"""
-    own = friction_public.dropna(subset=["algorithm"])
-    taken = own[own["outcome"].eq(CONVERGED) & (own["certified"].astype(str) == "True")]
-    counts = taken.groupby("algorithm")["problem"].nunique().sort_values(ascending=False, kind="stable")
-    of = own["problem"].nunique()
+    _, counts = public_answers(friction_public)
     if counts.empty:
         return None
+    of = friction_public.dropna(subset=["algorithm"])["problem"].nunique()
     text = f"the best one, `{counts.index[0]}`, has certified answers of {counts.iloc[0]} of {of} within seconds"
     return counted(int(counts.iloc[0]), int(of), text)

@@ -167,3 +167,11 @@ def by_algorithm(agreement: pd.DataFrame) -> pd.DataFrame:
         names = ("iterations_ratio", "factorisations_ratio", "operations_ratio", "seconds_ratio")
         rows.append(row | {"both": len(both)} | dict(zip(names, ratios, strict=True)))
     return pd.DataFrame(rows)
+
+
+def public_answers(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.Series]:
+    """What is claimed of public problems, and by algorithm, the best first, on how many the judge takes the answer."""
+    claimed = table[table["algorithm"].notna() & table["outcome"].isin(SOLVED)]  # the other files are no problems
+    claimed = claimed.assign(certified=claimed["certified"].astype(str))
+    counts = claimed[claimed["certified"] == "True"].groupby("algorithm")["problem"].nunique()
+    return claimed, counts.sort_values(ascending=False, kind="stable")

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.friction import FULL
+from studies.analysis.comparisons.friction import FULL, public_answers
 from studies.analysis.evidence import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
 from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
@@ -95,32 +95,28 @@ def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
 
 
 def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
-    """Which algorithm does not end where, and where other load steps make another path."""
+    """Which algorithm does not end where."""
     table = friction_agreement
     lost = table[~table["outcome"].isin(SOLVED)]
     for name, own in lost.groupby("algorithm", sort=False):
         values: dict[str, float | str] = {"name": f"`{name}`", "lost": float(len(own))}
-        values |= {
-            "of": float((table["algorithm"] == name).sum()),
-            "where": listed([f"'{case}'" for case in own["case"]]),
-        }
+        values |= {"of": float((table["algorithm"] == name).sum()), "where": listed([f"'{it}'" for it in own["case"]])}
         text = "{name} does not converge on {lost:.0f} of {of:.0f} scenes with friction: {where}."
         yield Statement(f"friction-fails-{name}", PAGE, text, values, int(values["of"]), SAME_STEPS, LIMIT)
 
 
 def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
     """Public problems: who has an answer that the judge takes."""
-    table = friction_public.dropna(subset=["algorithm"])  # the other files are no problems
-    table = table.assign(certified=table["certified"].map({True: 1.0, False: 0.0}).astype(float))
-    claimed = table[table["outcome"].isin(SOLVED)]
-    taken = claimed[claimed["certified"] == 1]
-    counts = taken.groupby("algorithm")["problem"].nunique().sort_values(ascending=False, kind="stable")
-    values: dict[str, float | str] = {"problems": float(table["problem"].nunique())}
-    values |= {"solved": float(taken["problem"].nunique()), "false": float((claimed["certified"] == 0).sum())}
+    claimed, counts = public_answers(friction_public)
+    certified = claimed["certified"]
+    problems = friction_public.dropna(subset=["algorithm"])["problem"].nunique()
+    values: dict[str, float | str] = {"problems": float(problems)}
+    values |= {"solved": float(claimed[certified == "True"]["problem"].nunique())}
+    values |= {"false": float((certified == "False").sum())}
     values |= {"told": listed([f"{name} {count}" for name, count in counts.items()])}
     text = (
         "Of {problems:.0f} public problems of Siconos {solved:.0f} have an answer that the judge takes; by algorithm: "
         "{told}. Of what is claimed {false:.0f} answers are refused by the judge."
     )
     scope = "rigid bodies, as published; a few seconds of the processor each"
-    yield Statement("friction-public", PAGE, text, values, int(values["problems"]), scope, machine=True)
+    yield Statement("friction-public", PAGE, text, values, problems, scope, machine=True)

@@ -14,7 +14,7 @@ import studies
 from reports.store.statements import of_page, sentence, statements
 from reports.store.tables import Store
 from studies.analysis.everything import written
-from studies.analysis.evidence import ANSWERS, Evidence, tables_of
+from studies.analysis.evidence import ANSWERS, Evidence
 from studies.analysis.statements.record import OPENING, Statement, as_tables
 from studies.analysis.statements.tables import maker_of, read_sentences
 from studies.analysis.statements.tables import statements as all_said
@@ -22,6 +22,7 @@ from studies.analysis.statements.tyre import grids, printed
 from studies.arena.solver_run import FIELDS
 from studies.store.atomic import SCHEMA, write_json
 from support.sentences import said as said_of
+from support.sentences import tables_of
 
 CAMPAIGN = "made"
 
