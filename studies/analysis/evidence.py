@@ -15,7 +15,7 @@ A declaration (a table of TOML) names its table and reads its ``values`` one aft
     told = {by = "measure", each."low#" = "min change", text = "{low#:.1%}", number = "mesh", join = "; "}
 
 The last one reads values of each group of rows (without ``by``: of each row), numbered by a column or from 0, and puts
-their texts in place of <told>.
+their texts in place of <told>: what not every campaign has is said in this way.
 
 What has no row to rest on is not said: a missing table, rows of which none is left, an aggregate of nothing.
 """

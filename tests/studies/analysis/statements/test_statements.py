@@ -18,7 +18,6 @@ from studies.analysis.evidence import ANSWERS, Evidence
 from studies.analysis.statements.record import OPENING, Statement, as_tables
 from studies.analysis.statements.tables import maker_of, read_sentences
 from studies.analysis.statements.tables import statements as all_said
-from studies.analysis.statements.tyre import grids, printed
 from studies.arena.solver_run import FIELDS
 from studies.store.atomic import SCHEMA, write_json
 from support.sentences import said as said_of
@@ -43,13 +42,18 @@ def readings() -> pd.DataFrame:
     return found.assign(stated=found["delta_mm"] == 20.0, printed_sum_N=2000.0)
 
 
+def printed_table() -> list[Statement]:
+    names = ("printed-table", "printed-excluded", "origin-of-travel")
+    return [each for name in names for each in said_of(name, tyre_readings=readings())]
+
+
 def store_of(path: Path, found: list[Statement]) -> Store:
     written(path, CAMPAIGN, as_tables(found))
     return Store(path, CAMPAIGN, ())
 
 
 def test_the_printed_table_is_told_with_the_numbers_of_its_table(tmp_path: Path) -> None:
-    store = store_of(tmp_path, list(printed(readings())))
+    store = store_of(tmp_path, printed_table())
     said = sentence(store, "printed-table")
     assert "is not reproduced at the travel that it states, 20 mm" in said
     assert "2 of 3 readings about equally, at 22 to 23 mm" in said
@@ -62,7 +66,7 @@ def test_the_printed_table_is_told_with_the_numbers_of_its_table(tmp_path: Path)
 
 
 def test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers(tmp_path: Path) -> None:
-    store = store_of(tmp_path, list(printed(readings())))
+    store = store_of(tmp_path, printed_table())
     said = sentence(store, "printed-excluded")
     assert "no reading fits better than 15.0 % (rms) with 50 nodes in only one patch (sanders)" in said
     assert "2010 N on the paper's mesh is within 0.5 % of the 2000 N" in said
@@ -74,7 +78,7 @@ def test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers(tmp_path: Pa
 def test_a_store_that_was_not_analysed_says_nothing(tmp_path: Path) -> None:
     assert statements(Store(tmp_path, CAMPAIGN, ())) == ()
     assert sentence(Store(tmp_path, CAMPAIGN, ()), "printed-table") == ""
-    store = store_of(tmp_path, list(printed(readings())))
+    store = store_of(tmp_path, printed_table())
     assert sentence(Store(store.path, "another", ()), "printed-table") == ""
 
 
@@ -82,8 +86,8 @@ def test_a_sentence_without_one_of_its_tables_is_not_said(tmp_path: Path) -> Non
     write_json(tmp_path / "campaigns" / "made.json", {"schema": SCHEMA, "campaign": CAMPAIGN, "cells": []})
     assert all_said(tmp_path, CAMPAIGN) == []
     written(tmp_path, "another", {"tyre_readings": readings()})
-    assert Evidence(tmp_path, CAMPAIGN).given(printed) is None
-    assert Evidence(tmp_path, "another").given(printed) is not None
+    assert Evidence(tmp_path, CAMPAIGN).table("tyre_readings") is None
+    assert Evidence(tmp_path, "another").table("tyre_readings") is not None
     assert said_of("random-cases", fuzz=pd.DataFrame({"verdict": ["agrees"]})) == []
 
 
@@ -107,11 +111,11 @@ def test_a_graded_grid_that_gets_there_is_not_said_to_fail() -> None:
         for name, n in families.items()
     ]
     precision = pd.DataFrame({"family": ["patch"], "unknowns": [9000]})
-    (said,) = grids(pd.DataFrame(row), precision)
+    (said,) = said_of("grids-of-the-tyre", grids_reaching=pd.DataFrame(row), work_precision=precision)
     assert (said.values["adapted"], said.values["share"]) == (200.0, 0.2)
     assert "is not within it at {largest:.0f}" in said.text
     row[3]["unknowns"] = 900.0
-    (said,) = grids(pd.DataFrame(row), precision)
+    (said,) = said_of("grids-of-the-tyre", grids_reaching=pd.DataFrame(row), work_precision=precision)
     assert "is not within it" not in said.text
 
 
