@@ -27,8 +27,7 @@ from studies.analysis.comparisons.programs import agreement, peer_factors
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
 from studies.analysis.comparisons.tyre.budget import tyre_budget
 from studies.analysis.comparisons.tyre.models import BEHIND, SAME, grids_reaching, tyre_models
-from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison
-from studies.analysis.comparisons.tyre.readings import tyre_readings
+from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison, tyre_readings
 from studies.analysis.comparisons.tyre.solid_shell import solid_shell
 from studies.analysis.evidence import Evidence, Tables
 from studies.analysis.outcomes import contact_summary, outcomes

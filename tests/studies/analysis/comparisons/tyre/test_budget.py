@@ -9,7 +9,7 @@ import pytest
 
 from studies.analysis.cells.answers import Answers
 from studies.analysis.comparisons.tyre.budget import tyre_budget
-from studies.analysis.comparisons.tyre.readings import words
+from studies.analysis.comparisons.tyre.printed_pressures import words
 from studies.campaigns.plan import Row
 from studies.campaigns.report_cells import BUDGET, READINGS, ROBUSTNESS
 from studies.solving import resolve
