@@ -64,13 +64,26 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
 }
 
 RULES = {  # thresholds that the pages state
-    **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
-    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME, "behind": BEHIND},
-    **{"core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
-    **{"near_order": NEAR, "coarse_below": BELOW},
+    "formal_order": FORMAL,
+    "same_order": SAME_ORDER,
+    "same_value": SAME_VALUE,
+    "safe": SAFE,
+    "unsafe": UNSAFE,
+    "enough": ENOUGH,
+    "equal": EQUAL,
+    "farther": FARTHER,
+    "same_model": SAME,
+    "behind": BEHIND,
+    "core_depth": DEPTH,
+    "strain_rounding": NOTHING_LEFT,
+    "near_order": NEAR,
+    "coarse_below": BELOW,
     **{name.replace("error_", "theory_"): order for name, order in THEORY.items()},
-    **{"expensive": TIMES, "patience": PATIENCE},
-    **{"friction_full": FULL, "friction_greco": GRECO, **COST_BARS},
+    "expensive": TIMES,
+    "patience": PATIENCE,
+    "friction_full": FULL,
+    "friction_greco": GRECO,
+    **COST_BARS,
 }
 
 
