@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.program_agreement import agreement, program_tables
+from studies.analysis.comparisons.programs import agreement
+from studies.analysis.everything import fitted
 from studies.bench.peers.problems import problems
 from studies.bench.peers.shells import FOLLOWER
 from studies.bench.programs import calculix, held_axes, measured
@@ -108,10 +109,9 @@ def test_peers_stand_beside_the_same_quantity() -> None:
     assert found["kratos"].drop("hemisphere").isna().all()
 
 
-def test_without_a_table_there_is_no_agreement(tmp_path: Path) -> None:
-    assert program_tables(tmp_path) == {}
-    made_up_programs().to_csv(tmp_path / "programs.csv", index=False)
-    assert set(program_tables(tmp_path)) == {"program_agreement"}
+def test_without_a_table_there_is_no_agreement() -> None:
+    assert fitted({}.get) == {}
+    assert set(fitted({"programs": made_up_programs()}.get)) == {"program_agreement"}
 
 
 # --- the command ----------------------------------------------------------------------------------------------------

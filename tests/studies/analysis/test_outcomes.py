@@ -7,8 +7,7 @@ import math
 import pandas as pd
 import pytest
 
-from studies.analysis.findings.contact_summary import contact_summary
-from studies.analysis.findings.outcomes import outcomes
+from studies.analysis.outcomes import contact_summary, outcomes
 from support.stores.sweeps import cells
 
 CONTACTS = {"semismooth": 1.0, "lcp": 0.5, "qp": 2.0}

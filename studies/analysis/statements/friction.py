@@ -1,23 +1,23 @@
-"""What is said of the tyre with friction: its limits, its path, its symmetry, and what friction costs."""
+"""What is said of friction: the tyre's limits, path and symmetry, the algorithms, and what they are checked by."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from inspect import signature
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
 
-from studies.analysis.comparisons.friction import COST_BARS, FULL
+from studies.analysis.comparisons.friction import FULL, public_answers
+from studies.analysis.evidence import listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.scenes.cost import cost_table
-from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH, patch_table, steps_table
+from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
+from studies.result import SOLVED
 
 PAGE = "friction"
 KEPT = 1e-9  # of the largest force: a difference of images below this is rounding
 TYRE = f"the paper's whole tyre on {MESH} elements, pressed by {DELTA:g} mm"
 SCOPE = f"{TYRE}, one load step from stop to stop"
+SAME_STEPS = "the scenes of the page, in the same load steps, from the same start"
 
 
 def limits(friction_drag_ends: pd.DataFrame, friction_turn_ends: pd.DataFrame) -> Iterator[Statement]:
@@ -72,30 +72,8 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Statement]:
         pull = last[["friction_x_N", "friction_y_N", "friction_z_N"]].sum().to_numpy(float)
         values |= {"left": float(np.linalg.norm(pull)), "bound": float(values["mu"]) * float(last["normal_N"].sum())}
         text += "; back at its start the plane still pulls with {left:.0f} N of at most {bound:.0f} N: the path matters"
-    scope = f"{TYRE}, {default(patch_table, 'steps')} load steps from stop to stop"
+    scope = f"{TYRE}, {int(friction_patch['steps'].iloc[0])} load steps from stop to stop"
     yield Statement("friction-patch", PAGE, f"{text}.", values, len(stops), scope)
-
-
-def steps(friction_step_orders: pd.DataFrame, friction_steps: pd.DataFrame) -> Iterator[Statement]:
-    """What load steps cost in accuracy."""
-    rows = {str(row["quantity"]): row for row in friction_step_orders.to_dict("records")}
-    own = friction_steps.sort_values("steps")
-    values: dict[str, float | str] = {}
-    for short, name in (("force", "friction_N"), ("work", "dissipation_N_mm")):
-        row = rows[name]
-        values |= {f"{short}_{key}": float(row[key]) for key in ("first_error", "error", "order")}
-    values |= {"fewest": float(own["steps"].iloc[0]), "most": float(own["steps"].iloc[-1])}
-    values |= {"word": "step" if values["fewest"] == 1 else "steps"}
-    values |= {"times": float(own["operations"].iloc[-1] / own["operations"].iloc[0])}
-    text = (
-        "With friction load steps are part of the answer: pressed and dragged by 1 mm in {fewest:.0f} {word} each the "
-        "tyre has errors of {force_first_error:+.1%} in its force and {work_first_error:+.0%} in its dissipation; in "
-        "{most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
-        "Observed orders in the size of a step are {force_order:.2f} and {work_order:.2f}; theory says 1."
-    )
-    mesh = default(steps_table, "mesh")
-    scope = f"the whole tyre on {mesh} elements, μ = {default(steps_table, 'mu')}; the limit is extrapolated"
-    yield Statement("friction-steps", PAGE, text, values, len(own), scope, LIMIT)
 
 
 def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
@@ -116,47 +94,29 @@ def symmetry(friction_symmetry: pd.DataFrame) -> Iterator[Statement]:
     yield Statement("friction-symmetry", PAGE, f"{text}.", values, len(friction_symmetry), SCOPE, machine=True)
 
 
-def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
-    """Operations and factorisations of an iteration against what is required."""
-    own = friction_cost[friction_cost["friction"] == 1]
-    values: dict[str, float | str] = {f"{end}_ratio": getattr(own["operations_ratio"], end)() for end in ("min", "max")}
-    values |= {f"{end}_each": getattr(own["factorisations"], end)() for end in ("min", "max")}
-    values |= {
-        "mesh": str(default(cost_table, "mesh")),
-        "bar": COST_BARS["friction_cost"],
-        "bar_each": COST_BARS["friction_factorisations"],
-    }
-    above = own[
-        (own["operations_ratio"] > COST_BARS["friction_cost"])
-        | (own["factorisations"] > COST_BARS["friction_factorisations"])
-    ]
-    values |= {"above": listed([f"{row['stage']} to {row['load']:g} mm" for row in above.to_dict("records")])}
-    values |= {"count": float(len(above)), "steps": float(len(own))}
+def failures(friction_agreement: pd.DataFrame) -> Iterator[Statement]:
+    """Which algorithm does not end where."""
+    table = friction_agreement
+    lost = table[~table["outcome"].isin(SOLVED)]
+    for name, own in lost.groupby("algorithm", sort=False):
+        values: dict[str, float | str] = {"name": f"`{name}`", "lost": float(len(own))}
+        values |= {"of": float((table["algorithm"] == name).sum()), "where": listed([f"'{it}'" for it in own["case"]])}
+        text = "{name} does not converge on {lost:.0f} of {of:.0f} scenes with friction: {where}."
+        yield Statement(f"friction-fails-{name}", PAGE, text, values, int(values["of"]), SAME_STEPS, LIMIT)
+
+
+def public(friction_public: pd.DataFrame) -> Iterator[Statement]:
+    """Public problems: who has an answer that the judge takes."""
+    claimed, counts = public_answers(friction_public)
+    certified = claimed["certified"]
+    problems = friction_public.dropna(subset=["algorithm"])["problem"].nunique()
+    values: dict[str, float | str] = {"problems": float(problems)}
+    values |= {"solved": float(claimed[certified == "True"]["problem"].nunique())}
+    values |= {"false": float((certified == "False").sum())}
+    values |= {"told": listed([f"{name} {count}" for name, count in counts.items()])}
     text = (
-        "On {mesh} elements of the tyre an iteration with friction takes {min_ratio:.2f} to {max_ratio:.2f} times the "
-        "operations of one without, and {min_each:.2f} to {max_each:.2f} factorisations, more on finer meshes; "
-        "required are at most {bar:g} and {bar_each:g}, and "
+        "Of {problems:.0f} public problems of Siconos {solved:.0f} have an answer that the judge takes; by algorithm: "
+        "{told}. Of what is claimed {false:.0f} answers are refused by the judge."
     )
-    text += (
-        "{count:.0f} of {steps:.0f} steps exceed one of them: {above}."
-        if len(above)
-        else "none of {steps:.0f} steps exceeds them."
-    )
-    scope = f"the whole tyre on {default(cost_table, 'mesh')} elements, by `{default(cost_table, 'contact')}`"
-    yield Statement("friction-cost", PAGE, text, values, len(own), scope)
-    times: dict[str, float | str] = {f"{end}_ratio": getattr(own["time_ratio"], end)() for end in ("min", "max")}
-    text = "In processor time an iteration with friction takes {min_ratio:.2f} to {max_ratio:.2f} times one without."
-    yield Statement("friction-seconds", PAGE, text, times, len(own), f"{scope}; the least of repeats", machine=True)
-
-
-def default(maker: Callable[..., pd.DataFrame], name: str) -> Any:
-    """What a table is made with."""
-    return signature(maker).parameters[name].default
-
-
-def listed(words: Sequence[str]) -> str:
-    """Words in a list."""
-    return " and ".join(filter(None, [", ".join(words[:-1]), *words[-1:]]))
-
-
-MAKERS = (limits, patch, steps, symmetry, costs)
+    scope = "rigid bodies, as published; a few seconds of the processor each"
+    yield Statement("friction-public", PAGE, text, values, problems, scope, machine=True)
