@@ -28,7 +28,7 @@ from contact.solvers.sparse import factorise, symmetric
 from studies.arena.accuracy import NONE, Scales, accuracy
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.child import Child
+from studies.arena.solvers.process import Child
 
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 LIMIT_S = 20.0  # of a solve
@@ -54,7 +54,7 @@ def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
     round.  false: claimed, and less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by
     the solver's own criterion, where it has one.
     seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see
-    :mod:`studies.arena.solvers.served`.  factorisation_s: of K, median, the unit of data profiles.
+    :mod:`studies.arena.solvers.process`.  factorisation_s: of K, median, the unit of data profiles.
     """
     worst = samples.sort_values("accuracy", kind="stable", ascending=False).drop_duplicates(list(KEY))
     groups = samples.groupby(list(KEY), sort=False)

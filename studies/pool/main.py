@@ -10,6 +10,7 @@ from __future__ import annotations
 import errno
 import fcntl
 import json
+import math
 import os
 import queue
 import resource
@@ -32,7 +33,7 @@ NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)  # they come wit
 
 def main() -> None:
     """Answer until the other side is gone."""
-    _end_with(int(sys.argv[2]))
+    end_with(int(sys.argv[2]))
     pipe, orders = Connection(int(sys.argv[1])), queue.SimpleQueue[Order]()
     threading.Thread(target=_listen, args=(pipe, orders), daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the other side decides
@@ -45,7 +46,7 @@ def main() -> None:
             os._exit(0)  # what is left of the memory is in pieces
 
 
-def _end_with(alive: int) -> None:
+def end_with(alive: int) -> None:
     """Have the kernel end this process and its group when a pipe closes, even in the middle of compiled code.
 
     A thread that waits for it needs the lock of the interpreter, which a factorisation may hold for hours. Without
@@ -77,7 +78,7 @@ def _listen(pipe: Connection[Any, Order], orders: queue.SimpleQueue[Order]) -> N
 
 def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
     """{"class", "reason"} of a task that failed, {"class": "", "text": the record} of one that did not."""
-    _limit(limits.time_s, limits.memory_MB)
+    limit(limits.time_s, limits.memory_MB)
     try:
         return {"class": "", "text": DO[task.kind](task, folder)}
     except Exception as error:
@@ -92,7 +93,7 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
         place = f"{Path(where.filename).name}:{where.lineno}"
         return {"class": "crash", "reason": f"{type(error).__name__} at {place}: {' '.join(str(error).split())}"}
     finally:
-        _limit(None, None)
+        limit(None, None)
 
 
 def _is_of_memory(error: BaseException | None) -> bool:
@@ -114,23 +115,24 @@ def _is_of_store(error: OSError, folder: Path | None) -> bool:
     return folder is not None and (folder.is_relative_to(name) or name.is_relative_to(folder))
 
 
-def _limit(time_s: float | None, memory_MB: float | None) -> None:
+def limit(time_s: float | None, memory_MB: float | None) -> None:
     """Limit private memory beyond what there is, and the time in case no other side does; None takes a limit away."""
     signal.alarm(0 if time_s is None else int(time_s) + LATE)
     # of data, where the kernel counts what numpy allocates there: address space has the libraries in it, twice as much
     kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS
     hard = resource.getrlimit(kind)[1]
-    soft = hard if memory_MB is None else int(_data_MB() + memory_MB) * 2**20
+    data_MB = status_MB("VmData")
+    soft = hard if memory_MB is None else int(memory_MB + (0.0 if math.isnan(data_MB) else data_MB)) * 2**20
     resource.setrlimit(kind, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
 
 
-def _data_MB() -> float:
-    """Private memory of this process."""
+def status_MB(key: str) -> float:
+    """Memory of this process as the kernel counts it: VmData what is private, VmRSS, VmHWM; NaN where it does not."""
     try:
         told = Path("/proc/self/status").read_text(encoding="ascii")
     except OSError:
-        return 0.0
-    return float(told.partition("VmData:")[2].split()[0]) / 1024
+        return math.nan
+    return float(told.partition(f"{key}:")[2].split()[0]) / 1024
 
 
 def _record(task: Task, folder: Path | None) -> str:

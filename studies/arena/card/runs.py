@@ -41,7 +41,7 @@ from studies.arena.card.trials import (
 from studies.arena.solver_table import judged
 from studies.arena.solvers.base import Answer as Said
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.child import Child
+from studies.arena.solvers.process import Child
 from studies.fuzz.comparing import Answer, difference
 
 LIMIT_S, BUDGET_S = 10.0, 60.0

@@ -16,7 +16,7 @@ from studies.arena.card.quadratics import Quadratic, manufactured
 from studies.arena.solver_table import judged
 from studies.arena.solvers.base import Solver
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.child import Child
+from studies.arena.solvers.process import Child
 
 LIMIT_S, TOLERANCE = 5.0, 1e-6
 LAWS = (
