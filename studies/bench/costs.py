@@ -7,7 +7,10 @@ says what is done, and its bars.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -19,11 +22,12 @@ from scipy import sparse
 
 from contact.solvers.sparse import factorise
 from studies.bench.rounds import NO_BAR, PART, Group, Line, in_rounds
-from studies.bench.start import FLOOR, REFUSED, child
 from studies.bench.tangents import at_rest, factorisations, shell_of
 from studies.complete import complete
+from studies.pool.process import ONE_THREAD
 from studies.result import Result
 from studies.solving import solve
+from studies.store.source_hash import ROOT
 
 MESH = "42x40"
 SIZES, LARGEST = (MESH, "102x100"), "210x200"  # 10, 60 and 250 thousand unknowns
@@ -35,6 +39,8 @@ START, IMPORTS = "command imported, request read", "numpy and scipy imported"
 PARTS = ("build", "assembly", "factorisation", "solve", "contact")  # of timing_s
 # what a step of an exact set may spend, and where all that enforce contact exactly must end
 BEYOND, FORCE_OFF, NODES_OFF = "factorisations beyond iterations", "force off semismooth", "nodes off semismooth"
+FLOOR = ("-c", "import numpy, scipy.linalg, scipy.sparse.linalg")  # nothing is solved without
+REFUSED = ("-m", "studies.cli", "solve", "tyre", "--mesh", "0x0", "--out", "unused")  # once all that solves is loaded
 ONE_AN_ITERATION = {BEYOND: 2.0}
 SAME_END = {FORCE_OFF: 1e-10, NODES_OFF: 0.0}
 
@@ -152,3 +158,12 @@ def _command(mesh: str, folder: Path) -> dict[str, float]:
 
 def _parts_of_command(timing: Mapping[str, float], seconds: float) -> dict[str, float]:
     return {f"{PART}start and files_s": seconds - timing["cpu"], **_parts(timing)}
+
+
+def child(words: Sequence[str], compiled: Path, code: int = 0) -> None:
+    """Run Python on one thread to the end, with this exit code; what it compiles is kept, as on installation."""
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path, "PYTHONPYCACHEPREFIX": str(compiled / "compiled")}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    done = subprocess.run([sys.executable, "-P", *words], env=environment, capture_output=True, check=False)
+    assert done.returncode == code, done.stderr

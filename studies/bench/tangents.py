@@ -13,10 +13,8 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from contact.solvers.multifrontal.factor import Multifrontal
 from contact.solvers.sparse import BACKWARD_ERROR, Factor, backward_error, factorise
 from formulations.shell import ShellModel
+from studies.bench.newton import asked, tyre
 from studies.bench.rounds import Group, Line
-from studies.complete import complete
-from studies.scenes.tyre.model import TyreModel
-from studies.scenes.tyre.scene import Tyre
 
 OVER_SPLU, OVER_PARDISO = 0.35, 2.2
 LOWEST = 12  # eigenvalues that are found to shift between two of them
@@ -26,8 +24,7 @@ DEFINITE, INDEFINITE, GENERAL = "definite", "indefinite", "not symmetric"
 
 def shell_of(mesh: str, **settings: str) -> ShellModel:
     """The whole tyre of the paper; raises UsageError."""
-    request = complete("tyre", {"delta_mm": "20", **settings}, mesh, model="full")[1]
-    return TyreModel.on(request, *Tyre().lines(request)).shell
+    return tyre(asked(mesh, **settings)).shell
 
 
 def at_rest(shell: ShellModel) -> sparse.csc_matrix:

@@ -18,9 +18,9 @@ from formulations.shell import ShellModel
 from formulations.solid import SolidModel
 from studies.algorithm_settings import configured
 from studies.complete import complete
-from studies.exchange import of_shell, of_solid
+from studies.exchange import of_body
 from studies.exchange.bricks import Bricks
-from studies.exchange.problem import LoadStep, Plane, Problem, Supports, doubled, materials
+from studies.exchange.problem import LoadStep, Plane, Problem, Supports, materials
 from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
 from studies.scene import Scene, SceneModel
@@ -85,11 +85,12 @@ def problem_of(
 
 def _of_shell(scene: Scene, request: Request, shell: ShellModel, through: int) -> tuple[Body, SceneModel]:
     """The body, and the model on the mesh twice as fine that loads are read from."""
-    finer = scene.build(doubled(request))
+    n1, n2 = request.mesh
+    finer = scene.build(replace(request, mesh=(2 * n1, 2 * n2)))
     fine, body = _shell(finer).discretisation, shell.discretisation
-    bricks = of_shell.bricks_of(body, through)
-    supports = of_shell.supports_of(fine, body, bricks)
-    return Body(bricks, supports, body.laminate, of_shell.shell_nodes(body, bricks)), finer
+    bricks = of_body.bricks_of_shell(body, through)
+    supports = of_body.supports_of_shell(fine, body, bricks)
+    return Body(bricks, supports, body.laminate, of_body.shell_nodes(body, bricks)), finer
 
 
 def _shell(model: SceneModel) -> ShellModel:
@@ -101,7 +102,7 @@ def _under_loads(scene: Scene, request: Request, model: StaticModel, through: in
     body, finer = _of_shell(scene, request, model.shell, through)
     steps = []
     for fraction in model.fractions:
-        loads = of_shell.loads_of(_shell(finer).scaled(fraction), model.shell.discretisation, body.bricks)
+        loads = of_body.loads_of_shell(_shell(finer).scaled(fraction), model.shell.discretisation, body.bricks)
         steps.append(LoadStep(f"load {fraction:g}", fraction, *loads))
     return _problem(scene, request, "load_fraction", body, tuple(steps))
 
@@ -114,7 +115,9 @@ def _before_plane(scene: Scene, request: Request, model: ContactModel, through: 
         plane = _plane(model.plane_at(t))
         if not np.allclose(plane.normal, start.normal, atol=0, rtol=1e-12):
             raise UsageError(f"a plane that turns cannot be exported: that of {request.scene} does")
-        loads = of_shell.loads_of((finer.body_at or finer.shell.scaled)(t), model.shell.discretisation, body.bricks)
+        loads = of_body.loads_of_shell(
+            (finer.body_at or finer.shell.scaled)(t), model.shell.discretisation, body.bricks
+        )
         steps.append(LoadStep(f"{model.key} {t:g}", t, *loads, plane.offset))
     return _problem(scene, request, model.key, body, tuple(steps), Plane(start.normal, start.offset))
 
@@ -126,10 +129,10 @@ def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, thr
     """
     if isinstance(model, TyreModel):
         body, finer = _of_shell(scene, request, model.shell, through)
-        loads = of_shell.loads_of(_shell(finer), model.shell.discretisation, body.bricks)
+        loads = of_body.loads_of_shell(_shell(finer), model.shell.discretisation, body.bricks)
     else:
         body = _of_solid(model.body, checked_wall(request.settings)[0])
-        loads = of_solid.loads_of(model.body, body.bricks)
+        loads = of_body.loads_of_solid(model.body, body.bricks)
     normal = _plane(model.foundation).normal
     crown, copies = int(np.argmax(body.bricks.x @ normal)), model.wall.part.copies
     if tuple(model.deltas) == (0.0,):
@@ -145,7 +148,7 @@ def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, thr
 
 def _ring(scene: Scene, request: Request, model: SolidRingModel) -> Problem:
     body = _of_solid(model.body, crushed_ring.ring(request)[1])
-    loads, plane = of_solid.loads_of(model.body, body.bricks), crushed_ring.plate(request, 0.0)
+    loads, plane = of_body.loads_of_solid(model.body, body.bricks), crushed_ring.plate(request, 0.0)
     steps = [
         LoadStep(f"delta_mm {delta:g}", delta, *loads, crushed_ring.plate(request, delta).offset)
         for delta in request.numbers("delta_mm")
@@ -154,8 +157,8 @@ def _ring(scene: Scene, request: Request, model: SolidRingModel) -> Problem:
 
 
 def _of_solid(body: SolidModel, laminate: Laminate) -> Body:
-    bricks = of_solid.bricks_of(body.discretisation)
-    return Body(bricks, of_solid.supports_of(body.discretisation, bricks), laminate, None)
+    bricks = of_body.bricks_of_solid(body.discretisation)
+    return Body(bricks, of_body.supports_of_solid(body.discretisation, bricks), laminate, None)
 
 
 def _problem(

@@ -8,12 +8,9 @@ limited by the kernel, for each task anew: beyond that, allocations fail.
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
-import math
 import os
 import queue
-import resource
 import signal
 import sys
 import threading
@@ -23,11 +20,10 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from studies.pool.limits import READY, end_with, limit
 from studies.pool.task import Limits, Order, Task
 from studies.request import PartError
 
-READY = "ready"
-LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)  # they come without the name of a file, too
 
 
@@ -44,17 +40,6 @@ def main() -> None:
         pipe.send(answer)
         if answer["class"] == "memory":
             os._exit(0)  # what is left of the memory is in pieces
-
-
-def end_with(alive: int) -> None:
-    """Have the kernel end this process and its group when a pipe closes, even in the middle of compiled code.
-
-    A thread that waits for it needs the lock of the interpreter, which a factorisation may hold for hours. Without
-    signals of input (O_ASYNC), and where nobody heeds them by default (macOS), that thread is all there is.
-    """
-    if sys.platform == "linux":
-        fcntl.fcntl(alive, fcntl.F_SETOWN, -os.getpgrp())
-        fcntl.fcntl(alive, fcntl.F_SETFL, fcntl.fcntl(alive, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 def _warm() -> None:
@@ -113,26 +98,6 @@ def _is_of_store(error: OSError, folder: Path | None) -> bool:
         return True
     name = Path(str(error.filename))
     return folder is not None and (folder.is_relative_to(name) or name.is_relative_to(folder))
-
-
-def limit(time_s: float | None, memory_MB: float | None) -> None:
-    """Limit private memory beyond what there is, and the time in case no other side does; None takes a limit away."""
-    signal.alarm(0 if time_s is None else int(time_s) + LATE)
-    # of data, where the kernel counts what numpy allocates there: address space has the libraries in it, twice as much
-    kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS
-    hard = resource.getrlimit(kind)[1]
-    data_MB = status_MB("VmData")
-    soft = hard if memory_MB is None else int(memory_MB + (0.0 if math.isnan(data_MB) else data_MB)) * 2**20
-    resource.setrlimit(kind, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
-
-
-def status_MB(key: str) -> float:
-    """Memory of this process as the kernel counts it: VmData what is private, VmRSS, VmHWM; NaN where it does not."""
-    try:
-        told = Path("/proc/self/status").read_text(encoding="ascii")
-    except OSError:
-        return math.nan
-    return float(told.partition(f"{key}:")[2].split()[0]) / 1024
 
 
 def _record(task: Task, folder: Path | None) -> str:

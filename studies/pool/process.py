@@ -19,7 +19,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO, Any
 
-from studies.pool.main import READY
+from studies.pool.limits import READY
 from studies.pool.task import KEPT, Limits, Task
 from studies.store.layout import Archive
 from studies.store.schema import as_line

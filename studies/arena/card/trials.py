@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import signal
-import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -33,6 +32,7 @@ from studies.fuzz.comparing import MARGIN, Answer, compared, difference, error_o
 from studies.operations import counted
 from studies.request import Request, Value
 from studies.scene import Scene, UsageError
+from studies.stopwatch import timed
 from studies.walk import walk
 
 SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE = (
@@ -102,10 +102,9 @@ class Metered(Watched):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Solve, and keep what it cost."""
-        begun = time.process_time()
         with counted() as work:
-            found = self.inside.solve(problem, start)
-        self.spent["seconds"] += time.process_time() - begun
+            seconds, found = timed(lambda: self.inside.solve(problem, start))
+        self.spent["seconds"] += seconds
         self.spent["operations"] += sum(work.values())
         self.spent["iterations"] += found.counters.get("newton_iterations", 0)
         self.spent["factorisations"] += found.counters.get("factorisations", 0)

@@ -12,8 +12,8 @@ import pandas as pd
 import pytest
 
 from studies.analysis.comparisons.program_agreement import agreement, program_tables
+from studies.bench.peers.catalogue import FOLLOWER
 from studies.bench.peers.problems import problems
-from studies.bench.peers.shells import FOLLOWER
 from studies.bench.programs import calculix, held_axes, measured
 from studies.bench.programs.case import Case
 from studies.bench.programs.cases import CASES
