@@ -32,7 +32,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Card:
-    """A part, its laws, and all tries (a row each of :class:`studies.arena.card.trials.Trial`), those of ours too."""
+    """A part, its laws, and all tries (a row each, of :class:`studies.arena.card.trials.Trial`), those of ours too."""
 
     subject: Subject
     laws: tuple[Law, ...]
@@ -156,7 +156,7 @@ def card_of(subject: Subject, tell: Tell = lambda name: None) -> Card:
     """The card of a part; raises UsageError where it cannot be tried."""
     tell("laws")
     laws = tuple(_laws(subject))
-    tries = pd.DataFrame([trial.row for trial in trials(subject, tell)])
+    tries = pd.DataFrame([vars(trial) for trial in trials(subject, tell)])
     return Card(subject, laws, tries)
 
 

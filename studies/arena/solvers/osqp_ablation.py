@@ -17,9 +17,8 @@ from contact.algorithms.qp import Scaled
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.qp_backends import Answer as Found
 from studies.arena.solvers.base import Solver
-from studies.arena.solvers.condensed import Condensed
-from studies.arena.solvers.ours import OURS
-from studies.arena.solvers.outside import Outside, programme
+from studies.arena.solvers.catalogue import OURS
+from studies.arena.solvers.outside import Condensed, Outside, programme
 from studies.arena.solvers.programmes import Osqp
 
 NEAR = 0.99  # of the loads and gaps, the step whose answer a warm start sets out from
