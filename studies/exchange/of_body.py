@@ -7,10 +7,16 @@ known here.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Generic, TypeVar
+
 import numpy as np
 
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import TensorGrid
+from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import StVenantKirchhoff
@@ -20,6 +26,7 @@ from studies.exchange.bricks import INNER, ON_FACE, OUTER, Bricks, serendipity
 from studies.exchange.problem import Supports
 from studies.request import UsageError
 
+Model = TypeVar("Model", ShellModel, SolidModel)
 EXCHANGED = (0, 3, 2, 1, 7, 6, 5, 4)  # the nodes of a face with a1 and a2 exchanged, as a left-handed brick has them
 
 
@@ -30,14 +37,31 @@ def tensor_grid(body: Discretisation) -> TensorGrid:
     return body.grid
 
 
-def bricks_of_shell(body: Discretisation, through: int) -> Bricks:
-    """``through`` bricks through each ply, over every element of the shell."""
+@dataclass(frozen=True, eq=False)
+class Body(Generic[Model]):
+    """Bricks, their supports and plies; nodes of a shell as :class:`.problem.Problem` has them.
+
+    loads(model) -> pressure (F,) [MPa] that follows the inner faces, and dead forces (N, 3) [N] on the nodes of bricks;
+    raises UsageError for loads that are neither.  model: of a shell, that on the mesh twice as fine.
+    """
+
+    bricks: Bricks
+    supports: Supports
+    laminate: Laminate
+    shell: np.ndarray | None
+    loads: Callable[[Model], tuple[np.ndarray, np.ndarray]]
+
+
+def of_shell(body: Discretisation, fine: Discretisation, through: int) -> Body[ShellModel]:
+    """``through`` bricks through each ply, over every element of the shell; ``fine``: on the mesh twice as fine."""
     grid = tensor_grid(body)
     mesh = SolidMesh.build(body.surface, *grid.lines, body.laminate, per_ply=through, periodic=grid.periodic)
-    return Bricks.of(mesh)
+    bricks = Bricks.of(mesh)
+    supports = _supports_of_shell(fine, body, bricks)
+    return Body(bricks, supports, body.laminate, _shell_nodes(body, bricks), partial(_loads_of_shell, body, bricks))
 
 
-def shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
+def _shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
     """(n, 2) nodes of the bricks on the inner and on the outer face at the nodes of the shell's grid."""
     grid = tensor_grid(body)
     places = _places(grid, bricks.parameter)
@@ -49,7 +73,7 @@ def shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
     return found
 
 
-def supports_of_shell(fine: Discretisation, body: Discretisation, bricks: Bricks) -> Supports:
+def _supports_of_shell(fine: Discretisation, body: Discretisation, bricks: Bricks) -> Supports:
     """What the shell on the mesh twice as fine holds at the columns of nodes through the wall.
 
     What both faces hold, all nodes between them hold; what is held midway, the node there. Raises UsageError where no
@@ -69,8 +93,8 @@ def supports_of_shell(fine: Discretisation, body: Discretisation, bricks: Bricks
     return Supports(nodes, axes, kept[nodes])
 
 
-def loads_of_shell(fine: ShellModel, body: Discretisation, bricks: Bricks) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure (F,) [MPa] that follows the inner faces, and dead forces (N, 3) [N] on the nodes of the bricks.
+def _loads_of_shell(body: Discretisation, bricks: Bricks, fine: ShellModel) -> tuple[np.ndarray, np.ndarray]:
+    """See :class:`Body`.
 
     The dead nodal forces of the shell on the mesh twice as fine do the same work on the bricks' own shape functions; a
     dead pressure is integrated over the bricks. By the area of the middle surface it is scaled by the ratio of the
@@ -152,23 +176,23 @@ def _cells(body: Discretisation, bricks: Bricks, elements: np.ndarray) -> np.nda
 # --- solids -----------------------------------------------------------------------------------------------------------
 
 
-def bricks_of_solid(solid: SolidDiscretisation) -> Bricks:
-    """Its own mesh; raises UsageError for a law that is not linear between Green strain and the second stress."""
+def of_solid(solid: SolidDiscretisation, laminate: Laminate) -> Body[SolidModel]:
+    """On its own mesh, held along the Cartesian axes.
+
+    Raises UsageError for a law that is not linear between Green strain and the second stress.
+    """
     if not all(isinstance(law, StVenantKirchhoff) for law in solid.laws):
         raise UsageError("law must be 'svk' in a deck: one of svk")
-    return Bricks.of(solid.mesh)
-
-
-def supports_of_solid(solid: SolidDiscretisation, bricks: Bricks) -> Supports:
-    """Along the Cartesian axes."""
+    bricks = Bricks.of(solid.mesh)
     kept = np.flatnonzero(bricks.of_mesh >= 0)
     held = solid.fixed[kept[np.argsort(bricks.of_mesh[kept])]]
     nodes = np.flatnonzero(held.any(axis=1))
-    return Supports(nodes, np.broadcast_to(np.eye(3), (len(nodes), 3, 3)), held[nodes])
+    supports = Supports(nodes, np.broadcast_to(np.eye(3), (len(nodes), 3, 3)), held[nodes])
+    return Body(bricks, supports, laminate, None, partial(_loads_of_solid, bricks))
 
 
-def loads_of_solid(body: SolidModel, bricks: Bricks) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure (F,) [MPa] that follows the inner faces, and dead forces (N, 3) [N] on the nodes of the bricks."""
+def _loads_of_solid(bricks: Bricks, body: SolidModel) -> tuple[np.ndarray, np.ndarray]:
+    """See :class:`Body`."""
     solid, pressure = body.discretisation, body.pressure
     forces = np.zeros(solid.fixed.size)
     if body.forces is not None:

@@ -25,6 +25,7 @@ PLY_TYRES = ("20x18", "28x26", "36x34", "42x40", "60x58", "84x80")
 SQUARES = tuple(f"{n}x{n}" for n in (8, 10, 12, 14, 16, 20, 24, 32, 48))
 OCTANTS = ("6x9", "8x12", "12x18", "16x24", "24x36")
 STRIPS = ("4x1", "8x1", "16x1", "32x1", "64x1")
+PAPER = {"element": "paper"}
 NODAL = {"thickness_strain": "nodal"}
 # elements over psi and phi, of the quarter; those of a wall of plies of the whole
 QUARTERS = {
@@ -111,34 +112,29 @@ def available() -> tuple[tuple[Line, ...], tuple[str, ...]]:
 
 def lines() -> tuple[Line, ...]:
     """Each family of each problem."""
-    paper, plain = {"element": "paper"}, dict[str, str]()
     tyres = (
-        _tyre("element paper", "tyre, isotropic", TYRES, "quarter", {**ISOTROPIC_TYRE, **paper}),
-        _tyre("default", "tyre, isotropic", TYRES, "quarter", ISOTROPIC_TYRE),
-        _tyre("whole, element paper", "tyre, angle plies", PLY_TYRES, "full", {**FOLLOWER, **paper}),
-        _tyre("half, element paper", "tyre, angle plies", PLY_TYRES, "half", {**FOLLOWER, **paper}),
+        ("tyre, isotropic", "element paper", TYRES, "quarter", {**ISOTROPIC_TYRE, **PAPER}),
+        ("tyre, isotropic", "default", TYRES, "quarter", ISOTROPIC_TYRE),
+        ("tyre, angle plies", "whole, element paper", PLY_TYRES, "full", {**FOLLOWER, **PAPER}),
+        ("tyre, angle plies", "half, element paper", PLY_TYRES, "half", {**FOLLOWER, **PAPER}),
     )
     shells = (
-        _line(scene, scene, family, meshes, quantity, "auto", {**FULL, **settings})
-        for scene, quantity, meshes in (
-            ("hemisphere", "inward_mm", SQUARES),
-            ("sze-pullout", "w_A_mm", OCTANTS),
-            ("cantilever", "tip_deflection_mm", STRIPS),
-        )
-        for family, settings in (("default", plain), ("thickness strain at nodes", NODAL))
+        ("hemisphere", "inward_mm", SQUARES),
+        ("sze-pullout", "w_A_mm", OCTANTS),
+        ("cantilever", "tip_deflection_mm", STRIPS),
     )
-    return (*tyres, *shells)
-
-
-def _tyre(family: str, problem: str, meshes: tuple[str, ...], model: str, settings: Mapping[str, str]) -> Line:
-    return _line(problem, "tyre", family, meshes, "force_N", model, settings)
-
-
-def _line(
-    problem: str, scene: str, family: str, meshes: tuple[str, ...], quantity: str, model: str, chosen: Mapping[str, str]
-) -> Line:
-    work = partial(solved, scene, quantity, model, chosen)
-    return Line(problem, "footprint", family, meshes, work)
+    families = {"default": FULL, "thickness strain at nodes": {**FULL, **NODAL}}
+    return (
+        *(
+            Line(problem, "footprint", family, meshes, partial(solved, "tyre", "force_N", model, settings))
+            for problem, family, meshes, model, settings in tyres
+        ),
+        *(
+            Line(scene, "footprint", family, meshes, partial(solved, scene, quantity, "auto", settings))
+            for scene, quantity, meshes in shells
+            for family, settings in families.items()
+        ),
+    )
 
 
 def solved(scene: str, quantity: str, model: str, settings: Mapping[str, str], mesh: str) -> Solved:
