@@ -19,12 +19,11 @@ from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.verify import FrictionVerdict, judge
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.untrusted import parsed_object, read_arrays, read_json, text_of
-from studies.arena.accuracy import Accuracy, Scales, accuracy
+from studies.arena.accuracy import RESIDUALS, Accuracy, Scales, accuracy
 from studies.request import UsageError
 
 CERTIFIED = 1e-8  # accuracy that is asked for unless said otherwise
 SAME = 1e-9  # relative, of a claimed force
-RESIDUALS = tuple(Accuracy.__dataclass_fields__)
 CLAIMS = ("accuracy", *RESIDUALS, "force", "pressed")
 RUBBED = ("du", "normal", "friction")
 OFF = {"force": "of the larger of it and F", "pressed": "candidates"}  # a false claim; residuals: by a factor

@@ -25,7 +25,7 @@ import pandas as pd
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import positive_definite
 from contact.solvers.sparse import factorise, symmetric
-from studies.arena.accuracy import NONE, Scales, accuracy
+from studies.arena.accuracy import NONE, RESIDUALS, Scales, accuracy
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.catalogue import SOLVERS
 from studies.arena.solvers.process import Child
@@ -35,7 +35,6 @@ LIMIT_S = 20.0  # of a solve
 ROUNDS = 3
 KEY = ("solver", "problem", "tolerance")
 ABOUT = ("kind", "unknowns", "candidates", "asked", "claimed", "accuracy")
-RESIDUALS = ("equilibrium", "penetration", "tension", "complementarity")
 SAMPLE_COLUMNS = (
     *("round", *KEY, *ABOUT, *RESIDUALS, "false", "kept", "seconds", "iterations", "memory_MB", "factorisation_s"),
     "reason",

@@ -14,8 +14,8 @@ import numpy as np
 import pandas as pd
 
 from contact.solvers.sparse import factorise
+from studies.bench.costs import at_rest, shell_of
 from studies.bench.peers.problems import Line, problems
-from studies.bench.tangents import at_rest, shell_of
 from studies.door.columns import columns
 from studies.stopwatch import timed
 

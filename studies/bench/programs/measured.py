@@ -1,13 +1,15 @@
 """The table of ``footprint bench programs``: what a program finds for every scene on every mesh, beside ours.
 
 Each mesh of each scene is one file in the store, so that a run that was stopped goes on; it is made anew when the
-sources, the case or the program change.
+sources, the case or the program change. A deck puts one direction of plies on every brick, that at its centre: how much
+of a difference is due to this rule, our own solid under the same rule shows.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,19 +17,28 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from formulations.solid import SolidDiscretisation, SolidModel
+from studies.algorithm_settings import configured
 from studies.bench.programs import calculix
 from studies.bench.programs.case import Case
-from studies.bench.programs.held_axes import inflated_equator
+from studies.complete import complete
 from studies.door.columns import columns
 from studies.exchange.deck import deck, element
 from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
+from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH
 from studies.request import UsageError, text_of
+from studies.scenes import SCENES
+from studies.scenes.tyre.solid import SolidTyreModel
+from studies.scenes.tyre.wall import checked_wall
 from studies.stopwatch import WALL, timed
 from studies.store.atomic import write_table_once
 from studies.store.source_hash import sources_hash
+from studies.walk import walk
 
+SOLID = "tyre-solid"
+CENTRE = 13  # of the 27 Gauss points
 FOLDER, TABLE = "programs", "programs"
 WITHIN = 0.01  # relative difference to ours
 HELD_WITHIN = 0.02  # the same, to our solid under the rule of one direction a brick
@@ -101,6 +112,29 @@ def _values(rows: Sequence[Comparison], loads: Sequence[float]) -> Iterator[dict
             "reference": np.nan if known is None else known.value,
             "source": "" if known is None else known.against,
         }
+
+
+def inflated_equator(problem: Problem, *, held: bool = True) -> float:
+    """Radial growth [mm] of the outer face at the equator of the inflated solid on the bricks of a tyre.
+
+    nan where the solid is not inflated.  held: whether axes are those at the centre; else those at each Gauss point.
+    """
+    n1, n2 = problem.request.mesh
+    known = {setting.key for setting in SCENES[SOLID].settings}
+    own = {key: value for key, value in problem.request.settings.items() if key in known and key != "solver"}
+    scene, request = complete(SOLID, own, f"{n1}x{n2}", model=problem.request.model)
+    model = scene.build(request)
+    assert isinstance(model, SolidTyreModel)
+    solid = model.body.discretisation
+    if held:
+        frame = np.repeat(solid.mesh.frame[:, CENTRE : CENTRE + 1], solid.mesh.frame.shape[1], axis=1)
+        laminate = checked_wall(request.settings)[0]
+        solid = SolidDiscretisation.build(replace(solid.mesh, frame=frame), laminate, solid.fixed)
+        model = replace(model, body=SolidModel(solid, model.body.pressure))
+    stages = (stage for stage in model.stages() if stage.name != "press")
+    *_, last = walk(stages, configured(request.contact, request.settings), request.steps)
+    rest, inflated = (model.wall.faces(u)[1][model.wall.crown, 0] for u in (np.zeros_like(last.state.u), last.state.u))
+    return float(inflated - rest) if last.converged else np.nan
 
 
 def explained(table: pd.DataFrame) -> pd.DataFrame:

@@ -58,9 +58,8 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _costs(options: argparse.Namespace) -> int:
-    from studies.bench.costs import costs
+    from studies.bench.costs import costs, with_pardiso
     from studies.bench.rounds import BROKEN, VARIES, shown
-    from studies.bench.tangents import with_pardiso
     from studies.store.atomic import write_table
 
     rounds = count("rounds", options.rounds)
