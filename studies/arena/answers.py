@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.verify import FrictionVerdict, judge
+from contact.friction.verify import judge
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.untrusted import parsed_object, read_arrays, read_json, text_of
 from studies.arena.accuracy import RESIDUALS, Accuracy, Scales, accuracy
@@ -51,18 +51,14 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """The residuals, the force and the length that they are relative to, the accuracy asked for, and the claims."""
+    """The residuals by name, the force and the length that they are relative to, the verdict, and the claims."""
 
-    worth: Accuracy
+    residuals: Mapping[str, float]
     force_N: float
     length_mm: float
-    asked: float
-    claims: tuple[Claim, ...]
-
-    @property
-    def certified(self) -> bool:
-        """Whether the accuracy is what was asked for, or better."""
-        return self.worth.worst <= self.asked
+    certified: bool
+    verdict: str
+    claims: tuple[Claim, ...] = ()
 
     @property
     def sound(self) -> bool:
@@ -71,13 +67,12 @@ class Judgement:
 
     def lines(self) -> list[str]:
         """In words: each residual, each claim, the verdict last."""
-        told = [f"{name}: {value:.2e}" for name, value in asdict(self.worth).items()]
+        told = [f"{name}: {value:.2e}" for name, value in self.residuals.items()]
         told.append(f"relative to {self.force_N:.6g} N and {self.length_mm:.6g} mm")
         for claim in self.claims:
             how = f"FALSE by {claim.off:.3g} {OFF.get(claim.what, 'times')}" if claim.false else "true"
             told.append(f"claim {claim.what} = {claim.claimed}: {how}, it is {claim.found}")
-        verdict = "certified" if self.certified else "NOT certified"
-        return [*told, f"{verdict}: accuracy {self.worth.worst:.2e}, asked {self.asked:.0e}"]
+        return [*told, self.verdict]
 
 
 def read_answer(path: Path) -> Given:
@@ -128,7 +123,9 @@ def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Ju
     finite = bool(np.all(np.isfinite(given.du)))
     length = scales.gap(step.G @ given.du) if finite else scales.length
     claims = tuple(_claim(step, given, worth, scales, *item) for item in given.claims.items())
-    return Judgement(worth, scales.force, length, asked, claims)
+    certified = worth.worst <= asked
+    verdict = f"{'certified' if certified else 'NOT certified'}: accuracy {worth.worst:.2e}, asked {asked:.0e}"
+    return Judgement(asdict(worth), scales.force, length, certified, verdict, claims)
 
 
 def _claim(step: FrozenStep, given: Given, worth: Accuracy, scales: Scales, what: str, said: Any) -> Claim:
@@ -159,30 +156,7 @@ def _number(what: str, said: Any) -> float:
     return float(said)
 
 
-# --- with friction ----------------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True, eq=False)
-class FrictionJudgement:
-    """The residuals, and the names of those beyond their bounds."""
-
-    verdict: FrictionVerdict
-    failures: tuple[str, ...]
-
-    @property
-    def sound(self) -> bool:
-        """Whether every residual is within its bound."""
-        return not self.failures
-
-    def lines(self) -> list[str]:
-        """In words: each residual, the verdict last."""
-        told = [f"{name}: {value:.2e}" for name, value in self.verdict.kkt.items()]
-        told.append(f"relative to {self.verdict.force:.6g} N and {self.verdict.length:.6g} mm")
-        wrong = f"NOT certified: {', '.join(self.failures)}"
-        return [*told, "certified: every residual within its bound" if self.sound else wrong]
-
-
-def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> FrictionJudgement:
+def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> Judgement:
     """Every residual of the answer in a file recomputed; raises UsageError for what is none, or of another size."""
     with _in_one_line(path, "no answer to a problem with friction"):
         told = _values(path, (), RUBBED)
@@ -193,4 +167,6 @@ def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> FrictionJud
         verdict = judge(step.problem(), du, normal, friction)
     except ValueError as error:
         raise UsageError(str(error)) from None
-    return FrictionJudgement(verdict, tuple(verdict.failures()))
+    failures = verdict.failures()
+    word = f"NOT certified: {', '.join(failures)}" if failures else "certified: every residual within its bound"
+    return Judgement(verdict.kkt, verdict.force, verdict.length, not failures, word)

@@ -185,10 +185,9 @@ def _judge(options: argparse.Namespace) -> int:
     if isinstance(step, FrozenFrictionalStep):
         if options.tolerance is not None:
             raise UsageError("--tolerance is for problems without friction: the judge of friction has its own bounds")
-        rubbed = judge_friction_answer(step, options.answer)
-        print("\n".join(rubbed.lines()))
-        return OK if rubbed.sound else FAILED
-    asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
-    found = judge_answer(step, read_answer(options.answer), asked)
+        found = judge_friction_answer(step, options.answer)
+    else:
+        asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
+        found = judge_answer(step, read_answer(options.answer), asked)
     print("\n".join(found.lines()))
     return OK if found.sound else FAILED
