@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import signal
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
@@ -26,6 +25,7 @@ from studies.arena.card.quadratics import random_quadratic
 from studies.arena.watched import Watched
 from studies.certificate import certificate
 from studies.complete import complete
+from studies.fuzz.attempt import quiet
 from studies.fuzz.comparing import ALIKE as COARSE
 from studies.fuzz.comparing import MARGIN, Answer, compared, difference, error_of
 from studies.operations import counted
@@ -203,8 +203,7 @@ def _agreement(one: Answer, other: Answer, apart: float) -> str:
 
 def guarded(solve: Callable[[], Ended], limit_s: float) -> Ended:
     """What it returns, or the end that an exception or the clock makes of it."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
+    with quiet():
         try:
             with within(limit_s):
                 return solve()
