@@ -64,12 +64,9 @@ def measured(
 
 def judged(table: pd.DataFrame) -> pd.DataFrame:
     """With the relative error of each value, and of the problem what it is compared by."""
-    known = problems()
-    of = [known[name] for name in table["problem"]]
-    fields = {
-        name: [getattr(problem, name) for problem in of] for name in ("reference", "uncertainty", "within", "bar")
-    }
-    return table.assign(**fields, error=table["value"] / fields["reference"] - 1)
+    known = pd.DataFrame(map(vars, problems().values())).set_index("name")
+    found = table.join(known[["reference", "uncertainty", "within", "bar"]], on="problem")
+    return found.assign(error=found["value"] / found["reference"] - 1)
 
 
 def lines_of(table: pd.DataFrame) -> Iterator[str]:
