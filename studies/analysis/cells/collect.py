@@ -16,12 +16,12 @@ import pandas as pd
 
 from studies.analysis.cells.answers import Answers, number
 from studies.analysis.cells.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
-from studies.bench.timing_lane import interval, read_times, times_path
 from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
 from studies.result import UNSUPPORTED
 from studies.scenes.element import PRESETS
 from studies.step import Step
+from studies.store.times import interval, read_times, times_path
 
 MISSING = "missing"
 APART = (share_cells.GROUP, sheet_cells.GROUP)

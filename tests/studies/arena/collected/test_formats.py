@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,7 @@ from scipy import io, sparse
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.accuracy import accuracy
 from studies.arena.collected.candidates import of_complementarity
-from studies.arena.collected.exports import FORMATS, export
-from studies.arena.collected.siconos import read_lcp
+from studies.arena.collected.formats import FORMATS, export, read_lcp
 from studies.request import UsageError
 from support.problems.arena_steps import known_step, lopsided
 
@@ -95,6 +95,13 @@ def test_the_forces_of_siconos_text_are_those_of_the_step(tmp_path: Path) -> Non
     M, q = read_lcp(tmp_path / "p.dat")
     forces = step.weights * pressure
     assert accuracy(of_complementarity(M, q), forces, np.maximum(M @ forces + q, 0)).worst <= 1e-12
+
+
+def test_the_forces_alone_need_lumped_coupling(tmp_path: Path) -> None:
+    step, _, _ = known_step()
+    coupled = replace(step, coupling=sparse.csr_matrix(np.diag(step.weights)))
+    with pytest.raises(UsageError, match="need lumped coupling"):
+        export(coupled, "siconos", tmp_path / "p")
 
 
 @pytest.mark.parametrize("form", ["mat", "mps", "qpsolvers"])

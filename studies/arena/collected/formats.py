@@ -1,26 +1,33 @@
 """Frozen problems in the formats of other programs; reading their answers is :mod:`studies.arena.answers`.
 
-``qp`` in the names: min 1/2 x.K.x + r.x subject to G x >= -gap; x is du, the multipliers are the nodal forces W p.
+A quadratic programme is min 1/2 x.K.x + r.x subject to G x >= -gap; x is du, the multipliers are the nodal forces W p.
+With friction problems are in FCLib's terms: M v = H r + f, u = H^T v + w, contact by contact the normal first,
+0 <= u_n, r_n >= 0, u_n r_n = 0 and Coulomb's law with mu: the global form of FCLib, whose own files, HDF5, are not
+written; v is du. Of the text format of Siconos (numerics, LCP) problems are read, too: n, the kind of storage (0:
+dense), twice the shape, the rows of M, q, and whatever is said after it.
 """
 
 from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy import io, sparse
 
+from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.untrusted import MOST, read_bytes
 from contact.solvers.sparse import SingularMatrixError, symmetric
-from studies.arena.collected.candidates import condensed
+from studies.arena.collected.candidates import condensed, has_dual
 from studies.request import UsageError
 from studies.store.atomic import PART, write_by, write_json
 
 DENSE = 3000  # unknowns whose matrix may be written full: 72 MB
+SPACE = 3  # of contacts with friction
 
 
 def _programme(step: FrozenStep) -> sparse.csc_matrix:
@@ -83,13 +90,16 @@ def _mps(step: FrozenStep) -> Iterator[str]:
 
 def matrix_market(path: Path, step: FrozenStep) -> None:
     """Into a directory: K, G, r, gap, weights, and W where the coupling is consistent, as .mtx, and problem.json."""
-    vectors = {"r": step.r, "gap": step.gap, "weights": step.weights}
     matrices = {"K": step.K, "G": step.G} | ({} if step.coupling is None else {"W": step.coupling})
+    _market(path, matrices, {"r": step.r, "gap": step.gap, "weights": step.weights})
+    write_json(path / "problem.json", {**step.meta, "scale": step.scale})
+
+
+def _market(path: Path, matrices: Mapping[str, Any], vectors: Mapping[str, np.ndarray]) -> None:
     for name, matrix in matrices.items():
         io.mmwrite(path / f"{name}.mtx", sparse.coo_matrix(matrix), precision=17, symmetry="general")
     for name, vector in vectors.items():
         io.mmwrite(path / f"{name}.mtx", vector[:, None], precision=17)
-    write_json(path / "problem.json", {**step.meta, "scale": step.scale})
 
 
 def siconos(path: Path, step: FrozenStep) -> None:
@@ -97,12 +107,12 @@ def siconos(path: Path, step: FrozenStep) -> None:
 
     Raises UsageError where there is none: consistent coupling, a singular K, too many candidates.
     """
+    if not has_dual(step):
+        raise UsageError("the forces alone need lumped coupling, areas above 0 and 2 to 300 candidates")
     try:
         dual = condensed(step)
     except SingularMatrixError:
         raise UsageError("K is singular: the forces alone do not say the problem") from None
-    if dual is None:
-        raise UsageError("the forces alone need lumped coupling, areas above 0 and 2 to 300 candidates")
     M, q, n = dual.K.toarray(), dual.r, len(dual.r)
     rows = "\n".join(" ".join(map(_word, row)) for row in (*M, q))
     path.write_text(f"{n}\n0\n{n}\n{n}\n{n} {n}\n{rows}\n\n{json.dumps(dict(step.meta))}\n", encoding="utf-8")
@@ -112,33 +122,71 @@ def _word(value: float) -> str:
     return repr(float(value))
 
 
-FORMATS: dict[str, tuple[Callable[[Path, FrozenStep], object], str]] = {
-    "mat": (maros_meszaros, "quadratic programme as qpbenchmark reads the Maros-Meszaros set"),
-    "qpsolvers": (qpsolvers, "quadratic programme, full, for qpsolvers.Problem.load"),
-    "mps": (mps, "quadratic programme in free MPS with QUADOBJ: HiGHS, tools of CUTEst"),
-    "mtx": (matrix_market, "a directory of Matrix Market files and a JSON head"),
-    "siconos": (siconos, "linear complementarity problem of the forces, text of Siconos"),
+def read_lcp(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """M (n, n) and q (n,) of Siconos: z >= 0, M z + q >= 0, z.(M z + q) = 0; raises UsageError, and OSError."""
+    try:
+        text = read_bytes(path).decode("utf-8", "replace")
+        words = text.split(maxsplit=MOST)
+        n, storage = int(words[0]), int(words[1])
+        shapes = [int(word) for word in words[2:6]]
+        if n < 1 or storage != 0:
+            raise ValueError(f"n = {n}, storage {storage}: only dense matrices (0) are read")
+        if shapes != [n] * 4:
+            raise ValueError(f"shapes {shapes}, not {n} x {n}")
+        if n * n + n > MOST:
+            raise ValueError(f"{n * n + n} numbers, more than {MOST}")
+        numbers = np.array([float(word) for word in words[6 : 6 + n * n + n]])
+        if len(numbers) < n * n + n or not np.all(np.isfinite(numbers)):
+            raise ValueError(f"{len(numbers)} of {n * n + n} finite numbers")
+    except (ValueError, IndexError) as error:
+        said = str(error)[:200]
+        raise UsageError(f"{path} is no linear complementarity problem of Siconos: {said}") from None
+    return numbers[: n * n].reshape(n, n), numbers[n * n :]
+
+
+def fclib_market(path: Path, step: FrozenFrictionalStep) -> None:
+    """Into a directory: M, H, f, w and mu as .mtx, and problem.json."""
+    _market(path, {"M": step.step.K, "H": step.H}, {"f": -step.step.r, "w": step.w, "mu": step.mu})
+    write_json(path / "problem.json", {**step.step.meta, "spacedim": SPACE, "form": "global problem of FCLib"})
+
+
+def fclib_arrays(path: Path, step: FrozenFrictionalStep) -> None:
+    """One .npz: M and H by compressed columns (x, i, p as CSparse has them), f, w, mu, spacedim."""
+    told = {"f": -step.step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
+    for name, matrix in (("M", sparse.csc_matrix(step.step.K)), ("H", step.H)):
+        told |= {f"{name}_x": matrix.data, f"{name}_i": matrix.indices, f"{name}_p": matrix.indptr}
+    with path.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **told)
+
+
+FORMATS: Mapping[str, Callable[[Path, Any], object]] = {
+    "mat": maros_meszaros,
+    "qpsolvers": qpsolvers,
+    "mps": mps,
+    "mtx": matrix_market,
+    "siconos": siconos,
 }
+WITH_FRICTION: Mapping[str, Callable[[Path, Any], object]] = {"mtx": fclib_market, "fclib": fclib_arrays}
+DIRECTORIES = ("mtx",)  # formats of several files
 
 
-def export(step: FrozenStep, form: str, path: Path) -> None:
-    """Write a problem; raises UsageError for a format that is none, or cannot have it."""
-    if form not in FORMATS:
-        raise UsageError(f"format {form!r} must be one of {', '.join(FORMATS)}")
-    write = FORMATS[form][0]
-    written(path, lambda place: write(place, step), directory=form == "mtx")
+def export(step: FrozenStep | FrozenFrictionalStep, form: str, path: Path) -> None:
+    """Write a problem, a file or a directory of them, whole or not at all.
 
-
-def written(path: Path, write: Callable[[Path], object], *, directory: bool) -> None:
-    """A file, or a directory of them, whole or not at all; raises UsageError where there is one already."""
+    Raises UsageError for a format that is none, or cannot have the problem, and where there is something already.
+    """
+    rubs = isinstance(step, FrozenFrictionalStep)
+    formats = WITH_FRICTION if rubs else FORMATS
+    if form not in formats:
+        raise UsageError(f"{'with friction, ' if rubs else ''}format {form!r} must be one of {', '.join(formats)}")
     if path.exists():
         raise UsageError(f"--out {path} is there already")
-    if not directory:
-        write_by(path, write)
+    if form not in DIRECTORIES:
+        write_by(path, lambda place: formats[form](place, step))
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=PART) as aside:
         whole = Path(aside) / "whole"
         whole.mkdir()
-        write(whole)
+        formats[form](whole, step)
         whole.rename(path)

@@ -1,23 +1,32 @@
-"""From a shell on a tensor grid to the body of bricks between its faces, with the same supports and loads.
+"""From a shell on a tensor grid, or from a solid, to a body of bricks with the same supports and loads.
 
-One brick stands for one element of the shell, through each ply as many as wanted. Supports and loads are read from the
-same scene on a mesh twice as fine, so that every node of a brick has its own. No scene is known here.
+Of a shell, one brick stands for one element, through each ply as many as wanted. Supports and loads are read from the
+same scene on a mesh twice as fine, so that every node of a brick has its own. A solid keeps its own mesh. No scene is
+known here.
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from typing import Generic, TypeVar
 
 import numpy as np
 
 from formulations.discretisation import Discretisation
 from formulations.geometry.grid import TensorGrid
+from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
+from formulations.solid import SolidDiscretisation, SolidModel
+from formulations.solid.laws import StVenantKirchhoff
 from formulations.solid_mesh import SolidMesh
 from studies.catalogue.supports import held_of
 from studies.exchange.bricks import INNER, ON_FACE, OUTER, Bricks, serendipity
-from studies.exchange.pressure import area_forces
-from studies.exchange.problem import Supports, lattice, nearest
+from studies.exchange.problem import Supports
 from studies.request import UsageError
 
+Model = TypeVar("Model", ShellModel, SolidModel)
 EXCHANGED = (0, 3, 2, 1, 7, 6, 5, 4)  # the nodes of a face with a1 and a2 exchanged, as a left-handed brick has them
 
 
@@ -28,14 +37,31 @@ def tensor_grid(body: Discretisation) -> TensorGrid:
     return body.grid
 
 
-def bricks_of(body: Discretisation, through: int) -> Bricks:
-    """``through`` bricks through each ply, over every element of the shell."""
+@dataclass(frozen=True, eq=False)
+class Body(Generic[Model]):
+    """Bricks, their supports and plies; nodes of a shell as :class:`.problem.Problem` has them.
+
+    loads(model) -> pressure (F,) [MPa] that follows the inner faces, and dead forces (N, 3) [N] on the nodes of bricks;
+    raises UsageError for loads that are neither.  model: of a shell, that on the mesh twice as fine.
+    """
+
+    bricks: Bricks
+    supports: Supports
+    laminate: Laminate
+    shell: np.ndarray | None
+    loads: Callable[[Model], tuple[np.ndarray, np.ndarray]]
+
+
+def of_shell(body: Discretisation, fine: Discretisation, through: int) -> Body[ShellModel]:
+    """``through`` bricks through each ply, over every element of the shell; ``fine``: on the mesh twice as fine."""
     grid = tensor_grid(body)
     mesh = SolidMesh.build(body.surface, *grid.lines, body.laminate, per_ply=through, periodic=grid.periodic)
-    return Bricks.of(mesh)
+    bricks = Bricks.of(mesh)
+    supports = _supports_of_shell(fine, body, bricks)
+    return Body(bricks, supports, body.laminate, _shell_nodes(body, bricks), partial(_loads_of_shell, body, bricks))
 
 
-def shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
+def _shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
     """(n, 2) nodes of the bricks on the inner and on the outer face at the nodes of the shell's grid."""
     grid = tensor_grid(body)
     places = _places(grid, bricks.parameter)
@@ -47,7 +73,7 @@ def shell_nodes(body: Discretisation, bricks: Bricks) -> np.ndarray:
     return found
 
 
-def supports_of(fine: Discretisation, body: Discretisation, bricks: Bricks) -> Supports:
+def _supports_of_shell(fine: Discretisation, body: Discretisation, bricks: Bricks) -> Supports:
     """What the shell on the mesh twice as fine holds at the columns of nodes through the wall.
 
     What both faces hold, all nodes between them hold; what is held midway, the node there. Raises UsageError where no
@@ -67,8 +93,8 @@ def supports_of(fine: Discretisation, body: Discretisation, bricks: Bricks) -> S
     return Supports(nodes, axes, kept[nodes])
 
 
-def loads_of(fine: ShellModel, body: Discretisation, bricks: Bricks) -> tuple[np.ndarray, np.ndarray]:
-    """Pressure (F,) [MPa] that follows the inner faces, and dead forces (N, 3) [N] on the nodes of the bricks.
+def _loads_of_shell(body: Discretisation, bricks: Bricks, fine: ShellModel) -> tuple[np.ndarray, np.ndarray]:
+    """See :class:`Body`.
 
     The dead nodal forces of the shell on the mesh twice as fine do the same work on the bricks' own shape functions; a
     dead pressure is integrated over the bricks. By the area of the middle surface it is scaled by the ratio of the
@@ -86,7 +112,7 @@ def loads_of(fine: ShellModel, body: Discretisation, bricks: Bricks) -> tuple[np
     if fine.pressure is not None:
         pressure = fine.pressure.value * _area_ratio(fine, body, bricks)
         if not fine.pressure.follower:
-            pressure, forces = np.zeros_like(pressure), area_forces(bricks, pressure)
+            pressure, forces = np.zeros_like(pressure), bricks.pressure_forces(pressure)
     frame = shell.surface.frame(*shell.grid.nodes.T)
     for side, face in enumerate((INNER, OUTER)):
         cartesian = np.einsum("ni,nix->nx", nodal[:, side::2], frame)
@@ -118,25 +144,24 @@ def _hand_over(
 
 def _area_ratio(fine: ShellModel, body: Discretisation, bricks: Bricks) -> np.ndarray:
     """(F,) area that carries the pressure over that of the inner face, under every brick."""
-    shell, pressure = fine.discretisation, fine.pressure
+    geometry, elements, pressure = fine.discretisation.geometry, fine.discretisation.grid.elements, fine.pressure
     assert pressure is not None
-    carried, true = (np.broadcast_to(each, len(shell.grid.elements)) for each in _areas(fine))
-    shape = tuple(2 * (len(line) - 1) for line in tensor_grid(body).lines)
-    sums = (each.reshape(shape[0] // 2, 2, shape[1] // 2, 2).sum(axis=(1, 3)) for each in (carried, true))
-    over, under = sums
+    inner = geometry.face_weight[:, 0]
+    carrying = geometry.weight if pressure.area == "mid" else inner
+    n1, n2 = (len(line) - 1 for line in tensor_grid(body).lines)
+    over, under = (
+        np.broadcast_to(each, len(elements)).reshape(n1, 2, n2, 2).sum(axis=(1, 3)) for each in (carrying, inner)
+    )
     return np.asarray((over / under)[tuple(_cells(body, bricks, bricks.inner).T)])
 
 
-def _areas(fine: ShellModel) -> tuple[np.ndarray, np.ndarray]:
-    geometry = fine.discretisation.geometry
-    assert fine.pressure is not None
-    carried = geometry.weight if fine.pressure.area == "mid" else geometry.face_weight[:, 0]
-    return carried, geometry.face_weight[:, 0]
-
-
 def _places(grid: TensorGrid, parameter: np.ndarray) -> np.ndarray:
-    """(N, 2) numbers of the lines of the lattice that nodes lie on; of a closed coordinate the last is the first."""
-    found = np.stack([nearest(parameter[:, i], lattice(grid.lines[i])) for i in (0, 1)], axis=-1)
+    """(N, 2) numbers of the lines, and of those midway between, that nodes lie on.
+
+    Lines have even numbers, those midway odd ones; of a closed coordinate the last is the first.
+    """
+    along = (np.interp(parameter[:, i], line, np.arange(len(line))) for i, line in enumerate(grid.lines))
+    found = np.rint(2 * np.stack(list(along), axis=-1)).astype(int)
     if grid.periodic:
         found[:, 1] %= 2 * (len(grid.lines[1]) - 1)
     return found
@@ -144,10 +169,36 @@ def _places(grid: TensorGrid, parameter: np.ndarray) -> np.ndarray:
 
 def _cells(body: Discretisation, bricks: Bricks, elements: np.ndarray) -> np.ndarray:
     """(F, 2) numbers of the shell's elements along a1 and a2 under these bricks."""
-    nodes = bricks.mesh.elements[elements]
-    grid = tensor_grid(body)
-    found = np.empty((len(elements), 2), int)
-    middle = bricks.mesh.parameter[nodes[:, 13]]  # of 27, the one in the middle of the body
-    for axis in (0, 1):
-        found[:, axis] = np.searchsorted(grid.lines[axis], middle[:, axis]) - 1
-    return found
+    middle = bricks.mesh.elements[elements][:, 13]  # of 27 nodes
+    return np.asarray(_places(tensor_grid(body), bricks.mesh.parameter[middle]) // 2)
+
+
+# --- solids -----------------------------------------------------------------------------------------------------------
+
+
+def of_solid(solid: SolidDiscretisation, laminate: Laminate) -> Body[SolidModel]:
+    """On its own mesh, held along the Cartesian axes.
+
+    Raises UsageError for a law that is not linear between Green strain and the second stress.
+    """
+    if not all(isinstance(law, StVenantKirchhoff) for law in solid.laws):
+        raise UsageError("law must be 'svk' in a deck: one of svk")
+    bricks = Bricks.of(solid.mesh)
+    kept = np.flatnonzero(bricks.of_mesh >= 0)
+    held = solid.fixed[kept[np.argsort(bricks.of_mesh[kept])]]
+    nodes = np.flatnonzero(held.any(axis=1))
+    supports = Supports(nodes, np.broadcast_to(np.eye(3), (len(nodes), 3, 3)), held[nodes])
+    return Body(bricks, supports, laminate, None, partial(_loads_of_solid, bricks))
+
+
+def _loads_of_solid(bricks: Bricks, body: SolidModel) -> tuple[np.ndarray, np.ndarray]:
+    """See :class:`Body`."""
+    solid, pressure = body.discretisation, body.pressure
+    forces = np.zeros(solid.fixed.size)
+    if body.forces is not None:
+        forces[solid.free] = body.forces
+    nodal = bricks.without_centres(forces.reshape(-1, 3))
+    value = np.full(len(bricks.inner), 0.0 if pressure is None else pressure.value)
+    if pressure is None or pressure.follower:
+        return value, nodal
+    return np.zeros_like(value), nodal + bricks.pressure_forces(value)

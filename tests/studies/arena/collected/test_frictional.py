@@ -14,20 +14,22 @@ from scipy import io, sparse
 
 from contact.friction.interchange.frozen import FrozenFrictionalStep
 from contact.friction.problem import State
-from studies.arena.collected.certified import NotCertifiedError
-from studies.arena.collected.frictional import rule
-from studies.arena.collected.frictional.certified import EQUATIONS, PROGRAMMES, confirm, find
-from studies.arena.collected.frictional.rule import (
-    FRICTION_SUMS,
-    friction_left_out,
-    friction_manifest,
-    make_frictional,
+from studies.arena.collected.certified import EQUATIONS, PROGRAMMES, NotCertifiedError
+from studies.arena.collected.certified import confirm_with_friction as confirm
+from studies.arena.collected.certified import find_with_friction as find
+from studies.arena.collected.collection import FRICTION_SUMS, SUMS, write
+from studies.arena.collected.frictional import (
+    FAMILIES,
+    FRICTIONAL,
+    capstans,
+    choose_frictional,
+    plates,
+    random_steps,
+    rigid_bodies,
     row,
-    unlike_frictional,
-    write,
+    strips,
 )
-from studies.arena.collected.frictional.steps import FAMILIES, capstans, plates, random_steps, rigid_bodies, strips
-from studies.arena.collected.rule import manifest
+from studies.arena.collected.rule import STEPS
 from studies.arena.solver_run import problems_in
 from studies.cli import main
 from studies.request import UsageError
@@ -42,11 +44,11 @@ def made(*families: str) -> list:
 
 
 def test_the_manifest_has_the_listed_steps() -> None:
-    kept = friction_manifest()
+    kept = FRICTIONAL.manifest()
     assert 40 <= len(kept) <= 60
     assert set(kept["family"]) == set(FAMILIES)
     assert kept["name"].is_unique
-    assert not set(kept["name"]) & set(manifest()["name"])
+    assert not set(kept["name"]) & set(STEPS.manifest()["name"])
     assert set(kept["friction"]) == {"coulomb"}
     assert (kept[STATES].sum(axis=1) == kept["candidates"]).all()
     assert (kept[STATES].sum() > 100).all()
@@ -55,18 +57,18 @@ def test_the_manifest_has_the_listed_steps() -> None:
 
 
 def test_the_manifest_without_friction_names_none() -> None:
-    assert "friction" not in manifest().columns
+    assert "friction" not in STEPS.manifest().columns
 
 
 def test_whatever_is_left_out_has_a_reason() -> None:
-    gone = friction_left_out()
+    gone = FRICTIONAL.left_out()
     assert gone["why"].str.len().gt(0).all()
-    assert not set(gone["name"]) & set(friction_manifest()["name"])
+    assert not set(gone["name"]) & set(FRICTIONAL.manifest()["name"])
 
 
 @pytest.mark.parametrize("candidate", made(*SMALL), ids=lambda candidate: candidate.name)
 def test_small_steps_are_certified_as_the_manifest_says(candidate) -> None:
-    kept = friction_manifest().set_index("name").loc[candidate.name]
+    kept = FRICTIONAL.manifest().set_index("name").loc[candidate.name]
     found = row(candidate)
     for name in ("open", "sticking", "slipping", "confirmed_by", "several", "mu", "kind"):
         assert str(found[name]) == str(kept[name]), name
@@ -128,21 +130,21 @@ def test_files_come_out_again(tmp_path: File) -> None:
     rows = [row(c) | {"bytes": write(tmp_path, c).stat().st_size} for c in candidates]
     kept = pd.DataFrame(rows)
     before = {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")}
-    assert not unlike_frictional(tmp_path, kept)
+    assert not FRICTIONAL.unlike(tmp_path, kept)
     (tmp_path / "wedge-sticks.npz").unlink()
     (tmp_path / "slope-slides.npz").write_bytes(b"no zip")
-    assert len(unlike_frictional(tmp_path, kept)) == 2
-    make_frictional(tmp_path, kept)
+    assert len(FRICTIONAL.unlike(tmp_path, kept)) == 2
+    FRICTIONAL.make(tmp_path, kept)
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")} == before
 
 
-@pytest.mark.parametrize("part", FRICTION_SUMS)
+@pytest.mark.parametrize("part", [*SUMS, *FRICTION_SUMS])
 def test_a_file_of_other_values_is_named(part: str, tmp_path: File) -> None:
     candidate = next(random_steps())
     kept = pd.DataFrame([row(candidate)])
     kept[part] *= 1 + 1e-4
     write(tmp_path, candidate)
-    assert [line.split(" is ")[0] for line in unlike_frictional(tmp_path, kept)] == [f"{candidate.name}: {part}"]
+    assert [line.split(" is ")[0] for line in FRICTIONAL.unlike(tmp_path, kept)] == [f"{candidate.name}: {part}"]
 
 
 def test_solvers_without_friction_are_not_asked(tmp_path: File) -> None:
@@ -212,13 +214,13 @@ def test_exports_are_the_global_problem_of_fclib(tmp_path: File, capsys) -> None
 
 @pytest.mark.slow
 def test_all_files_are_made_again(tmp_path: File) -> None:
-    kept = friction_manifest()
-    make_frictional(tmp_path, kept)
-    assert not unlike_frictional(tmp_path, kept)
+    kept = FRICTIONAL.manifest()
+    FRICTIONAL.make(tmp_path, kept)
+    assert not FRICTIONAL.unlike(tmp_path, kept)
 
 
 @pytest.mark.slow
 def test_the_rule_chooses_the_same_again(tmp_path: File) -> None:
-    found = rule.choose_frictional(tmp_path, only="greco").set_index("name")
-    kept = friction_manifest().query("family == 'greco'").set_index("name")
+    found = choose_frictional(tmp_path, only="greco").set_index("name")
+    kept = FRICTIONAL.manifest().query("family == 'greco'").set_index("name")
     pd.testing.assert_frame_equal(found[STATES], kept[STATES])
