@@ -12,8 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from studies.experiments.friction.closed_forms.rates import order
-from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
+from studies.experiments.friction.rubbed_scenes import DELTA, MESH
 from studies.result import SOLVED, UNSUPPORTED
 
 FULL = 0.01  # a force or a torque is full once it is so near to its bound, and stays so
@@ -133,7 +132,8 @@ def orders(name: str, table: pd.DataFrame) -> pd.DataFrame:
         told = ", ".join(_told(key, value) for key, value in zip(family.cases, case, strict=True))
         for error, theory in family.theory.items():
             n, errors = finest[family.number].to_numpy(float), finest[error].to_numpy(float)
-            fitted = order(n, errors) if np.min(np.abs(errors)) > FLOOR else np.nan
+            above = np.min(np.abs(errors)) > FLOOR
+            fitted = -float(np.polyfit(np.log(n), np.log(np.abs(errors)), 1)[0]) if above else np.nan
             row = {"family": name, "case": told, "quantity": error.removesuffix("_error"), "of": family.number}
             rows.append(row | {"finest": n[-1], "error": errors[-1], "order": fitted, "theory": theory})
     return pd.DataFrame(rows)

@@ -11,8 +11,7 @@ import pandas as pd
 
 from studies.analysis.comparisons.friction import COST_BARS, FULL
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.scenes.cost import cost_table
-from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH, patch_table, steps_table
+from studies.experiments.friction.rubbed_scenes import DELTA, MESH, cost_table, patch_table, steps_table
 
 PAGE = "friction"
 KEPT = 1e-9  # of the largest force: a difference of images below this is rounding

@@ -10,7 +10,7 @@ import pandas as pd
 from studies.analysis.comparisons.friction import FIRST, FLOOR
 from studies.analysis.statements.contact.friction import PAGE, listed
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.scenes.agreement import AGREED
+from studies.experiments.friction.agreement import AGREED
 from studies.result import SOLVED
 
 SAME_STEPS = "the scenes of the page, in the same load steps, from the same start"

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.experiments.friction.closed_forms.drum import END, capstan_table, drum_table
-from studies.experiments.friction.closed_forms.rates import orders
+from studies.experiments.friction.drum import END, capstan_table, drum_table
+from support.problems.differences import orders
 
 
 @pytest.mark.parametrize("side", ["on", "inside"])

@@ -1,21 +1,29 @@
-"""Scenes with friction: the tyre pressed, dragged and turned on the spot; how load steps and symmetry fare.
+"""Scenes with friction: the tyre pressed, dragged and turned on the spot; load steps, symmetry, and what it costs.
 
 All are solved as any scene is, by its settings ``mu``, ``drag_mm`` and ``turn_deg``. Forces are those of a whole tyre.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from contact.operations import SPENT
+from contact.problem import ContactAlgorithm
+from studies.algorithm_settings import configured
 from studies.complete import complete
+from studies.experiments.rows import Row, tabulated
 from studies.friction.observed import FORCES, FRICTION
+from studies.friction.stages import Stages
 from studies.result import Result
+from studies.scene import Stage
 from studies.scenes.data import reference_rows
 from studies.solving import solve
+from studies.walk import walk
 
 MESH, DELTA = "42x40", 10.0  # of the tyre; mm
 COEFFICIENTS = (0.25, 0.5, 1.0)
@@ -23,6 +31,7 @@ DRAGS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0, 64.0)  # mm
 TURNS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, *range(20, 100, 10))  # deg: the last ones alike
 PATCH_STOPS = (0.5, 1.0, 2.0, 4.0, 0.0)  # mm: and back
 STEPS = (1, 2, 4, 8, 16, 32)
+RUBBED = {"mu": 0.5, "drag_mm": (0.5, 1.0, 2.0, 4.0, 8.0), "drag_deg": 90.0}  # of which the cost is counted
 
 
 def solved(scene: str, settings: Mapping[str, object], mesh: str | None, **options: Any) -> Result:
@@ -30,7 +39,7 @@ def solved(scene: str, settings: Mapping[str, object], mesh: str | None, **optio
     return solve(*complete(scene, settings, mesh, **options))
 
 
-def rows(result: Result) -> Iterator[dict[str, Any]]:
+def rows(result: Result) -> Iterator[Row]:
     """What friction has to say at each load, and whether the judge has certified it."""
     for step in result.steps:
         seen = {key: step[key] for key in ("delta_mm", "drag_mm", "turn_deg", "force_N", *FORCES) if key in step}
@@ -51,12 +60,11 @@ def turned_table(mus: Sequence[float] = COEFFICIENTS, mesh: str = MESH) -> pd.Da
     return _moved({"turn_deg": TURNS}, mus, mesh)
 
 
-def _moved(moves: Mapping[str, object], mus: Sequence[float], mesh: str) -> pd.DataFrame:
-    found = []
+@tabulated
+def _moved(moves: Mapping[str, object], mus: Sequence[float], mesh: str) -> Iterator[Row]:
     for mu in mus:
         result = solved("tyre", {"delta_mm": DELTA, "mu": mu, **moves}, mesh, model="full")
-        found += [{"mu": mu, **row} for row in rows(result)]
-    return pd.DataFrame(found)
+        yield from ({"mu": mu, **row} for row in rows(result))
 
 
 def patch_table(mu: float = 0.5, mesh: str = MESH, steps: int = 8) -> pd.DataFrame:
@@ -90,31 +98,30 @@ def steps_table(mesh: str = "14x14", mu: float = 0.5, counts: Sequence[int] = ST
     return table
 
 
-def crushed_table(mu: float = 0.4, scenes: Sequence[str] = ("crushed-ring", "crushed-ring-solid")) -> pd.DataFrame:
+@tabulated
+def crushed_table(mu: float = 0.4, scenes: Sequence[str] = ("crushed-ring", "crushed-ring-solid")) -> Iterator[Row]:
     """The crushed ring with friction and without, shell and solid, beside what another program finds friction to add.
 
     change, aster_change: of the force by friction [-]; that of Code_Aster is by another law of the material.
     """
     rows_read = reference_rows("contact_crushed_ring.csv")
     aster = {row["delta_mm"]: row["aster_friction_N"] / row["aster_N"] - 1 for row in rows_read}
-    found = []
     for scene in scenes:
         smooth, rough = (solved(scene, {"mu": each}, None) for each in (0.0, mu))
         for one, other in zip(smooth.steps, rough.steps, strict=True):
             row = {"scene": scene, "mu": mu, "delta_mm": one["delta_mm"], "smooth_N": one["force_N"]}
             row |= {"force_N": other["force_N"], "change": other["force_N"] / one["force_N"] - 1}
             failures = " ".join(one["failures"] + other["failures"])
-            found.append({**row, "aster_change": aster.get(one["delta_mm"], np.nan), "failures": failures})
-    return pd.DataFrame(found)
+            yield {**row, "aster_change": aster.get(one["delta_mm"], np.nan), "failures": failures}
 
 
-def symmetry_table(mesh: str = MESH, mu: float = 0.5) -> pd.DataFrame:
+@tabulated
+def symmetry_table(mesh: str = MESH, mu: float = 0.5) -> Iterator[Row]:
     """What friction keeps of central symmetry: a turn by 180 degrees about the normal takes plies to plies.
 
     pressure, traction: largest difference between a candidate and its image, over the largest; for the press, the press
     and a turn of the plane, which are symmetric programmes, and for a drag, which is not.
     """
-    found = []
     for programme, moves in (
         ("pressed", {}),
         ("turned", {"turn_deg": (1.0, 4.0)}),
@@ -122,8 +129,7 @@ def symmetry_table(mesh: str = MESH, mu: float = 0.5) -> pd.DataFrame:
     ):
         result = solved("tyre", {"delta_mm": DELTA, "mu": mu, **moves}, mesh, model="full")
         nodes = result.tables[FRICTION][-1].frame()
-        found.append({"programme": programme, **central(nodes), "outcome": result.verdict})
-    return pd.DataFrame(found)
+        yield {"programme": programme, **central(nodes), "outcome": result.verdict}
 
 
 def central(nodes: pd.DataFrame) -> dict[str, float]:
@@ -139,3 +145,47 @@ def central(nodes: pd.DataFrame) -> dict[str, float]:
         "normal": float(np.max(np.abs(normal - normal[image])) / normal.max()),
         "friction": float(np.max(np.linalg.norm(pull + pull[image], axis=1)) / np.linalg.norm(pull, axis=1).max()),
     }
+
+
+def cost_table(mesh: str = "42x40", contact: str = "semismooth", repeats: int = 3) -> pd.DataFrame:
+    """Each step: iterations, factorisations an iteration, operations [million] and CPU time [s] an iteration.
+
+    operations_ratio, time_ratio: to those of the press without friction, an iteration.  Times are the least of so many
+    repeats, each of them with both, so that a machine that slows down slows both.
+    """
+    runs = [list(_both(mesh, contact)) for _ in range(repeats)]
+    table = pd.DataFrame(runs[0])
+    table["cpu_s"] = [min(run[k]["cpu_s"] for run in runs) for k in range(len(table))]
+    plain = table.iloc[0]
+    table["operations_ratio"] = table["operations"] / plain["operations"]
+    table["time_ratio"] = table["cpu_s"] / plain["cpu_s"]
+    return table
+
+
+def _both(mesh: str, contact: str) -> Iterator[Row]:
+    for settings in ({"delta_mm": DELTA}, {"delta_mm": DELTA, **RUBBED}):
+        scene, request = complete("tyre", settings, mesh, contact=contact, model="full")
+        stages: Iterable[Stage] = scene.build(request).stages()
+        rubbed = "mu" in settings
+        stages = Stages(stages, request.settings) if rubbed else stages
+        yield from _steps(stages, configured(contact, request.settings), rubbed=rubbed)
+
+
+def _steps(stages: Iterable[Stage], algorithm: ContactAlgorithm, *, rubbed: bool) -> Iterator[Row]:
+    spent, clock = sum(SPENT.values()), time.process_time()
+    for visited in walk(stages, algorithm):
+        counters = visited.point.solution.counters
+        now, at = sum(SPENT.values()), time.process_time()
+        iterations = counters["newton_iterations"]
+        if len(visited.problem.weights):
+            yield {
+                "stage": visited.stage.name,
+                "friction": int(rubbed),
+                "load": visited.point.requested,
+                "outcome": visited.point.outcome.word,
+                "iterations": int(iterations),
+                "factorisations": counters["factorisations"] / iterations,
+                "operations": (now - spent) / iterations / 1e6,
+                "cpu_s": (at - clock) / iterations,
+            }
+        spent, clock = sum(SPENT.values()), time.process_time()

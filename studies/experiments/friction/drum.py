@@ -13,15 +13,15 @@ Source: the equation of the capstan (Euler, Eytelwein); the rest follows by inte
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from contact.friction.problem import State
-from studies.experiments.friction.closed_forms.bars import EA, STIFF, Bar, front
-from studies.experiments.friction.closed_forms.strip import MESHES
+from studies.experiments.friction.bars import EA, STIFF, Bar, front
+from studies.experiments.friction.strip import MESHES
+from studies.experiments.rows import Row, tabulated
 
 RADIUS, N0, N1, MU = 100.0, 10.0, 15.0, 0.3  # mm, N, N
 ANGLE = math.log(N1 / N0) / MU
@@ -30,47 +30,45 @@ SIDES = {"on": 1.0, "inside": -1.0}
 DRIVEN = 10.0  # mm: far beyond the first gross slip
 
 
+@tabulated
 def drum_table(
     meshes: Sequence[int] = MESHES, sides: Sequence[str] = tuple(SIDES), wrap: float = ANGLE / 0.6
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """Partial slip on the drum and inside: end displacement, slip angle by the vertex of slips, and errors, relative.
 
     wrap: angle [rad] of the strip.
     """
-    rows = []
     for side, n in product(sides, meshes):
         sign = SIDES[side]
         bar = Bar(n, RADIUS * wrap, MU, curvature=sign / RADIUS, tension=sign * N0, held=True)
         found = bar.follow([sign * (N1 - N0)])[-1].solution
         end, angle = abs(float(found.u[-2])), front(bar, found.u[::2]) / RADIUS
-        rows.append(
+        yield (
             {"side": side, "elements": n, "outcome": found.outcome.word}
             | {"end_mm": end, "end_error": end / END - 1}
             | {"slip_rad": angle, "slip_error": angle / ANGLE - 1}
         )
-    return pd.DataFrame(rows)
 
 
+@tabulated
 def capstan_table(
     turns: Sequence[tuple[float, float]] = ((0.2, 1.0), (0.3, 2.0), (0.5, 2.0), (0.5, 4.0)),
     meshes: Sequence[int] = (12, 25, 50, 100),
     sides: Sequence[str] = tuple(SIDES),
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """Gross slip by (mu, theta): ratio N1/N0, and its relative error from exp(mu theta).
 
     ratio: by the balance of all forces along the strip; at_spring: by the stiff spring that drives the end, which has
     fewer digits.  slipping: nodes.
     """
-    rows = []
     for side, (mu, theta), n in product(sides, turns, meshes):
         sign = SIDES[side]
         bar = Bar(n, RADIUS * theta, mu, curvature=sign / RADIUS, tension=sign * N0, driven=True)
         found = bar.follow([sign * DRIVEN])[-1].solution
         ratio = 1 - sign * float(np.sum(found.friction[:, 0])) / N0
-        rows.append(
+        yield (
             {"side": side, "mu": mu, "theta_rad": theta, "elements": n, "outcome": found.outcome.word}
             | {"slipping": int(np.sum(found.state == State.SLIP)), "ratio": ratio}
             | {"error": ratio / math.exp(mu * theta) - 1}
             | {"at_spring": 1 + STIFF * (DRIVEN - sign * float(found.u[-2])) / N0}
         )
-    return pd.DataFrame(rows)

@@ -15,7 +15,7 @@ from contact.interchange.linearised_step import freeze
 from contact.interchange.oracle import confirm
 from contact.problem import ContactSolution, Outcome, linear_mechanics
 from contact.verify import judge
-from studies.experiments.solids.greco_plate import ELEMENTS, EXACT, LOADS, SIDE, TOP, GrecoPlate, greco_table, slip
+from studies.experiments.friction.greco import ELEMENTS, EXACT, LOADS, SIDE, TOP, GrecoPlate, greco_table, slip
 
 ROUNDING = 1e-10
 SOLVED = 1e-8  # pressure at the smallest weights, where algorithms end at residuals of 1e-9 of the load

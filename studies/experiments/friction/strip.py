@@ -20,22 +20,22 @@ vertex of the parabola of slips it is q h to rounding. The sum of friction over 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from itertools import pairwise
+from collections.abc import Iterator, Sequence
+from itertools import pairwise, product
 
 import numpy as np
-import pandas as pd
 
 from contact.friction.problem import State
-from studies.experiments.friction.closed_forms.bars import EA, Bar, front
+from studies.experiments.friction.bars import EA, Bar, front
+from studies.experiments.rows import Row, tabulated
 
 TAU, PULL, LENGTH = 0.5, 20.0, 100.0  # N/mm, N, mm
 END, ZONE, LOOP = PULL**2 / (2 * EA * TAU), PULL / TAU, 2 * PULL**3 / (3 * EA * TAU)  # mm, mm, N mm
 MESHES = (18, 33, 63, 123)
-ERRORS = ("end_error", "back_error", "loop_error", "counted_error")  # those that have an order, on meshes with one d
 
 
-def strip_table(meshes: Sequence[int] = MESHES, steps: Sequence[int] = (1, 4)) -> pd.DataFrame:
+@tabulated
+def strip_table(meshes: Sequence[int] = MESHES, steps: Sequence[int] = (1, 4)) -> Iterator[Row]:
     """The dragged strip on every mesh, with every number of load steps between two turning points.
 
     offset: d.  end_mm, end_error: end displacement at F; back_error: back at 0; loop_N_mm, loop_error: dissipation of
@@ -43,31 +43,28 @@ def strip_table(meshes: Sequence[int] = MESHES, steps: Sequence[int] = (1, 4)) -
     F. Errors are relative to the bar; discrete_end_error, discrete_loop_error: those that the closed form of the model
     has.  least_N_mm: the least dissipation of a step.
     """
-    rows = []
-    for n in meshes:
+    for n, count in product(meshes, steps):
         q = ZONE * n / LENGTH
-        for count in steps:
-            turns = (0.0, PULL, 0.0, PULL, -PULL, PULL)
-            pulls = [a + (b - a) * k / count for a, b in pairwise(turns) for k in range(1, count + 1)]
-            bar = Bar(n, LENGTH, 1.0, press=TAU)
-            states = bar.follow(pulls)
-            ends = [float(state.solution.u[-2]) for state in states]
-            first = states[count - 1].solution
-            loop = sum(state.dissipation for state in states[3 * count :])
-            read, counted = front(bar, first.u[::2]), float(np.sum((first.state == State.SLIP) * bar.shares))
-            rows.append(
-                {"elements": n, "steps": count, "offset": q - _slipping(q)}
-                | {"converged": len(states) == len(pulls) and all(s.solution.outcome.converged for s in states)}
-                | {"iterations": sum(s.solution.counters["newton_iterations"] for s in states)}
-                | {"end_mm": ends[count - 1], "end_error": ends[count - 1] / END - 1}
-                | {"back_error": ends[2 * count - 1] / (END / 2) - 1}
-                | {"loop_N_mm": loop, "loop_error": loop / LOOP - 1}
-                | {"front_mm": read, "front_error": read / ZONE - 1}
-                | {"counted_mm": counted, "counted_error": counted / ZONE - 1}
-                | {"discrete_end_error": -(((q - _slipping(q)) / q) ** 2), "discrete_loop_error": _loop(q)}
-                | {"least_N_mm": min(state.dissipation for state in states)}
-            )
-    return pd.DataFrame(rows)
+        turns = (0.0, PULL, 0.0, PULL, -PULL, PULL)
+        pulls = [a + (b - a) * k / count for a, b in pairwise(turns) for k in range(1, count + 1)]
+        bar = Bar(n, LENGTH, 1.0, press=TAU)
+        states = bar.follow(pulls)
+        ends = [float(state.solution.u[-2]) for state in states]
+        first = states[count - 1].solution
+        loop = sum(state.dissipation for state in states[3 * count :])
+        read, counted = front(bar, first.u[::2]), float(np.sum((first.state == State.SLIP) * bar.shares))
+        yield (
+            {"elements": n, "steps": count, "offset": q - _slipping(q)}
+            | {"converged": len(states) == len(pulls) and all(s.solution.outcome.converged for s in states)}
+            | {"iterations": sum(s.solution.counters["newton_iterations"] for s in states)}
+            | {"end_mm": ends[count - 1], "end_error": ends[count - 1] / END - 1}
+            | {"back_error": ends[2 * count - 1] / (END / 2) - 1}
+            | {"loop_N_mm": loop, "loop_error": loop / LOOP - 1}
+            | {"front_mm": read, "front_error": read / ZONE - 1}
+            | {"counted_mm": counted, "counted_error": counted / ZONE - 1}
+            | {"discrete_end_error": -(((q - _slipping(q)) / q) ** 2), "discrete_loop_error": _loop(q)}
+            | {"least_N_mm": min(state.dissipation for state in states)}
+        )
 
 
 def _slipping(q: float) -> int:

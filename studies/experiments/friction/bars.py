@@ -14,8 +14,9 @@ from scipy import sparse
 
 from contact.friction.algorithms.semismooth import Semismooth
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.problem import FrictionalSolution, State
 from contact.problem import ContactProblem, linear_mechanics
+from studies.experiments.friction.klarbring import in_plane
 
 EA = 1e4  # N
 STIFF = 1e9  # N/mm, of what drives an end
@@ -49,7 +50,7 @@ class Bar:
         return shares
 
     def stage_at(self, pull: float, anchors: np.ndarray) -> Stage:
-        """Pulled by ``pull`` [N] beyond the tension, or driven to ``pull`` [mm]."""
+        """Pulled by ``pull`` [N] beyond the tension, or driven to ``pull`` [mm]; anchors (n + 1,) [mm]."""
         n, h, size = self.n, self.length / self.n, 2 * (self.n + 1)
         e = np.arange(n)
         rows = np.repeat(e, 4)
@@ -69,17 +70,11 @@ class Bar:
         K = sparse.csc_matrix(EA * h * (B.T @ B) + sparse.diags_array(springs))
         # the ends carry the tension themselves: what is left of it presses on the drum
         load[1::2] -= self.tension * self.curvature * self.shares
-        across, along = (_every(size, start) for start in (1, 0))
-        slips = sparse.csr_matrix(sparse.kron(along, [[1.0], [0.0]]))
+        along, across = (sparse.csr_matrix(sparse.eye_array(size, format="csr")[start::2]) for start in (0, 1))
         largest = max(float(np.max(np.abs(load))), abs(pull))
-
-        def gap_jacobian(u: np.ndarray) -> sparse.csr_matrix:
-            return across
-
-        contact = ContactProblem(linear_mechanics(K, load, largest), lambda u: across @ u, gap_jacobian, self.shares)
-        mu = np.full(n + 1, self.mu)
-        problem = FrictionalProblem(contact, mu, lambda u: (slips @ u - anchors).reshape(-1, 2), lambda u: slips)
-        return Stage(problem, lambda u: np.asarray(slips @ u))
+        mechanics = linear_mechanics(K, load, largest)
+        contact = ContactProblem(mechanics, lambda u: across @ u, lambda u: across, self.shares)
+        return Stage(in_plane(contact, along, self.mu, -anchors), lambda u: np.asarray(along @ u))
 
     @property
     def rest(self) -> PathState:
@@ -87,7 +82,7 @@ class Bar:
         size, m = 2 * (self.n + 1), self.n + 1
         at = FrictionalSolution.at_rest(size, m)
         pressed = (self.press + self.tension * self.curvature) * self.shares
-        return PathState(0.0, replace(at, normal=pressed, state=np.full(m, State.STICK, np.int8)), np.zeros(2 * m))
+        return PathState(0.0, replace(at, normal=pressed, state=np.full(m, State.STICK, np.int8)), np.zeros(m))
 
     def follow(self, pulls: Sequence[float]) -> list[PathState]:
         """The states at these pulls in turn, from rest; a front passes many nodes on one linearisation."""
@@ -105,9 +100,3 @@ def front(bar: Bar, slip: np.ndarray) -> float:
     first = int(np.flatnonzero(moves)[0])
     curved, sloped, _ = np.polyfit(x[first : first + 3] - x[first], slip[first : first + 3], 2)
     return float(bar.length - x[first] + sloped / (2 * curved))
-
-
-def _every(size: int, start: int) -> sparse.csr_matrix:
-    """Every second unknown from ``start``."""
-    columns = np.arange(start, size, 2)
-    return sparse.csr_matrix((np.ones(len(columns)), columns, np.arange(len(columns) + 1)), shape=(len(columns), size))
