@@ -25,7 +25,7 @@ from studies.experiments.accuracy import choices, error_coverage, work_precision
 from studies.experiments.extremes import limits, maps
 from studies.experiments.friction import (
     agreement,
-    drum,
+    bars,
     greco,
     joint_motion,
     klarbring,
@@ -33,7 +33,6 @@ from studies.experiments.friction import (
     path_error,
     rolling,
     rubbed_scenes,
-    strip,
 )
 from studies.experiments.friction.public import public_problems
 from studies.experiments.invariance import symmetry, tyre_mirror
@@ -82,9 +81,9 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "friction_agreement": agreement.agreement_table,
     "friction_greco": greco.friction_table,
     "friction_klarbring": klarbring.klarbring_table,
-    "friction_strip": strip.strip_table,
-    "friction_drum": drum.drum_table,
-    "friction_capstan": drum.capstan_table,
+    "friction_strip": bars.strip_table,
+    "friction_drum": bars.drum_table,
+    "friction_capstan": bars.capstan_table,
     "friction_parking": patch.parking_table,
     "friction_rolling": rolling.rolling_table,
     "friction_path": path_error.path_table,

@@ -8,7 +8,7 @@ less than a hundredth of a millimetre.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 
@@ -72,7 +72,7 @@ def stage_at(truss: Truss, load: np.ndarray, body: Motion, ground: Motion, ancho
 
 
 @tabulated
-def joint_motion_table(loads: Sequence[str] = tuple(LOADS), motions: Sequence[Motion] = MOTIONS) -> Iterator[Row]:
+def joint_motion_table() -> Iterator[Row]:
     """Each load, then all motions one after another, and the foundation moved alone from the last.
 
     A solve starts from the body carried along, its nodes put out of place by ``BENT``; or, where the foundation moves
@@ -82,12 +82,12 @@ def joint_motion_table(loads: Sequence[str] = tuple(LOADS), motions: Sequence[Mo
     """
     truss = pyramid()
     rng = np.random.default_rng(0)
-    for name in loads:
+    for name in LOADS:
         standing = replace(
             FrictionalSolution.at_rest(truss.nodes.size, len(FEET)), state=np.full(len(FEET), State.STICK)
         )
         was, at = Motion.none(), PathState(0.0, standing, FEET)
-        steps = [("loaded", was), *(("together", motion) for motion in motions), ("alone", ALONE)]
+        steps = [("loaded", was), *(("together", motion) for motion in MOTIONS), ("alone", ALONE)]
         first = standing
         for index, (step, motion) in enumerate(steps):
             start, body = at.solution, motion

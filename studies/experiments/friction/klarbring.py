@@ -122,13 +122,13 @@ def algorithms(stiffness: float) -> list[FrictionalAlgorithm]:
 
 
 @tabulated
-def klarbring_table(cases: Sequence[str] = tuple(CASES)) -> Iterator[Row]:
+def klarbring_table() -> Iterator[Row]:
     """A row per case and algorithm: all answers there are, how the solve ended, and which answer it ended with.
 
     found: the answer, "" where none is claimed, "wrong" where one is claimed that is none.
     """
-    for case in cases:
-        springs, there_are = CASES[case], answers(CASES[case])
+    for case, springs in CASES.items():
+        there_are = answers(springs)
         for algorithm in algorithms(STIFF):
             solution = algorithm.solve(springs.problem, FrictionalSolution.at_rest(2, 1))
             row = {"case": case, "mu_Knt_over_Ktt": springs.coupling, "answers": len(there_are)}

@@ -83,18 +83,14 @@ class Parking:
 
 
 @tabulated
-def parking_table(
-    rings: Sequence[int] = (10, 19, 40, 79),
-    cores: Sequence[float] = (1 / 3, 2 / 3),
-    pressures: Sequence[str] = tuple(PRESSURES),
-) -> Iterator[Row]:
+def parking_table(rings: Sequence[int] = (10, 19, 40, 79), cores: Sequence[float] = (1 / 3, 2 / 3)) -> Iterator[Row]:
     """The disc turned until a core of ``cores`` of its radius sticks; then back as far, and forth again.
 
     core_mm: where the slip, continued from the two rings inmost of those that slip, is none.  moment_N_mm, loop_N_mm:
     at the first turn, and of the cycle after it.  Errors are relative; with 3 k + 1 rings the edge of a core of thirds
     falls alike between two of them.
     """
-    for pressure, core, n in product(pressures, cores, rings):
+    for pressure, core, n in product(PRESSURES, cores, rings):
         disc = Parking(pressure, core)
         brush = disc.brush(n)
         states = brush.follow([disc.phi, -disc.phi, disc.phi])

@@ -31,7 +31,7 @@ from studies.experiments.friction.truss import Truss
 from studies.experiments.rows import Row, tabulated
 
 RADIUS, RIM, SPOKE = 50.0, 1e4, 1e4  # mm, N, N
-SQUEEZE = 3.0  # mm
+SQUEEZE, NODES = 3.0, 24  # mm; of the rim of the table
 DOWN, UP = np.array([0.0, 0.0, -1.0]), np.array([0.0, 0.0, 1.0])
 
 
@@ -143,7 +143,7 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
 
 @tabulated
 def rolling_table(
-    coefficients: Sequence[float] = (0.1, 0.5), steps: Sequence[float] = (1.0, 0.5, 0.25), n: int = 24
+    coefficients: Sequence[float] = (0.1, 0.5), steps: Sequence[float] = (1.0, 0.5, 0.25)
 ) -> Iterator[Row]:
     """A wheel rolled by a little more than two of its bars, a row each case: mu and step [mm].
 
@@ -152,7 +152,7 @@ def rolling_table(
     bars_mm: n bars as they lie on a plate over 2 pi; radius_error: of the first from the second, relative.
     """
     for mu, step in product(coefficients, steps):
-        pitch = 2 * RADIUS * math.sin(math.pi / n)
+        n, pitch = NODES, 2 * RADIUS * math.sin(math.pi / NODES)
         path = rolling_path(Wheel(n, mu, SQUEEZE), step, 2 * 2.1 * pitch)
         turn, rolls = path["turn_rad"].to_numpy(float), path["way_mm"] > 0
         first, last = np.interp([2 * math.pi / n, 4 * math.pi / n], turn[1:], path["hub_mm"].to_numpy(float)[1:])

@@ -43,9 +43,9 @@ def corrected(plies: Sequence[Ply], variant: Variant) -> Laminate:
     return ShearCorrected(tuple(plies), -sum(ply.thickness for ply in plies) / 2, variant.shear_correction)
 
 
-def layered(h: float, n: int, nu: float, *, to_inner: bool = False, to_outer: bool = True) -> Laminate:
-    """A homogeneous wall about its middle as n plies, thinner towards a face: lines of the solid through it."""
-    levels = spaced_lines(0.0, h, n, to_inner, to_outer)
+def layered(h: float, n: int, nu: float, *, to_inner: bool = False) -> Laminate:
+    """A homogeneous wall about its middle as n plies, thinner towards the outer face: lines of the solid through it."""
+    levels = spaced_lines(0.0, h, n, to_inner, True)
     return Laminate(tuple(Ply.isotropic(E, nu, float(t)) for t in np.diff(levels)), -h / 2)
 
 

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from inspect import signature
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pandas as pd
 
 from studies.analysis.comparisons.friction import COST_BARS, FULL
 from studies.analysis.statements.record import LIMIT, OPENING, Statement
-from studies.experiments.friction.rubbed_scenes import DELTA, MESH, cost_table, patch_table, steps_table
+from studies.experiments.friction.rubbed_scenes import COARSE, CONTACT, DELTA, MESH, MU, PATCH_STEPS
 
 PAGE = "friction"
 KEPT = 1e-9  # of the largest force: a difference of images below this is rounding
@@ -71,7 +69,7 @@ def patch(friction_patch: pd.DataFrame) -> Iterator[Statement]:
         pull = last[["friction_x_N", "friction_y_N", "friction_z_N"]].sum().to_numpy(float)
         values |= {"left": float(np.linalg.norm(pull)), "bound": float(values["mu"]) * float(last["normal_N"].sum())}
         text += "; back at its start the plane still pulls with {left:.0f} N of at most {bound:.0f} N: the path matters"
-    scope = f"{TYRE}, {default(patch_table, 'steps')} load steps from stop to stop"
+    scope = f"{TYRE}, {PATCH_STEPS} load steps from stop to stop"
     yield Statement("friction-patch", PAGE, f"{text}.", values, len(stops), scope)
 
 
@@ -92,8 +90,7 @@ def steps(friction_step_orders: pd.DataFrame, friction_steps: pd.DataFrame) -> I
         "{most:.0f} steps, at {times:.0f} times the operations, {force_error:+.2%} and {work_error:+.1%}. "
         "Observed orders in the size of a step are {force_order:.2f} and {work_order:.2f}; theory says 1."
     )
-    mesh = default(steps_table, "mesh")
-    scope = f"the whole tyre on {mesh} elements, μ = {default(steps_table, 'mu')}; the limit is extrapolated"
+    scope = f"the whole tyre on {COARSE} elements, μ = {MU}; the limit is extrapolated"
     yield Statement("friction-steps", PAGE, text, values, len(own), scope, LIMIT)
 
 
@@ -121,7 +118,7 @@ def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
     values: dict[str, float | str] = {f"{end}_ratio": getattr(own["operations_ratio"], end)() for end in ("min", "max")}
     values |= {f"{end}_each": getattr(own["factorisations"], end)() for end in ("min", "max")}
     values |= {
-        "mesh": str(default(cost_table, "mesh")),
+        "mesh": MESH,
         "bar": COST_BARS["friction_cost"],
         "bar_each": COST_BARS["friction_factorisations"],
     }
@@ -141,16 +138,11 @@ def costs(friction_cost: pd.DataFrame) -> Iterator[Statement]:
         if len(above)
         else "none of {steps:.0f} steps exceeds them."
     )
-    scope = f"the whole tyre on {default(cost_table, 'mesh')} elements, by `{default(cost_table, 'contact')}`"
+    scope = f"the whole tyre on {MESH} elements, by `{CONTACT}`"
     yield Statement("friction-cost", PAGE, text, values, len(own), scope)
     times: dict[str, float | str] = {f"{end}_ratio": getattr(own["time_ratio"], end)() for end in ("min", "max")}
     text = "In processor time an iteration with friction takes {min_ratio:.2f} to {max_ratio:.2f} times one without."
     yield Statement("friction-seconds", PAGE, text, times, len(own), f"{scope}; the least of repeats", machine=True)
-
-
-def default(maker: Callable[..., pd.DataFrame], name: str) -> Any:
-    """What a table is made with."""
-    return signature(maker).parameters[name].default
 
 
 def listed(words: Sequence[str]) -> str:

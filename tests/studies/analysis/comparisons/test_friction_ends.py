@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 from studies.analysis.comparisons.friction import FAMILIES, by_algorithm, ends, friction_tables, orders, step_orders
-from studies.experiments.friction.drum import capstan_table
+from studies.experiments.friction.bars import capstan_table
 from studies.store.atomic import write_table
 from support.stores.friction import DRAGS, LOST, NAIVE, SOFT, TURNS, agreement, made_up_friction, moved, steps
 

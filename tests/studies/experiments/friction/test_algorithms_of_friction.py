@@ -13,11 +13,9 @@ from contact.friction.algorithms.catalogue import FRICTIONAL
 from contact.friction.path import follow
 from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
 from contact.problem import ContactProblem, linear_mechanics
-from studies.experiments.friction.bars import EA, Bar
-from studies.experiments.friction.drum import MU, N0, N1, RADIUS
+from studies.experiments.friction.bars import EA, LENGTH, MU, N0, N1, PULL, RADIUS, TAU, Bar
 from studies.experiments.friction.greco import GrecoPlate, friction_table
 from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
-from studies.experiments.friction.strip import LENGTH, PULL, TAU
 
 EXACT = [name for name in FRICTIONAL if name not in ("trial-and-error", "regularised")]
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from studies.experiments.friction.drum import END, capstan_table, drum_table
+from studies.experiments.friction.bars import DRUM_END, capstan_table, drum_table
 from support.problems.differences import orders
 
 
 @pytest.mark.parametrize("side", ["on", "inside"])
 def test_partial_slip_within_a_thousandth(side: str) -> None:
-    assert pytest.approx(0.03151163, abs=5e-9) == END
+    assert pytest.approx(0.03151163, abs=5e-9) == DRUM_END
     row = drum_table((18,), (side,)).iloc[0]
     assert row["outcome"] == "converged"
     assert abs(row["end_error"]) < 1e-3

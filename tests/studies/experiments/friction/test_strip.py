@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.experiments.friction.bars import Bar, front
-from studies.experiments.friction.strip import MESHES, TAU, strip_table
+from studies.experiments.friction.bars import MESHES, TAU, Bar, front, strip_table
 from support.problems.differences import orders
 
 ROUNDING = 1e-9
