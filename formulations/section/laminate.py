@@ -168,21 +168,6 @@ class Laminate:
                 D[:6, 10] = coupling
         return D
 
-    def initial_resultants(self, stresses: Sequence[Sequence[float]]) -> np.ndarray:
-        """H0 (11,) [N/mm] of initial stresses (S11, S22, S12) [MPa] in the shell axes, one triple a ply.
-
-        H0^p = sum_k S_k int N^p da3, the work of S on the face strains; transverse shears and E33 carry none.
-        The strains are linear between the faces, also in their quadratic part: N0 adds N0 h^2/4 to the bending
-        stiffness where a continuum adds N0 h^2/12. Raises ValueError unless there is one finite triple a ply.
-        """
-        S = np.asarray(stresses, float)
-        if S.shape != (len(self.plies), 3) or not np.all(np.isfinite(S)):
-            raise ValueError(f"initial stresses must be (S11, S22, S12) of {len(self.plies)} plies, got {stresses}")
-        H0 = np.zeros(11)
-        for stress, (_, one, _) in zip(S, self._thickness_moments(), strict=True):
-            H0[:6] += np.kron(stress, one)
-        return H0
-
     def _thickness_moments(self) -> Iterator[tuple[Layer, np.ndarray, np.ndarray]]:
         """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""
         h, bottom = self.thickness, 0.0
