@@ -9,7 +9,6 @@ from collections.abc import Iterator, Mapping
 
 from studies.campaigns.cell import Cell
 from studies.campaigns.ladder_cells import LADDERS
-from studies.campaigns.share_cells import WHOLE
 from studies.scenes import SCENES
 
 LABEL, FRAME, GROUP = "sheet {scene}", "sheet tyre at {delta} mm", "sheets"
@@ -33,7 +32,7 @@ def sheet_cell(scene: str) -> Cell:
     n1, n2 = SCENES[scene].default_mesh
     options = {"measure": ladder.measure} if ladder else {}
     options |= {"mesh": MESHES.get(scene, f"{n1}x{n2}"), **(WHOLE_TYRE if scene == "tyre" else {})}
-    settings = {**ladder.settings, **WHOLE.get(ladder.name, {})} if ladder else {}
+    settings = {**ladder.settings, **ladder.whole} if ladder else {}
     return Cell(LABEL.format(scene=scene), scene, options, {**settings, **PRESSED.get(scene, {})}, group=GROUP)
 
 

@@ -9,8 +9,8 @@ from time import process_time
 
 from contact.problem import Outcome
 from studies.bench.peers.problems import DELTA_MM, Line, Solved
-from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.complete import complete
+from studies.scenes.tyre.scene import ISOTROPIC
 from studies.solving import solve
 
 FULL = {"load_fraction": "1"}

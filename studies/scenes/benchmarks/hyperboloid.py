@@ -8,6 +8,7 @@ formulation and what is mesh is known. At t/R = 1 the solid, too, is solved: two
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,12 +16,13 @@ import numpy as np
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
 from studies.request import Request
-from studies.scene import Reference, SceneModel, Setting, UsageError
+from studies.scene import Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, ShearCorrected, area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
 from studies.scenes.closed_forms.naghdi import NaghdiShell
 from studies.scenes.element import LINES, patch
+from studies.scenes.ladders import LINEAR, Ladder, meshes
 from studies.scenes.statics import StaticModel, normal_at
 
 E, NU, RADIUS, LOAD = 2.85e4, 0.3, 1.0, 1e4  # MPa, -, mm; p = LOAD (t/R)^3 cos 2 phi MPa
@@ -73,6 +75,20 @@ def _references() -> tuple[Reference, ...]:
     )
 
 
+LADDERS = tuple(
+    Ladder(
+        LINEAR,
+        meshes(16, 16, 3),
+        ("w_waist_mm",),
+        "linear",
+        {"t_over_R": ratio},
+        coarser=("8x8",),  # locks in the thin one
+        name=f"free-hyperboloid-{ratio}",
+    )
+    for ratio in ("0.1", "0.001")
+)
+
+
 class FreeHyperboloid:
     """An eighth: a1 = z from the waist to the free end, a2 a quarter of the circle; lines are closer at the end."""
 
@@ -87,6 +103,8 @@ class FreeHyperboloid:
         *OTHERS,
     )
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {"w_waist_mm": "outwards at the waist, a1 = a2 = 0"}
+    ladders: tuple[Ladder, ...] = LADDERS
 
     def build(self, request: Request) -> SceneModel:
         """p on the area of the middle surface, half on each face, outwards at a2 = 0.
@@ -109,3 +127,6 @@ class FreeHyperboloid:
 
         at_waist = normal_at(eighth, {"w_waist_mm": (eighth.grid.node_at(0.0, 0.0), 1)})
         return StaticModel.of(request, eighth, at_waist, forces=area_load(eighth, pressure))
+
+
+SCENES: tuple[Scene, ...] = (FreeHyperboloid(),)

@@ -16,6 +16,7 @@ from studies.scene import Setting, UsageError
 from studies.scenes.element import Span, spaced_lines
 
 RIM_LINES = Setting.one_of("lines", ("even", "rim"), "even", "grid lines: evenly spaced, or one on the exact rim")
+ON_RIM = {"lines": "rim"}
 COARSE = 16  # elements; meshes that come from one no coarser by halving are nested
 
 

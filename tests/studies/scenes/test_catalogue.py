@@ -1,0 +1,31 @@
+"""The catalogue of scenes: names without loading anything, and every declaration in its scene's own module."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+from studies.campaigns.ladder_cells import CLIMBED
+from studies.scenes import MODULES, SCENES
+from studies.scenes.ladders import judged_of, ladders_of
+
+
+@pytest.mark.parametrize("module", dict.fromkeys(MODULES.values()))
+def test_a_module_offers_the_scenes_that_the_catalogue_names(module: str) -> None:
+    offered = [scene.name for scene in importlib.import_module(module).SCENES]
+    assert offered == [name for name, where in MODULES.items() if where == module]
+    assert all(SCENES[name].name == name and type(SCENES[name]).__module__ == module for name in offered)
+
+
+def test_all_ladders_that_scenes_declare_are_climbed() -> None:
+    assert set(CLIMBED) == {name for name, scene in SCENES.items() if ladders_of(scene) and name in MODULES}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_a_scene_says_what_it_is_judged_by(name: str) -> None:
+    scene = SCENES[name]
+    declared: dict[str, str] = getattr(scene, "quantities", {})
+    anywhere = ("force_N", "limit_load_fraction")
+    for quantity in judged_of(scene):
+        assert quantity in anywhere or quantity.removeprefix("limit_") in declared
