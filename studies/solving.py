@@ -246,7 +246,7 @@ def _record(
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:
-        result.loads.append(Step.of({**seen.step, **judged, **spent}, spent))
+        result.loads.append(Step(seen.step, judged, spent))
         load, value = next(iter(seen.step.items()))
         where = f"at {load} {value:g}"
     if judged.get("failures"):

@@ -23,6 +23,13 @@ def test_all_ladders_that_scenes_declare_are_climbed() -> None:
 
 
 @pytest.mark.parametrize("name", MODULES)
+def test_a_default_as_it_is_printed_asks_for_the_same_problem(name: str) -> None:
+    for setting in SCENES[name].settings:
+        if setting.default is not None:
+            assert setting.parse(setting.default_text) == setting.parse(setting.default)
+
+
+@pytest.mark.parametrize("name", MODULES)
 def test_a_scene_says_what_it_is_judged_by(name: str) -> None:
     scene = SCENES[name]
     declared: dict[str, str] = getattr(scene, "quantities", {})
