@@ -18,8 +18,7 @@ from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import ON_RIM, RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
 from studies.scenes.ladders import CONTACT, FULL, LONG, Ladder

@@ -19,8 +19,7 @@ from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import ON_RIM, RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.ladders import CONTACT, Ladder
 from studies.scenes.statics import loaded_shell

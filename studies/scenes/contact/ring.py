@@ -18,8 +18,7 @@ from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
 from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import ON_RIM, RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
 from studies.scenes.ladders import CONTACT, Ladder, meshes

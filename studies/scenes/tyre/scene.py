@@ -41,8 +41,12 @@ PLY = {
     "nu_TT": "Poisson ratio of a ply, across the cords",
 }
 ISOTROPIC = {
-    **{"E_MPa": "20", "nu": "0.45", "plies": "1", "ply_thickness_mm": "4.8"},
-    **{"load": "follower", "pressure_area": "face"},
+    "E_MPa": "20",
+    "nu": "0.45",
+    "plies": "1",
+    "ply_thickness_mm": "4.8",
+    "load": "follower",
+    "pressure_area": "face",
 }
 JUMPS = (
     "the rim of the patch, an oval that no grid line follows, passes from line to line, and that changes the value as"

@@ -12,7 +12,7 @@ from scipy.spatial import KDTree
 from studies.campaigns.ladder_cells import LADDERS
 from studies.scene import UsageError
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip, strip_contact
-from studies.scenes.contact.rim_lines import rim_lines
+from studies.scenes.contact.base import rim_lines
 from studies.scenes.element import spaced_lines, tree_over
 from studies.scenes.ladders import Ladder
 from studies.solving import resolve

@@ -51,11 +51,7 @@ class RolledCantilever:
     quantities: Mapping[str, str] = TIP
     ladders: tuple[Ladder, ...] = (
         Ladder(
-            ROTATIONS,
-            meshes(32, 1),
-            tuple(TIP),
-            settings={"load_fraction": "0.5"},
-            whole={"load_fraction": "0.5,1"},
+            ROTATIONS, meshes(32, 1), tuple(TIP), settings={"load_fraction": "0.5"}, whole={"load_fraction": "0.5,1"}
         ),
     )
 
