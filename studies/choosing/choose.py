@@ -72,7 +72,7 @@ def choose(
     return found
 
 
-def loosened(found: Choice, error: float, progress: Callable[[str], None] = lambda text: None) -> Choice:
+def loosened(found: Choice, error: float) -> Choice:
     """What the same grids say of a larger error; its own recommendation is solved from rest, within the same budget.
 
     Algorithms are not tried again. Raises ValueError where no limit is known, or the error is smaller.
@@ -83,7 +83,7 @@ def loosened(found: Choice, error: float, progress: Callable[[str], None] = lamb
     question, reference = replace(found.question, error=error), found.verdicts[0].ladder
     verdicts = [judged(each.ladder, reference, found.limit, found.quantity, error) for each in found.verdicts]
     clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
-    held = recommended(offers, found.quantity, found.limit, clock, progress)
+    held = recommended(offers, found.quantity, found.limit, clock, lambda text: None)
     refused = [offer for offer in offers if not offer.holds and not offer.untried]
     reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {reference.paths[-1].mesh}"
     answer = replace(found, question=question, verdicts=verdicts, algorithms=[], reason=reason)

@@ -36,6 +36,7 @@ PRECISE = 1e13  # shear_correction/t_over_R^4: all grids solved up to here, none
 MINDLIN = {1.0: 1.3577317, 0.1: 0.18954566, 0.01: 0.15046617, 0.001: 0.1498902}
 TWO_FACES = {1.0: 0.951994037, 0.1: 0.188873629, 0.01: 0.150468689, 0.001: 0.149890247}
 SOLID = {1.0: 0.92698, 0.1: 0.188029}
+DEGREE = 140  # of the polynomials of both shells
 DIGITS = 7e-7  # a unit of the last digit printed: the first two are cut off, not rounded
 OF_SOLID = 1e-5
 FORMULATION = "this shell in one dimension, studies/scenes/closed_forms/harmonic.py"
@@ -43,23 +44,23 @@ ELASTICITY = "linear elasticity in two dimensions, studies/scenes/closed_forms/h
 PRINTED = "Reissner-Mindlin shell in one dimension, M. Neunteufel"
 
 
-def mindlin(t: float, degree: int = 140) -> NaghdiShell:
+def mindlin(t: float) -> NaghdiShell:
     """The shell of Reissner and Mindlin of the thickness t [mm]."""
-    return NaghdiShell(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, REISSNER, degree)
+    return NaghdiShell(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, REISSNER, DEGREE)
 
 
-def two_faces(t: float, degree: int = 140) -> HarmonicShell:
+def two_faces(t: float) -> HarmonicShell:
     """The shell of the suite of the thickness t [mm]."""
-    return HarmonicShell(SURFACE, _wall(t, REISSNER), HARMONIC, LOAD * t**3, RADIUS, False, degree)
+    return HarmonicShell(SURFACE, _wall(t, REISSNER), HARMONIC, LOAD * t**3, RADIUS, False, DEGREE)
 
 
 def _wall(t: float, shear_correction: float) -> ShearCorrected:
     return ShearCorrected((Ply.isotropic(E, NU, t),), -0.5 * t, shear_correction)
 
 
-def solid(t: float, degree: int = 30, through: int = 8) -> HarmonicSolid:
+def solid(t: float) -> HarmonicSolid:
     """The body of the thickness t [mm] without the assumptions of a shell."""
-    return HarmonicSolid(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, degree, through)
+    return HarmonicSolid(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, degree=30, through=8)
 
 
 def _references() -> tuple[Reference, ...]:
