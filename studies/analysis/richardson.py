@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 LOWEST, HIGHEST = 0.3, 12.0  # of an order that is extrapolated with
 FORMAL, SAME_ORDER = 2.0, 0.3  # of a bilinear element; successive orders this close count as one
@@ -118,7 +117,11 @@ def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:
     def excess(p: float) -> float:
         return ((h1 / h2) ** p - 1) / (1 - (h3 / h2) ** p) - ratio
 
-    return float(brentq(excess, LOWEST, HIGHEST)) if excess(LOWEST) <= 0 <= excess(HIGHEST) else math.nan
+    if not excess(LOWEST) <= 0 <= excess(HIGHEST):
+        return math.nan
+    from scipy.optimize import brentq  # as slow to load as a small solve, which asks for corrections alone
+
+    return float(brentq(excess, LOWEST, HIGHEST))
 
 
 def order_against(sizes: Sequence[float], values: Sequence[float], reference: float, noise: float = 0.0) -> float:

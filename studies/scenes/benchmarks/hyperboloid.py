@@ -20,7 +20,6 @@ from studies.scene import Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, ShearCorrected, area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
-from studies.scenes.closed_forms.naghdi import NaghdiShell
 from studies.scenes.element import LINES, patch
 from studies.scenes.ladders import LINEAR, Ladder, meshes
 from studies.scenes.statics import StaticModel, normal_at
@@ -36,17 +35,12 @@ PRECISE = 1e13  # shear_correction/t_over_R^4: all grids solved up to here, none
 MINDLIN = {1.0: 1.3577317, 0.1: 0.18954566, 0.01: 0.15046617, 0.001: 0.1498902}
 TWO_FACES = {1.0: 0.951994037, 0.1: 0.188873629, 0.01: 0.150468689, 0.001: 0.149890247}
 SOLID = {1.0: 0.92698, 0.1: 0.188029}
-DEGREE = 140  # of the polynomials of both shells
+DEGREE = 140  # of the polynomials
 DIGITS = 7e-7  # a unit of the last digit printed: the first two are cut off, not rounded
 OF_SOLID = 1e-5
 FORMULATION = "this shell in one dimension, studies/scenes/closed_forms/harmonic.py"
 ELASTICITY = "linear elasticity in two dimensions, studies/scenes/closed_forms/harmonic_solid.py"
 PRINTED = "Reissner-Mindlin shell in one dimension, M. Neunteufel"
-
-
-def mindlin(t: float) -> NaghdiShell:
-    """The shell of Reissner and Mindlin of the thickness t [mm]."""
-    return NaghdiShell(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, REISSNER, DEGREE)
 
 
 def two_faces(t: float) -> HarmonicShell:
