@@ -11,8 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+if TYPE_CHECKING:  # slow to load: a solve asks for corrections alone
+    import pandas as pd
 
 LOWEST, HIGHEST = 0.3, 12.0  # of an order that is extrapolated with
 FORMAL, SAME_ORDER = 2.0, 0.3  # of a bilinear element; successive orders this close count as one
@@ -104,6 +108,17 @@ def correction(sizes: Sequence[float], values: Sequence[float], order: float = F
     return float((f2 - f1) / ((h1 / h2) ** order - 1))
 
 
+def formal_limit(sizes: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+    """The limit by the formal order from the two finer of three meshes, and how far it has moved since the coarser."""
+    before, limit = (values[k] + correction(sizes[: k + 1], values[: k + 1]) for k in (1, 2))
+    return limit, abs(limit - before)
+
+
+def power_of(x: Sequence[float] | np.ndarray | pd.Series, y: Sequence[float] | np.ndarray | pd.Series) -> float:
+    """The p of |y| ~ x^p, by least squares of the logarithms."""
+    return float(np.polyfit(np.log(np.asarray(x, float)), np.log(np.abs(np.asarray(y, float))), 1)[0])
+
+
 def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:
     """The p of three meshes of any sizes h, coarse to fine; NaN unless monotone and in [LOWEST, HIGHEST].
 
@@ -119,7 +134,7 @@ def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:
 
     if not excess(LOWEST) <= 0 <= excess(HIGHEST):
         return math.nan
-    from scipy.optimize import brentq  # as slow to load as a small solve, which asks for corrections alone
+    from scipy.optimize import brentq  # as slow to load as a small solve
 
     return float(brentq(excess, LOWEST, HIGHEST))
 
