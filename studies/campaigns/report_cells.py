@@ -13,10 +13,10 @@ from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from studies.campaigns import ladder_cells as convergence_cells
 from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.campaigns.share_cells import share_cells
 from studies.campaigns.sheet_cells import sheet_cells
 from studies.request import text_of
+from studies.scenes.tyre.scene import ISOTROPIC
 
 _PAPER = {"element": "paper"}
 

@@ -11,7 +11,7 @@ from fractions import Fraction
 import pandas as pd
 
 from contact.catalogue import ALGORITHMS
-from formulations.section.laminate import Laminate, Layer, Ply
+from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainMeasure
@@ -205,7 +205,7 @@ def _wall_facts(wall: Laminate) -> Iterator[tuple[str, str, str]]:
 
 
 def plies(built: Sequence[Built]) -> pd.DataFrame:
-    """PLIES: of every wall from the inside out; NaN for a layer that is not transversely isotropic."""
+    """PLIES: of every wall from the inside out."""
     rows = [
         (each.cell.scene, number, *_ply(ply))
         for each in built
@@ -215,7 +215,5 @@ def plies(built: Sequence[Built]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(PLIES))
 
 
-def _ply(ply: Layer) -> tuple[float, ...]:
-    if not isinstance(ply, Ply):
-        return (ply.thickness, *[math.nan] * 7)
+def _ply(ply: Ply) -> tuple[float, ...]:
     return (ply.thickness, math.degrees(ply.angle), ply.E_L, ply.E_T, ply.G_LT, ply.G_TT, ply.nu_LT, ply.nu_TT)

@@ -1,14 +1,15 @@
 """Which sources decide a result: the import closure of what computes it, and the hash of its statements.
 
-Every import of our own modules counts, wherever in a file it stands, and the packages that a module lies in. For a
-cell the catalogue of scenes is not followed: it imports all of them, and a cell is solved by its own scene alone. Nor,
-without friction, what is imported with it alone.
+Every import of our own modules counts, wherever in a file it stands, and their names in quotes, and the packages that a
+module lies in. For a cell the catalogue of scenes is not followed: it names all of them, and a cell is solved by its
+own scene alone. Nor, without friction, what is imported with it alone.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
+import re
 import sys
 from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
@@ -17,6 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("formulations", "contact", "studies")
+MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+")
 CATALOGUE = ("studies.scenes",)
 FRICTION = ("contact.friction", "contact.friction.*", "studies.friction.certificate", "studies.friction.stages")
 
@@ -103,6 +105,8 @@ def _named(tree: ast.Module, package: str = "") -> Iterator[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.Constant) and MODULE.fullmatch(name := str(node.value)):
+            yield name  # of a catalogue that loads what is asked for
         elif isinstance(node, ast.ImportFrom) and (package or not node.level):
             parents = package.split(".")[: len(package.split(".")) - node.level + 1] if node.level else []
             module = ".".join((*parents, *([node.module] if node.module else [])))

@@ -103,13 +103,14 @@ def test_imports_are_followed_wherever_they_stand(tmp_path: Path) -> None:
         "a": "def f():\n    from studies import b",
         "b": "if 0:\n    import studies.c, numpy",
         "c": "from studies.d import name",
-        "d": "name = 1",
+        "d": "name = {'of a catalogue': 'studies.e'}",
         "e": "",
+        "f": "",
     }.items():
         path = tmp_path / "studies" / f"{name}.py"
         path.parent.mkdir(exist_ok=True)
         path.write_text(text)
-    assert closure(["studies.a"], tmp_path) == {"studies", *(f"studies.{name}" for name in "abcd")}
+    assert closure(["studies.a"], tmp_path) == {"studies", *(f"studies.{name}" for name in "abcde")}
     assert closure(["studies.a"], tmp_path, without=("studies.c",)) == {"studies", "studies.a", "studies.b"}
 
 

@@ -22,8 +22,7 @@ from numpy.polynomial import legendre
 
 from formulations.geometry.surfaces import Geometry, Surface
 from studies.scenes.closed_forms.harmonic import integrated_legendre, solved
-
-EVEN, ODD = np.array([1.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])  # of (v1, v2, v3): ~ cos(n a2), ~ sin(n a2)
+from studies.scenes.closed_forms.harmonic_solid import EVEN, ODD, gradients
 
 
 @dataclass(frozen=True)
@@ -67,26 +66,6 @@ class NaghdiShell:
         D[:3, :3], D[3:6, 3:6] = self.t * plane, self.t**3 / 12 * plane
         D[6:, 6:] = self.kappa * self.E / (2 * (1 + self.nu)) * self.t * np.eye(2)
         return D
-
-
-def gradients(
-    geometry: Geometry, value: np.ndarray, slope: np.ndarray, present: np.ndarray, turned: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """lam, om, th of a vector, each (g, 2 directions, n, 3 amplitudes); B_2 = 0.
-
-    present (3,): which components are not zero at this a2; turned (3,): their derivatives by a2.
-    """
-    lam, om, th = (np.zeros((len(value), 2, value.shape[1], 3)) for _ in range(3))
-    along, across = slope / geometry.A[:, :1], value / geometry.A[:, 1:]
-    k1, k2, B1 = geometry.k[:, :1], geometry.k[:, 1:], geometry.B[:, :1]
-    lam[:, 0, :, 0], lam[:, 0, :, 2] = along * present[0], k1 * value * present[2]
-    lam[:, 1, :, 1], lam[:, 1, :, 2] = across * turned[1], k2 * value * present[2]
-    lam[:, 1, :, 0] = B1 * value * present[0]
-    om[:, 0, :, 1] = along * present[1]
-    om[:, 1, :, 0], om[:, 1, :, 1] = across * turned[0], -B1 * value * present[1]
-    th[:, 0, :, 2], th[:, 0, :, 0] = -along * present[2], k1 * value * present[0]
-    th[:, 1, :, 2], th[:, 1, :, 1] = -across * turned[2], k2 * value * present[1]
-    return lam, om, th
 
 
 def _strains(geometry: Geometry, lam: np.ndarray, om: np.ndarray, th: np.ndarray, director: np.ndarray) -> np.ndarray:
