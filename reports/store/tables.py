@@ -12,7 +12,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from reports.store.cells import CELL_KEYS, Cell, planned_cell
@@ -138,7 +137,9 @@ class Store:
         if not self.has_analysis(table):
             return pd.DataFrame()
         found = self.analysis(table)
-        return found[np.logical_and.reduce([found[key].fillna("") == value for key, value in where.items()])]
+        for key, value in where.items():
+            found = found[found[key].fillna("") == value]
+        return found
 
     def rules(self) -> Mapping[str, float]:
         """The thresholds by which the analysis judges, by name."""

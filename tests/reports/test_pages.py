@@ -14,7 +14,7 @@ import pandas as pd
 import pytest
 
 from reports.chapter import INDEX_TITLE, Chapter
-from reports.chapters.overview.solved import summary_table
+from reports.chapters.overview.outcomes import summary_table
 from reports.compare import differences
 from reports.contents import CHAPTERS
 from reports.figures.result_figures import draw_result
@@ -126,9 +126,9 @@ def same_bytes(store: Path, files: dict[str, str], tmp_path: Path) -> None:
 def test_which_algorithm_is_faster_moves_nothing_outside_of_what_is_of_the_machine(own_store: Path) -> None:
     """Rows stand in the order of their seconds, which another machine may have in another order."""
     path = own_store / "tables" / "contact_summary.csv"
-    here = summary_table(load_store(own_store))
+    here = str(summary_table(load_store(own_store)))
     write_table(path, pd.read_csv(path)[::-1])
-    there = summary_table(load_store(own_store))
+    there = str(summary_table(load_store(own_store)))
     assert here != there
     assert differences("page", here, there) == []
 

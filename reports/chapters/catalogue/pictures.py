@@ -144,21 +144,21 @@ def _filmstrip(bodies: list[tuple[str, Body]], columns: int) -> str:
     return svg(columns * width, foot + 36, parts)
 
 
-def thumbnails(bodies: Sequence[tuple[str, str, Body]], columns: int = 4) -> Picture:
-    """Small pictures of deformed bodies over the names of their scenes; names, scenes and bodies."""
+def thumbnails(bodies: Sequence[tuple[str, Body]], columns: int = 4) -> Picture:
+    """Small pictures of deformed bodies over the names of their scenes."""
     return partial(_thumbnails, list(bodies), columns)
 
 
-def _thumbnails(bodies: list[tuple[str, str, Body]], columns: int) -> str:
+def _thumbnails(bodies: list[tuple[str, Body]], columns: int) -> str:
     width, height = 240, 170
     parts = []
-    for number, (words, scene, body) in enumerate(bodies):
+    for number, (scene, body) in enumerate(bodies):
         x, y = width * (number % columns), (height + 26) * (number // columns)
         seen = view_of(scene).of_points(body.rest + body.magnified * body.u)
         found = raster(seen, body.quads, body.moved, Window.around(seen, width, height, margin=0.08))
         colours = palette(found.value, 0.0, float(body.moved.max()))
         parts += [
             image(webp(found, colours), width, height, (x, y)),
-            text(words, x + width / 2, y + height + 14, 12, "middle"),
+            text(scene, x + width / 2, y + height + 14, 12, "middle"),
         ]
     return svg(columns * width, (height + 26) * -(-len(bodies) // columns), parts)

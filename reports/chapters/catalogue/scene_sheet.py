@@ -5,18 +5,12 @@ from __future__ import annotations
 import pandas as pd
 
 from reports.chapters.catalogue.pictures import filmstrip, sheet_picture
-from reports.chapters.catalogue.words import Catalogue, Sheet, about
-from reports.formats import number, percent, share
-from reports.markdown import Part, joined, listing, picture, prose, table
+from reports.chapters.catalogue.words import TEXT, Catalogue, Sheet, about
+from reports.formats import number, percent
+from reports.markdown import Part, joined, picture
 
 SOLVED = ("converged", "unstable")
-PLY_HEADS = "ply, from inside | thickness [mm] | fibre from a1 [deg] | E_L [MPa] | E_T | G_LT | G_TT | nu_LT | nu_TT"
-PLY_LINE = "{ply} | {thickness_mm:g} | {angle_deg:g} | {E_L:g} | {E_T:g} | {G_LT:g} | {G_TT:g} | {nu_LT:g} | {nu_TT:g}"
-MEANT_HEADS, MEANT_LINE = "quantity | unit | what it is", "{quantity:code} | {unit} | {definition}"
-TARGET_HEADS = "quantity | kind | source | here | target | off by | known to"
-TARGET_LINE = "{quantity:code} | {kind} | {source} | {value:g} | {target:g} | {error:off} | {uncertainty:known}"
-LIMIT_HEADS = "quantity | limit of finer meshes | ± | finest mesh | here off it by"
-LIMIT_LINE = "{quantity:code} | {limit:g} | {limit_uncertainty:known} | {finest_mesh} | {off:off}"
+NO_REFERENCE = "No reference holds at these settings."
 
 
 def scene_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
@@ -24,22 +18,34 @@ def scene_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
     name = sheet.part
     answer = catalogue.own("answers", scene=name).iloc[0]
     own = catalogue.own("values", scene=name)
-    return joined(
-        prose(f"# {sheet.title}\n\n{sheet.meaning}. {_first(own, answer)}"),
-        _pictures(catalogue, name),
-        about(sheet.about),
-        _facts(catalogue, name),
-        _targets(own, answer),
-        pressed(catalogue) if name == "tyre" else "",
-        catalogue.settings("scene", name),
-    )
+    defined, known = own.drop_duplicates("quantity"), own[own["target"].notna()]
+    limits = defined[defined["limit"].notna()]
+    tables = {
+        "quantities": defined,
+        "unknown": NO_REFERENCE if known.empty else "",
+        "targets": known,
+        "limits": limits.assign(off=limits["value"] / limits["limit"] - 1),
+    }
+    parts = {
+        "first": _first(own, answer),
+        "picture": _pictures(catalogue, name),
+        "about": about(sheet.about),
+        "problem": _facts(catalogue, name),
+        "ending": _ending(answer),
+        "command": answer["command"],
+        "pressed": pressed(catalogue) if name == "tyre" else "",
+        "settings": catalogue.settings("scene", name),
+    }
+    return TEXT("scene", sheet=sheet, **parts, **tables)
 
 
 def _first(own: pd.DataFrame, answer: pd.Series) -> str:
     """The answer of the page in one sentence."""
     shown = own[own["headline"].astype(bool) & own["value"].notna()]
-    if answer["outcome"] not in SOLVED or shown.empty:
-        return f"Here it is {answer['outcome']}." if answer["outcome"] not in SOLVED else "It has no headline quantity."
+    if answer["outcome"] not in SOLVED:
+        return f"Here it is {answer['outcome']}."
+    if shown.empty:
+        return "It has no headline quantity."
     best = shown.sort_values("uncertainty", kind="stable").iloc[0]
     unit = "" if best["unit"] == "1" else f" {best['unit']}"
     value = f"`{best['quantity']}` = {number(best['value'])}{unit} on {answer['mesh']}"
@@ -59,30 +65,10 @@ def _pictures(catalogue: Catalogue, name: str) -> Part | str:
 
 
 def _facts(catalogue: Catalogue, name: str) -> Part:
-    own, layers = (catalogue.own(each, scene=name) for each in ("facts", "plies"))
-    if own.empty:
-        return Part("")
-    sections = own.groupby("section", sort=False)
-    parts = [table(str(name), ["what", "value"], rows[["item", "said"]].to_numpy(), words=2) for name, rows in sections]
-    plies = listing("Plies", layers, PLY_HEADS, PLY_LINE) if len(layers) else ""
-    return joined("## The problem", *parts, plies)
-
-
-def _targets(own: pd.DataFrame, answer: pd.Series) -> Part:
-    defined = own.drop_duplicates("quantity")
-    meant = listing("Quantities", defined, MEANT_HEADS, MEANT_LINE, words=3)
-    known = own[own["target"].notna()]
-    told = [_ending(answer)]
-    if known.empty:
-        told.append("No reference holds at these settings.")
-    shown = listing("Targets", known, TARGET_HEADS, TARGET_LINE, words=3, off=_off, known=_known) if len(known) else ""
-    limits = defined[defined["limit"].notna()]
-    limits = limits.assign(off=limits["value"] / limits["limit"] - 1)
-    finer = ""
-    if len(limits):
-        finer = listing("Limits of a ladder of meshes", limits, LIMIT_HEADS, LIMIT_LINE, off=_off, known=_known)
-    command = f"```sh\n{answer['command']}\n```"
-    return joined("## Quantities and targets", meant, prose("\n\n".join(told)), shown, finer, "## Command", command)
+    """What it is made of, a table a section, and its plies."""
+    sections = catalogue.own("facts", scene=name).groupby("section", sort=False)
+    facts = joined(*(TEXT("facts", section=section, rows=rows) for section, rows in sections))
+    return TEXT("problem", facts=facts, plies=catalogue.own("plies", scene=name)) if len(sections) else Part()
 
 
 def _ending(answer: pd.Series) -> str:
@@ -93,22 +79,12 @@ def _ending(answer: pd.Series) -> str:
     return f"{how}; {answer['outcome']}" + (f": {answer['reason']}." if answer["outcome"] != "converged" else ".")
 
 
-def _off(error: float) -> str:
-    return percent(error, 2)
-
-
-def _known(uncertainty: float) -> str:
-    """In per cent, with two digits where that is small."""
-    return f"{100 * uncertainty:.2g} %" if 0 < uncertainty < 1e-4 else share(uncertainty, 2)
-
-
-def filmstrip_of(catalogue: Catalogue) -> Part | None:
-    """The tyre at growing travel; None without its cells."""
+def filmstrip_of(catalogue: Catalogue) -> Part:
+    """The tyre at growing travel; nothing without its cells."""
     words = "The tyre pressed, from below: contact pressure at growing travel"
-    return picture("tyre-filmstrip.svg", words, filmstrip(catalogue.frames)) if catalogue.frames else None
+    return picture("tyre-filmstrip.svg", words, filmstrip(catalogue.frames)) if catalogue.frames else Part()
 
 
-def pressed(catalogue: Catalogue) -> Part | str:
-    """The same under a heading, nothing without its cells."""
-    strip = filmstrip_of(catalogue)
-    return "" if strip is None else joined("## The tyre pressed", strip)
+def pressed(catalogue: Catalogue) -> Part:
+    """The same under a heading."""
+    return joined("## The tyre pressed", filmstrip_of(catalogue)) if catalogue.frames else Part()

@@ -10,15 +10,14 @@ import numpy as np
 import pandas as pd
 
 from reports.chapters.catalogue.bodies import Body
-from reports.formats import said
-from reports.markdown import listing
+from reports.formats import share
+from reports.markdown import Part
 from reports.store.tables import Store
+from reports.template import Template
 
 TABLES = ("parts", "settings", "facts", "plies", "terms", "laws", "values", "answers", "marks", "points", "quads")
 NEEDS = tuple(f"sheet_{name}" for name in TABLES)
 FRAME = "sheet tyre at "  # how the labels of the filmstrip begin
-SETTING_HEADS = "setting | default | unit | range | meaning"
-SETTING_LINE = "{key:code} | {default:said} | {unit} | {range} | {meaning}"
 KINDS = {"scene": "Scene", "measure": "Strain measure", "algorithm": "Contact algorithm"}
 
 
@@ -86,13 +85,15 @@ class Catalogue:
         """The tyre at growing travel."""
         return [(label.removeprefix(FRAME), body) for label, body in self.bodies.items() if label.startswith(FRAME)]
 
-    def settings(self, kind: str, part: str) -> str:
+    def settings(self, kind: str, part: str) -> Part:
         """Settings with meaning, unit, range and default."""
         own = self.own("settings", kind=kind, part=part).fillna("")
-        if own.empty:
-            return ""
-        shown = listing("Settings, --set KEY=VALUE", own, SETTING_HEADS, SETTING_LINE, words=5, said=said)
-        return f"## Settings\n\n{shown}"
+        return TEXT("settings", rows=own) if len(own) else Part()
+
+
+def known(uncertainty: float) -> str:
+    """In per cent, with two digits where that is small."""
+    return f"{100 * uncertainty:.2g} %" if 0 < uncertainty < 1e-4 else share(uncertainty, 2)
 
 
 def about(text: str) -> str:
@@ -108,3 +109,6 @@ def _fenced(text: str) -> str:
 def _plain(text: str) -> str:
     escaped = text.replace("<", "&lt;").replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
     return escaped.removesuffix(":") if escaped.endswith("::") else escaped
+
+
+TEXT = Template("sheets", known=known)

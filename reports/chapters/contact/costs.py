@@ -15,9 +15,11 @@ from matplotlib.ticker import NullFormatter, NullLocator
 from reports.chapters.overview.decision import PROBLEM, choices_of, problem
 from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, code, digits, share
-from reports.markdown import Part, joined, machine, picture, prose, table
+from reports.markdown import Part, table
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("algorithms")
 USUAL, CONVERGED = "semismooth", "converged"
 NOT_SOLVED = ("refused", "not tried")  # verdicts without seconds of their own
 
@@ -26,34 +28,23 @@ def costs_part(store: Store) -> Part:
     """What they cost, under its heading."""
     data = _solves(store)
     if data.empty:
-        return Part("")
+        return Part()
     errors = " and of ".join(share(error, 0) for error in sorted(data["asked"].unique(), reverse=True))
-    text = prose(f"""## What do they cost?
-
-Seconds of the processor with the Newton iterations in brackets, from rest, with the default element on given grid
-lines: on the coarsest mesh, and on those that an error of {errors} takes. *slower*: stopped at
-{store.rules()["patience"]:g} times the seconds of `{USUAL}`;
-*refused*: it does not apply. An iteration is one linearised problem; what an algorithm does with sets inside it shows
-in the seconds. Below 0.2 s noise decides.""")
     names = sorted(dict.fromkeys(data["name"]), key=lambda name: name != USUAL)
     rows = []
     for first, tried in _meshes(data):
         by = {row["name"]: row for row in tried.to_dict("records")}
         rows.append([problem(first), first["mesh"], *(_spent(by.get(name)) for name in names)])
-    title = "Seconds and iterations by algorithm and mesh"
-    return joined(text, machine(table(title, ["problem", "mesh", *map(code, names)], rows, words=2)))
+    shown = table("Seconds and iterations by algorithm and mesh", ["problem", "mesh", *map(code, names)], rows, words=2)
+    return TEXT("costs", errors=errors, rules=store.rules(), table=shown)
 
 
 def costs_picture(store: Store) -> Part:
     """Who solves what at which cost."""
     data = _solves(store)
     if data.empty:
-        return Part("")
-    words = f"Seconds of each algorithm over those of `{USUAL}`, a line a problem and mesh"
-    text = prose(f"""Seconds of the processor from rest over those of `{USUAL}`, which each line states; a
-hollow mark is a solve that failed or was stopped at {store.rules()["patience"]:g} times its seconds. Below 0.2 s noise
-decides.""")
-    return joined(machine(text), picture("index-algorithms.svg", words, seconds_by_algorithm(data)))
+        return Part()
+    return TEXT("costs-picture", {"index-algorithms.svg": seconds_by_algorithm(data)}, rules=store.rules())
 
 
 def _solves(store: Store) -> pd.DataFrame:

@@ -8,10 +8,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from reports.figures.drawing import BLACK, COLOURS, canvas, looks, svg
-from reports.formats import digits, fixed, percent, share
-from reports.markdown import Part, commands, filled, joined, listing, picture, prose
+from reports.markdown import Part, commands
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("shell-limits")
 PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")
 DRAWN = ("shell exact", "shell von-karman, ν = 0")
 LAW = "solid hencky"
@@ -24,51 +25,28 @@ def ring_part(store: Store) -> Part:
     end = data[data["delta_mm"] == data["delta_mm"].max()]
     thick = end[end["body"] == LAW].iloc[0]
     widest = states[(states["state"] == "3d") & (states["delta_mm"] == states["delta_mm"].max())]["off"].iloc[0]
-    known = {str(row["input"]): float(row["value"]) for row in store.analysis("ring_inputs").to_dict("records")}
+    known = dict(store.analysis("ring_inputs")[["input", "value"]].to_numpy())
     outer, inner = known["outer_mm"], known["inner_mm"]
-    text = prose(f"""## A measured ring
-
-A polyurethane ring, outer radius {outer:g} mm, inner {inner:g} mm, E = {known["E_MPa"]:g} MPa, ν = {known["nu"]:g},
-crushed between rigid plates by {thick["approach"]:g} mm (Saleeb, Chen, Chang 1994; read by Code_Aster, SSNP501): its
-wall is {fixed(2 * (outer - inner) / (outer + inner), 2)} of its radius thick, its stretches reach from
-{fixed(thick["least_stretch"], 2)} to {fixed(thick["largest_stretch"], 2)}, too much for a shell and for its law (St.
-Venant, Kirchhoff: svk). Solids and shells are in plane strain; "ν = 0" replaces it by E/(1 - ν²) without contraction.
-The four readings lie on one line through the origin, so the bend of the curve was not read. A ring with free sides
-carries {share(-float(widest), 0)} less than plane strain, which the test contradicts.""")
-    parts = prose("""*Shell*: less the solid of its law; *law*: that solid less Hencky's; *friction*: what it may add,
-missing here, a bound; *reading*: Hencky's curve above its chord; *remainder*: not explained. The parts add up to the
-difference. Within u_val (ASME V&V 20: mesh, last digits of the data, friction, reading) the test cannot tell the error
-of the model from none.""")
     counts = data.groupby("body", sort=False)["within"].agg(["sum", "size"]).reset_index()
-    shown = end.merge(counts, on="body")
-    heads = f"body | force [N] | computed - measured | {' | '.join(PARTS)} | u_val | within u_val, of its readings"
-    line = f"{{body}} | {{force_N:.2f}} | {{difference_N:+.2f}} | {' | '.join(f'{{{part}:+.2f}}' for part in PARTS)}"
-    measured = f"At {thick['approach']:g} mm, where {thick['measured_N']:.3f} N were measured [N]"
-    return joined(
-        text,
-        picture("experiment.svg", "Forces over the approach, and two budgets of the difference", draw_budget(data)),
-        listing(measured, shown, heads, line + " | {u_val:.2f} | {sum} of {size}"),
-        parts,
-        _cancelling(data, thick),
-        commands(data["command"]),
-    )
+    told = {
+        **{
+            "known": known,
+            "thick": thick,
+            "over_radius": 2 * (outer - inner) / (outer + inner),
+            "less": -float(widest),
+        },
+        **{"bodies": end.merge(counts, on="body"), "cancelling": _cancelling(data, thick)},
+        "commands": commands(data["command"]),
+    }
+    return TEXT("ring", {"experiment.svg": draw_budget(data)}, **told)
 
 
-def _cancelling(data: pd.DataFrame, thick: pd.Series) -> str:
+def _cancelling(data: pd.DataFrame, thick: pd.Series) -> Part:
     """Agreement that is owed to errors of opposite sign."""
-    lines = filled(
-        "- {body} at {approach:g} mm: {difference_N:+.2f} N from the test, {shell:+.2f} N from the solid of its law,"
-        " against {law:+.2f} N of the law.",
-        data[data["wrong_reason"]],
-    )
-    if thick["friction"] * thick["remainder"] < 0:
-        off = percent(thick["limit_N"] / thick["measured_N"] - 1, 1)
-        lines = [
-            f"- {LAW} at {thick['approach']:g} mm: {off} in the limit of its meshes, where {thick['friction']:+.2f} N "
-            f"of friction are missing and {thick['remainder']:+.2f} N are not explained.",
-            *lines,
-        ]
-    return "\n\n".join(["Agreement by errors that cancel:", "\n".join(lines)]) if lines else ""
+    others = data[data["wrong_reason"]]
+    cancels = thick["friction"] * thick["remainder"] < 0
+    first = [{**thick, "off": thick["limit_N"] / thick["measured_N"] - 1}] if cancels else []
+    return TEXT("cancelling", thick=first, others=others) if first or len(others) else Part()
 
 
 @svg
@@ -117,14 +95,6 @@ def _stacked(axes: Axes, own: pd.DataFrame, name: str) -> tuple[float, float]:
 def law_part(store: Store) -> Part:
     """Laws beside one another on bodies that carry in different ways."""
     rules = store.analysis("law_rules")
-    worst = rules.groupby("carries")["factor"].max()
-    membrane, bending = float(worst["membrane"]), float(worst["bending"])
-    words = prose(f"""## What small strain in the law is worth
-
-The law of a shell is linear in Green's strain. In {len(rules)} cases solids with it and with Hencky's law are compared
-on one mesh: with the largest logarithmic strain e in the body the law changes the result by at most
-{digits(membrane, 2)} e where a wall carries by stretching, and {digits(bending, 2)} e where it bends, so 1 % is not
-exceeded below strains of {share(0.01 / membrane, 1)} and {share(0.01 / bending, 1)}.""")
-    heads = "body | carries by | strains | largest change over the strain | 1 % at a strain of"
-    line = "{specimen} | {carries} | {least_strain:.3f} … {largest_strain:.3f} | {factor:.2g} | {percent_at:.1%}"
-    return joined(words, listing("From Hencky's law to that of the shell", rules, heads, line, words=2))
+    worst = {str(kind): float(factor) for kind, factor in rules.groupby("carries")["factor"].max().items()}
+    strains = {"stretched": 0.01 / worst["membrane"], "bent": 0.01 / worst["bending"]}
+    return TEXT("law", cases=len(rules), **worst, **strains, rules=rules)

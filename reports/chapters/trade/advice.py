@@ -2,40 +2,77 @@
 
 from __future__ import annotations
 
-from reports.chapters.trade import figures_advice
-from reports.formats import fixed, share
-from reports.markdown import Part, joined, listing, machine, picture, prose
-from reports.store.tables import Store
+from collections.abc import Iterable
 
-MISSED = (
-    "scene | quantity | tolerance | true error | estimate | advised",
-    "`{scene}` | `{quantity}` | {tolerance:.2%} | {true_error:.2%} | {estimate:.2%} | `{advised}`",
-)
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import PercentFormatter
+
+from reports.figures.drawing import BLACK, BLUE, VERMILION, canvas, svg, ticks
+from reports.markdown import Part
+from reports.store.tables import Store
+from reports.template import Template
+
+TEXT = Template("cost")
+DEAR = 1.5  # times the least cost: what advice aims to stay below
 
 
 def advice_part(store: Store) -> Part:
     """Scenes that were left out, one after the other; nothing where a campaign has too few."""
-    if not (store.has_analysis("held_out") and store.has_analysis("held_out_summary")):
-        return Part("")
-    cases, summary = store.analysis("held_out"), store.analysis("held_out_summary")
-    headline = summary[summary["quantities"] == "headline"].to_dict("records")[0]
-    text = prose("""## What advice from stored campaigns is worth
+    cases, headline = store.rows("held_out"), store.rows("held_out_summary", quantities="headline")
+    if cases.empty or headline.empty:
+        return Part()
+    missed = cases[(cases["advised"] != "") & (cases["met"] == 0.0)]
+    drawn = {"advice-held-out.svg": held_out(cases)}
+    return TEXT("advice", drawn, **headline.iloc[0], missed=missed)
 
-`footprint advise SCENE --error 1%` answers at once from the tables of a campaign. To see what that is worth each scene
-is left out once: the adviser sees its values but no reference, and no mesh finer than the one it stops at. It estimates
-the error and multiplies it by a factor of safety learnt from the other scenes. *Regret*: the seconds of its advice over
-those of the cheapest cell that truly meets the tolerance. For a problem of your own `footprint choose` is surer, and
-takes a minute.""")
-    told = prose(f"""For the headline quantities, {headline["cases"]} cases of {headline["scenes"]} scenes, the
-tolerance is met in {share(headline["met"], 1)} of the {headline["advised"]} that were advised. The regret is
-{fixed(headline["median_regret"], 2)} in the median, {fixed(headline["mean_regret"], 2)} in the mean and
-{fixed(headline["worst_regret"], 1)} at worst; {share(headline["share_above"], 0)} of the cases are above
-{headline["dear"]:g}. In {headline["abstained"]} cases it gave no advice though some cell would have met the
-tolerance.""")
-    failed = cases[(cases["advised"] != "") & (cases["met"] == 0.0)]
-    parts = [
-        told,
-        *([listing("Where the tolerance was missed, all quantities", failed, *MISSED, words=2)] if len(failed) else []),
-    ]
-    words = "True error over tolerance, and regret, of advice on scenes left out"
-    return joined(text, picture("advice-held-out.svg", words, figures_advice.held_out(cases)), machine(*parts))
+
+@svg
+def held_out(cases: pd.DataFrame) -> Figure:
+    """Advice for scenes left out: true error over tolerance, and how often the regret is below a value."""
+    given = cases[cases["advised"] != ""]
+    figure, (left, right) = canvas(2, width=10.0, height=4.0)
+    for tolerance in sorted(set(given["tolerance"].astype(float))):
+        own = given[given["tolerance"] == tolerance]
+        own = own.assign(ratio=(own["true_error"] / tolerance).clip(lower=1e-3)).sort_values("ratio")
+        ratio = own["ratio"].to_numpy(float)
+        apart = 100 * tolerance * (1 + 0.4 * np.linspace(-0.5, 0.5, len(own)))  # beside one another, by size
+        for far, colour, marker in ((False, BLUE, "o"), (True, VERMILION, "s")):
+            shown = (ratio > 1) == far
+            left.scatter(apart[shown], ratio[shown], s=16, color=colour, marker=marker, linewidths=0)
+    left.axhline(1.0, color=BLACK, linewidth=1, linestyle=":")
+    left.set(xscale="log", yscale="log", xlabel="tolerance [%]", ylabel="true error over tolerance")
+    left.scatter([], [], s=16, color=BLUE, marker="o", label="tolerance met")
+    left.scatter([], [], s=16, color=VERMILION, marker="s", label="tolerance missed")
+    _factors(left, set(100 * given["tolerance"]))
+    _regret(right, np.sort(given["regret"].dropna().to_numpy(float)))
+    left.legend(loc="lower left", fontsize=8)
+    return figure
+
+
+def _regret(axes: Axes, regret: np.ndarray) -> None:
+    """How often the cost of the advice is at most a multiple of the least one."""
+    if len(regret):
+        share = np.arange(1, len(regret) + 1) / len(regret)
+        axes.step([*regret, max(10.0, 1.2 * regret[-1])], [*share, 1.0], where="post", color=BLUE)
+        below = float((regret <= DEAR).mean())
+        axes.plot([DEAR, DEAR, axes.get_xlim()[0]], [0, below, below], color=BLACK, linewidth=1, linestyle=":")
+        axes.annotate(
+            f"{100 * below:.0f} % of the cases cost\nat most {DEAR:g} times the best",
+            (0.97, 0.3),
+            xycoords="axes fraction",
+            ha="right",
+            fontsize=9,
+        )
+    axes.set(xscale="log", xlabel="cost of the advice over that of the best", ylabel="share of cases", ylim=(0, 1.03))
+    _factors(axes, (0.5, 1, 2, 5, 10, 20, 50, 100))
+    low, high = (min(0.9, regret[0]), 1.2 * regret[-1]) if len(regret) else (0.9, 10.0)
+    axes.set_xlim(low, max(high, 10.0))
+    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
+
+
+def _factors(axes: Axes, places: Iterable[float]) -> None:
+    places = sorted(places)
+    ticks(axes, places, [f"{place:g}" for place in places])

@@ -7,9 +7,11 @@ from typing import Any
 
 from reports.chapters.tyre.cells import DELTA
 from reports.formats import NOTHING, code, formatted
-from reports.markdown import Part, joined, prose, table
+from reports.markdown import Part
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("tyre")
 WORDS = {
     "follower": "pressure that follows the inner face, over dead pressure on the mid-surface",
     "full-3d": "full three-dimensional law (`full-3d`), over constant S33",
@@ -21,34 +23,20 @@ def budget_part(store: Store) -> Part:
     """The whole section."""
     found = store.analysis("tyre_budget").to_dict("records")
     early = {row["changed"]: row for row in found if row["delta_mm"] != DELTA}
-    rows = [
-        [row["part"], _name(row), _change(row), _change(early.get(row["changed"])), row["rests_on"]]
-        for row in found
-        if row["delta_mm"] == DELTA
-    ]
-    other = next((f"{row['delta_mm']:g}" for row in early.values()), NOTHING)
-    text = prose(f"""## What the force is worth
-
-Errors of the force at Δ = {DELTA:g} mm, relative to the exact measure with dead load on the shell; measures also at
-{other} mm. Mesh errors are those of one grid against the limit; what a measure, a section or a load changes is stated
-in the limit of the meshes, with the interval of that limit; *not settled* where the interval is wider than the change.
-The parts are not added: the load is a choice of the model, the measure and the section are approximations that nobody
-has to make. Two errors are not in the
-table: short waves beside the patch, which cost no energy at this travel, so that grids finer than these may leave the
-path (README, known limits), and a solid of angle plies, which is not solved.""")
-    heads = ["part", "changed", f"at {DELTA:g} mm", f"at {other} mm", "read from"]
-    return joined(text, table(f"Errors of the force at {DELTA:g} mm", heads, rows, words=2))
+    rows = [{**row, "early": _change(early.get(row["changed"]))} for row in _at_delta(found)]
+    other = next((f"{row['delta_mm']:g}" for row in early.values()), "")
+    return TEXT("budget", delta=DELTA, other=other, rows=rows)
 
 
-def model_table(store: Store) -> str:
+def model_table(store: Store) -> Part:
     """The same of the mesh, the load, the section and the shell; nothing where the campaign does not have them."""
-    if not store.has_analysis("tyre_budget"):
-        return ""
-    found = store.analysis("tyre_budget").to_dict("records")
-    own = [row for row in found if row["delta_mm"] == DELTA and row["part"] != "measure"]
-    rows = [[row["part"], _name(row), _change(row), row["rests_on"]] for row in own]
-    heads = ["part", "changed", "change of the force", "read from"]
-    return table(f"The force at {DELTA:g} mm beside its mesh and its model", heads, rows, words=2) if rows else ""
+    found = _at_delta(store.rows("tyre_budget").to_dict("records"))
+    return TEXT("model", delta=DELTA, rows=[row for row in found if row["part"] != "measure"])
+
+
+def _at_delta(found: list[dict[Any, Any]]) -> list[dict[Any, Any]]:
+    """The rows of the last travel, with words for what is changed and by how much that changes the force."""
+    return [{**row, "name": _name(row), "now": _change(row)} for row in found if row["delta_mm"] == DELTA]
 
 
 def _name(row: Mapping[Any, Any]) -> str:

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.limits.causes import cause
-from reports.chapters.limits.extremes import extremes_page, faults
+from reports.chapters.limits.extremes import cause, extremes_page, faults
 from reports.chapters.limits.figures_extremes import LOOKS, outcome_maps, plain_ticks
 from reports.store.tables import load_store
 from studies.experiments.extremes.maps import CLASSES

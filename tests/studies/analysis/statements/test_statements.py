@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import studies
-from reports.store.statements import of_page, sentence, statements
+from reports.store.statements import of_page, statements
 from reports.store.tables import Store
 from studies.analysis.everything import written
 from studies.analysis.statements.laws import experiment, fuzz, mirror
@@ -20,6 +20,7 @@ from studies.analysis.statements.shells.tyre import printed
 from studies.analysis.statements.tables import MAKERS
 from studies.analysis.statements.trade.cost import grids
 from studies.arena.solver_run import FIELDS
+from support.pages.sentences import sentence
 
 CAMPAIGN = "made"
 

@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.arena.figures import NAMED, shown_by_name
-from reports.chapters.arena.page import arena_part
+from reports.chapters.contact.arena import NAMED, arena_part, shown_by_name
 from reports.markdown import Part
 from reports.store.statements import conclusions
 from reports.store.tables import load_store
@@ -56,7 +55,7 @@ def test_failures_are_shown_at_the_limit(page: Part) -> None:
 
 
 def test_the_winner_and_the_default_are_concluded(store: Path) -> None:
-    opening = conclusions(load_store(store), "algorithms")
+    opening = conclusions(load_store(store), "algorithms").text
     assert "semismooth solves most of 3 convex problems to 1e-06: 3, in 0.018 s on average" in opening
     assert "Of 8 claims of 3 solvers and forms 0, by 0 of them, are false" in opening
     assert "`semismooth`, the default here, solves 3 and makes 0 false claims, 0 when asked for 1e-08." in opening
