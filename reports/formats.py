@@ -52,6 +52,11 @@ def scientific(value: float | None, decimals: int = 1) -> str:
     return formatted(value, f".{decimals}e")
 
 
+def bound(error: float) -> str:
+    """An error that is asked for, in per cent."""
+    return f"{number(100 * error)} %"
+
+
 def code(name: object) -> str:
     """A name as it is typed; a dash for none."""
     return NOTHING if name == "" else f"`{name}`"
@@ -105,12 +110,12 @@ WORDS = {
 class Line(Formatter):
     """Fills in "{name:format}" from a record, a mapping or an object, as str.format does but for the formats.
 
-    They are those of ``formatted``, "code", "codes", "said", "quantity", or ``named`` ones; without one a value is
+    They are those of ``formatted``, "bound", "code", "codes", "said", "quantity", or ``named`` ones; without one a value is
     printed as it is. In "{kkt[tension]:.1e}" an entry of a value is meant.
     """
 
     def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
-        self.named = {"code": code, "codes": codes, "said": said, "quantity": quantity, **named}
+        self.named = {"bound": bound, "code": code, "codes": codes, "said": said, "quantity": quantity, **named}
 
     def filled(self, text: str, record: Any) -> str:
         """The text with the values of a record."""

@@ -6,13 +6,13 @@ What they mean is not known here.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
 
-from reports.formats import Line
+from reports.formats import NOTHING, Line
 
 Form = Callable[[Any], str]
 MACHINE, END_MACHINE = "<!-- machine -->", "<!-- /machine -->"
@@ -41,6 +41,19 @@ def table(title: str, header: Sequence[str], rows: Iterable[Sequence[object]], w
     """A table under its title line; the first columns are words, the others are numbers."""
     lines = [f"**{title}**", "", _line(header), _line([*[":--"] * words, *["--:"] * (len(header) - words)])]
     return "\n".join([*lines, *map(_line, rows)])
+
+
+def by_name(
+    groups: Iterable[tuple[Sequence[object], pd.DataFrame]],
+    names: Iterable[object],
+    entry: Callable[[dict[Any, Any]], object],
+    column: str = "name",
+) -> Iterator[list[object]]:
+    """A line of a table for each group: its words, then an entry for each name, a dash where the group has none."""
+    columns = list(names)
+    for words, own in groups:
+        by = {row[column]: row for row in own.to_dict("records")}
+        yield [*words, *(entry(by[name]) if name in by else NOTHING for name in columns)]
 
 
 def filled(line: str, records: pd.DataFrame | Iterable[Any], **named: Form) -> list[str]:

@@ -20,23 +20,12 @@ from reports.store.reading import SCHEMA, StoreError, read_table, read_versioned
 SHEETS = "sheets"  # the group of the cells that are drawn, which no other page means
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
-OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}
-OF_A_LADDER = {"ladder", "family", "at", "against", "largest"}
-OF_A_COMPARISON = {
-    "flag",
-    "removed",
-    "flips",
-    "ranking",
-    "ended",
-    "path_end",
-    "found_by",
-    "why",
-    "advised",
-    "best",
-    "runner_up",
-}
-OF_A_FINDING = {"cause", "causes", "refusals", "worst_scene", "error_scene", "load_key", "regime", "name", "axis"}
-WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON | OF_A_FINDING  # columns of the analysis that may be empty
+# columns of the analysis that may be empty; what is not there is an empty word
+OF_A_REQUEST = "label command scene measure contact newton element model configuration settings quantity mesh"
+OF_A_LADDER = "ladder family at against largest"
+OF_A_COMPARISON = "flag removed flips ranking ended path_end found_by why advised best runner_up verdict said"
+OF_A_FINDING = "cause causes refusals worst_scene error_scene load_key regime name axis"
+WORDS = {*f"{OF_A_REQUEST} {OF_A_LADDER} {OF_A_COMPARISON} {OF_A_FINDING}".split()}
 
 PROSE: Mapping[str, tuple[str, ...]] = {  # columns of whole sentences
     **{"statements": ("text", "scope"), "statement_values": ("word",), "sheet_parts": ("about", "source")},

@@ -7,10 +7,8 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 
 from reports.chapter import Chapter, relative
-from reports.chapters.catalogue.algorithm_sheet import algorithm_sheet
-from reports.chapters.catalogue.measure_sheet import measure_sheet
 from reports.chapters.catalogue.pictures import thumbnails
-from reports.chapters.catalogue.scene_sheet import pressed, scene_sheet
+from reports.chapters.catalogue.sheets import algorithm_sheet, measure_sheet, pressed, scene_sheet
 from reports.chapters.catalogue.words import NEEDS, TEXT, Catalogue, Sheet
 from reports.markdown import Part, joined, picture
 from reports.store.tables import Store

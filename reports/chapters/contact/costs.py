@@ -12,10 +12,10 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator
 
-from reports.chapters.overview.decision import PROBLEM, choices_of, problem
+from reports.chapters.overview.decision import CHOICES, PROBLEM, problem
 from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
-from reports.formats import NOTHING, code, digits, share
-from reports.markdown import Part, table
+from reports.formats import code, digits, share
+from reports.markdown import Part, by_name, table
 from reports.store.tables import Store
 from reports.template import Template
 
@@ -31,10 +31,8 @@ def costs_part(store: Store) -> Part:
         return Part()
     errors = " and of ".join(share(error, 0) for error in sorted(data["asked"].unique(), reverse=True))
     names = sorted(dict.fromkeys(data["name"]), key=lambda name: name != USUAL)
-    rows = []
-    for first, tried in _meshes(data):
-        by = {row["name"]: row for row in tried.to_dict("records")}
-        rows.append([problem(first), first["mesh"], *(_spent(by.get(name)) for name in names)])
+    meshes = (((problem(first), first["mesh"]), tried) for first, tried in _meshes(data))
+    rows = by_name(meshes, names, _spent)
     shown = table("Seconds and iterations by algorithm and mesh", ["problem", "mesh", *map(code, names)], rows, words=2)
     return TEXT("costs", errors=errors, rules=store.rules(), table=shown)
 
@@ -48,7 +46,7 @@ def costs_picture(store: Store) -> Part:
 
 
 def _solves(store: Store) -> pd.DataFrame:
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     own = data[data["row"] == "algorithm"] if len(data) else data
     return own.drop_duplicates([*PROBLEM, "mesh", "name"], keep="last") if len(own) else own
 
@@ -61,9 +59,7 @@ def _meshes(data: pd.DataFrame) -> Iterator[tuple[dict, pd.DataFrame]]:
             yield tried.iloc[0].to_dict(), tried
 
 
-def _spent(row: dict | None) -> str:
-    if row is None:
-        return NOTHING
+def _spent(row: dict) -> str:
     if row["verdict"] != CONVERGED:
         return str(row["verdict"])
     return f"{digits(row['seconds'], 2)} ({row['iterations']:.0f})"

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable
-from typing import Any
 
 import pandas as pd
 
 from reports.formats import NOTHING, code, scientific, share
-from reports.markdown import Part, machine, table
+from reports.markdown import Part, by_name, machine, table
 from reports.store.tables import Store
 from reports.template import Template
 
@@ -22,10 +20,8 @@ def algorithms_part(store: Store) -> Part:
     data, summary = store.table("friction_agreement"), store.analysis("friction_algorithms")
     names = [name for name in summary["algorithm"] if name != FIRST]
     first = data[data["algorithm"] == FIRST].set_index("case")["substeps"]
-    rows = []
-    for case, own in data.groupby("case", sort=False):
-        by_name = {row["algorithm"]: row for row in own.to_dict("records")}
-        rows.append([case, first[case], *(_cell(by_name.get(name), first[case]) for name in names)])
+    groups = data.assign(usual=data["case"].map(first)).groupby("case", sort=False)
+    rows = by_name((((case, first[case]), own) for case, own in groups), names, _cell, "algorithm")
     heads = ["scene", "load steps", *map(code, names)]
     cases = table(f"Against `{FIRST}`, at all loads", heads, rows, words=len(heads))
     odd = data[~data["outcome"].isin(SOLVED)]
@@ -38,16 +34,14 @@ def _short(reason: object) -> str:
     return re.split(r"; | \(", str(reason))[0]
 
 
-def _cell(row: dict[Hashable, Any] | None, steps: int) -> str:
-    """What became of a scene."""
-    if row is None:
-        return NOTHING
+def _cell(row: dict) -> str:
+    """What became of a scene; usual: the load steps of the first algorithm."""
     if row["outcome"] not in SOLVED:
         return str(row["outcome"])
     if row["agrees"]:
         return "same"
     parts = [scientific(row["force_error"]), f"{row['states']} states" if row["states"] else ""]
-    parts.append(f"{row['substeps']} steps" if row["substeps"] != steps else "")
+    parts.append(f"{row['substeps']} steps" if row["substeps"] != row["usual"] else "")
     return ", ".join(filter(None, parts))
 
 

@@ -15,26 +15,17 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
 from reports.formats import NOTHING, code, codes, digits, formatted, share
-from reports.markdown import Part, commands, filled, table
+from reports.markdown import Part, by_name, commands, filled, table
 from reports.store.tables import Store
 from reports.template import Template
 
 TEXT = Template("decision")
 CHOICES, EXACT = "choices", "exact"
 PROBLEM = ["scene", "settings"]
-WORDS = ("settings", "quantity", "axis", "name", "contact", "mesh", "verdict", "said", "command")
 NO_OFFER = {**dict.fromkeys(("measure", "element", "contact", "spent"), ""), "error_at_most": None}
 PANELS = 6  # of a picture
 FORMULATION = "Formulation error in the limit of the meshes"
 LEAST = 0.001  # relative, below which an error is not told
-
-
-def choices_of(store: Store, name: str = CHOICES) -> pd.DataFrame:
-    """The table with words where it has nothing; empty where a campaign does not make it."""
-    data = store.table(name) if store.has_table(name) else pd.DataFrame()
-    return data.assign(
-        **{word: data[word].astype(object).where(data[word].notna(), "") for word in WORDS if word in data}
-    )
 
 
 def smallest(rows: pd.DataFrame) -> pd.DataFrame:
@@ -44,7 +35,7 @@ def smallest(rows: pd.DataFrame) -> pd.DataFrame:
 
 def decision_part(store: Store) -> Part:
     """A line a problem and error: what is recommended, and what it takes."""
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     if data.empty:
         return Part()
     offers = data[data["row"] == "offer"].drop_duplicates([*PROBLEM, "asked"])
@@ -75,18 +66,15 @@ def problem(row: dict) -> str:
 
 def limits_part(store: Store) -> Part:
     """The error of each measure in the limit of the meshes, with its interval."""
-    own = choices_of(store, "measure_limits")
+    own = store.rows("measure_limits")
     return TEXT("limits", table=by_problem(FORMULATION, own, limit_error, without=EXACT)) if len(own) else Part()
 
 
 def by_problem(title: str, own: pd.DataFrame, entry: Callable[[dict], str], without: str = "") -> str:
     """A table with a line a problem and a column a name."""
     names = [name for name in dict.fromkeys(own["name"]) if name != without]
-    rows = []
-    for _, each in own.groupby(PROBLEM, sort=False):
-        by = {row["name"]: row for row in each.to_dict("records")}
-        entries = (entry(by[name]) if name in by else NOTHING for name in names)
-        rows.append([problem(each.iloc[0].to_dict()), *entries])
+    problems = (((problem(each.iloc[0].to_dict()),), each) for _, each in own.groupby(PROBLEM, sort=False))
+    rows = by_name(problems, names, entry)
     return table(title, ["problem", *map(code, names)], rows)
 
 
@@ -105,7 +93,7 @@ def limit_error(row: dict) -> str:
 
 def measures_picture(store: Store) -> Part:
     """The error of measures over seconds, a panel a problem."""
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     return TEXT("measures", {"index-measures.svg": errors_over_seconds(data)}) if len(data) else Part()
 
 
@@ -148,7 +136,7 @@ def _shown(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 def options_part(store: Store) -> Part:
     """Options of the element: what the cheapest mesh of each takes, folded."""
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     own = data[(data["row"] == "variant") & (data["axis"] == "element")] if len(data) else data
     if own.empty:
         return Part()

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from reports.chapter import INDEX_TITLE
-from reports.chapters.catalogue.scene_sheet import filmstrip_of
+from reports.chapters.catalogue.sheets import filmstrip_of
 from reports.chapters.catalogue.words import NEEDS, Catalogue
 from reports.chapters.contact.algorithms import when_not_table
 from reports.chapters.contact.costs import costs_picture
 from reports.chapters.overview.decision import decision_part, limits_part, measures_picture
-from reports.chapters.tyre.budget import model_table
-from reports.chapters.tyre.page import patch_picture
+from reports.chapters.tyre.page import model_table, patch_picture
 from reports.markdown import Part
 from reports.origin import origin
 from reports.store.statements import by_machine, statements

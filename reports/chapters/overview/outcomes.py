@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
-import pandas as pd
-
-from reports.formats import NOTHING
-from reports.markdown import Part, joined, table
+from reports.markdown import Part, by_name, joined, table
 from reports.origin import counted
 from reports.store.cells import Cell
 from reports.store.tables import Store
@@ -51,21 +48,15 @@ def _matrix(store: Store, axis: str) -> Part:
     if own.empty:
         return Part()
     names = list(dict.fromkeys(whole["name"]))
-    rows = [[scene, *_entries(each, names)] for scene, each in own.groupby("scene", sort=False)]
-    rows.append(["all", *_entries(whole, names)])
+    groups = [*((str(scene), each) for scene, each in own.groupby("scene", sort=False)), ("all", whole)]
+    rows = by_name((((scene,), each) for scene, each in groups), names, _entry)
     grid = table("Solved of those that could be solved; r: refused, e: the path ends", ["scene", *names], rows)
     return TEXT("matrix", axis=AXES[axis], grid=grid, lost=own[own["cause"] != ""])
 
 
-def _entries(rows: pd.DataFrame, names: list[str]) -> Iterator[str]:
-    found = {row["name"]: row for row in rows.to_dict("records")}
-    for name in names:
-        if name not in found:
-            yield NOTHING
-            continue
-        row = found[name]
-        marks = [f"{int(row[key])} {mark}" for key, mark in (("refused", "r"), ("path_ends", "e")) if row[key]]
-        yield f"{int(row['solved'])}/{int(row['solved'] + row['failed'])}" + (f" ({', '.join(marks)})" if marks else "")
+def _entry(row: dict) -> str:
+    marks = [f"{int(row[key])} {mark}" for key, mark in (("refused", "r"), ("path_ends", "e")) if row[key]]
+    return f"{int(row['solved'])}/{int(row['solved'] + row['failed'])}" + (f" ({', '.join(marks)})" if marks else "")
 
 
 def completeness(store: Store) -> Part:

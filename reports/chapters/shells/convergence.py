@@ -9,7 +9,6 @@ import pandas as pd
 
 from reports.chapter import Chapter
 from reports.chapters.overview.decision import options_part
-from reports.chapters.shells.element_choice import elements_part
 from reports.chapters.shells.locking import locking_part
 from reports.chapters.shells.manufactured import manufactured_part
 from reports.formats import NOTHING, fixed, quantity, share
@@ -20,6 +19,7 @@ from reports.template import Template
 TEXT = Template("convergence")
 DEFAULT = "refined"  # the element of the page
 KINDS = ("exact", "computed", "printed", "read")  # of references; the first there is stands in the table
+SHARES = ("projected", "balanced", "nodal")  # of the thickness strain that is taken from the nodes: none, half, all
 EQUILIBRIUM = 1e-8  # relative residual that passes without a look at rounding
 HEMISPHERE = {
     **{"scene": "hemisphere", "mesh": "16x16", "load_fraction": 1, "membrane": "compatible", "lines": "even"},
@@ -90,6 +90,32 @@ def _unsteady(data: pd.DataFrame) -> dict[str, Any]:
     named = own["ladder"] + own["quantity"].map(lambda name: f" ({quantity(name)})")
     rows = [{"cause": cause, "names": ", ".join(names)} for cause, names in named.groupby(causes, sort=False)]
     return {"causes": rows, "unsteady": len(own), "sequences": data["sequence"].nunique()}
+
+
+def elements_part(store: Store) -> Part:
+    """Which option of the element, over all scenes, as advice."""
+    found, shares = store.analysis("element_choice"), store.analysis("thickness_share")
+    errors = {f"{name}_error": found[name].str.split().str[0].astype(float) for name in ("paper", "default")}
+    nearer = int((errors["default_error"].abs() < errors["paper_error"].abs()).sum())
+    counts = found["verdict"].value_counts()
+    better, equal, larger = (counts.get(verdict, 0) for verdict in ("better", "equal", "worse"))
+    told = {"count": len(found), "better": better, "equal": equal, "larger": larger, "nearer": nearer}
+    rows = {
+        "worse": found.assign(**errors)[found["verdict"] == "worse"],
+        "shares": [counted(shares, n) for n in SHARES],
+    }
+    return TEXT("elements", rules=store.rules(), scenes=shares["ladder"].nunique(), **told, **rows)
+
+
+def counted(found: pd.DataFrame, name: str) -> dict[str, Any]:
+    """Of a share: on the coarser and on the default mesh, in how many scenes it is best and alone best; early ends."""
+    counts: dict[str, Any] = {"share": name}
+    for mesh, coarse in (("coarse", True), ("fine", False)):
+        own = found[(found["coarse"].astype(bool) == coarse) & found["nearest"].astype(bool)]
+        best = own.groupby("ladder")["share"].agg(set)
+        counts |= {mesh: sum(name in names for names in best), f"{mesh}_alone": sum(names == {name} for names in best)}
+    wrong = found[found["confirmed"].eq(False) & (found["share"] == name)]["ladder"]
+    return {**counts, "wrong": len(wrong), "wrong_in": ", ".join(wrong) or "none"}
 
 
 def _certificates(store: Store) -> dict[str, Any]:

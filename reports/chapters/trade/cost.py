@@ -11,23 +11,18 @@ from matplotlib.figure import Figure
 
 from reports.chapter import Chapter
 from reports.chapters.trade.advice import advice_part
-from reports.chapters.trade.statements import statements_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.figures.drawing import BLACK, canvas, legend_above, looks, svg
-from reports.formats import number, scientific
+from reports.formats import bound, scientific, share
 from reports.markdown import Part, commands
 from reports.store.tables import Store
 from reports.template import Template
 
+STATEMENTS = "footprint run statements"
 LEAST = 1e-5  # below it an error is chance
 
 
-def bound(error: float) -> str:
-    """An error that is asked for."""
-    return f"{number(100 * error)} %"
-
-
-TEXT = Template("cost", bound=bound)
+TEXT = Template("cost")
 
 
 def cost_page(store: Store) -> Part:
@@ -88,6 +83,37 @@ def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
         axes.tick_params(axis="x", which="minor", labelbottom=False)
     panels[0].set_ylabel("relative error of the force")
     legend_above(figure, panels[0], columns=5)
+    return figure
+
+
+def statements_part(store: Store) -> Part:
+    """Does what ``--error`` states hold, how wide is it, what does it cost? No campaign measures it by itself."""
+    if not (store.has_table("error_coverage") and store.has_analysis("error_statements")):
+        return Part()
+    data, stated = store.table("error_coverage"), store.analysis("stated_errors")
+    found = store.analysis("error_statements")
+    rows = {
+        "errors": found[found["asked"].notna()],
+        "wrong": stated[stated["value_inside"].eq(False) | stated["inside"].eq(False)],
+        "missed": data[data["reached"].eq(False)],
+    }
+    drawn = {"cost-statements.svg": errors_stated(stated)}
+    told = {"rules": store.rules(), "whole": found[found["asked"].isna()].iloc[0], "commands": commands([STATEMENTS])}
+    return TEXT("statements", drawn, **told, **rows)
+
+
+@svg
+def errors_stated(data: pd.DataFrame) -> Figure:
+    """What each decided error is over the most that is stated of it; on the line both are the same."""
+    decided = data[data["value_decided"].eq(True)]
+    figure, (axes,) = canvas(1, width=6.0, height=5.0)
+    for asked, each in looks(sorted(map(float, decided["asked"].unique()), reverse=True)).items():
+        own = decided[decided["asked"] == asked]
+        axes.plot(own["high"], own["value_error"], linestyle="none", label=share(asked, 1), **each.points)
+    ends = np.array([decided["high"].min(), decided["high"].max()]) if len(decided) else np.ones(2)
+    axes.plot(ends, ends, color=BLACK, linewidth=1, linestyle=":")
+    axes.set(xscale="log", yscale="log", xlabel="the most that is stated", ylabel="relative error")
+    legend_above(figure, axes)
     return figure
 
 

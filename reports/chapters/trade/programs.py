@@ -27,11 +27,7 @@ def _why(value: object) -> str:
     return {MESH: "mesh", PLIES: "one direction of plies a brick", "open": "open"}.get(str(value), NOTHING)
 
 
-def _bound(error: float) -> str:
-    return f"{number(100 * error)} %"
-
-
-TEXT = Template("programs", why=_why, bound=_bound)
+TEXT = Template("programs", why=_why)
 
 
 def programs_page(store: Store) -> Part:

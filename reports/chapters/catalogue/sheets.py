@@ -1,4 +1,4 @@
-"""The sheet of a scene: its sketch and picture, what it is made of, what is asked, and what is known of the answer."""
+"""The sheets of a scene, a strain measure and a contact algorithm: what it is, and what is known of its answers."""
 
 from __future__ import annotations
 
@@ -6,15 +6,17 @@ import pandas as pd
 
 from reports.chapters.catalogue.pictures import filmstrip, sheet_picture
 from reports.chapters.catalogue.words import TEXT, Catalogue, Sheet, about
+from reports.chapters.overview.decision import limit_error, problem
 from reports.formats import number, percent
 from reports.markdown import Part, joined, picture
+from reports.store.tables import Store
 
 SOLVED = ("converged", "unstable")
 NO_REFERENCE = "No reference holds at these settings."
 
 
 def scene_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
-    """The whole page."""
+    """Sketch and picture, what it is made of, what is asked, and what is known of the answer."""
     name = sheet.part
     answer = catalogue.own("answers", scene=name).iloc[0]
     own = catalogue.own("values", scene=name)
@@ -88,3 +90,58 @@ def filmstrip_of(catalogue: Catalogue) -> Part:
 def pressed(catalogue: Catalogue) -> Part:
     """The same under a heading."""
     return joined("## The tyre pressed", filmstrip_of(catalogue)) if catalogue.frames else Part()
+
+
+def measure_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
+    """Its terms and what it drops, what rigid motions leave, where it is enough."""
+    terms = catalogue.own("terms", measure=sheet.part).fillna("")
+    laws = catalogue.own("laws", measure=sheet.part)
+    parts = {
+        "about": about(sheet.about),
+        "terms": TEXT("terms", rows=terms.replace({"dropped": {"": "nothing"}})) if len(terms) else "",
+        "laws": laws.assign(motion=laws["motion"].str.replace("_", " ")),
+        "limits": _formulation(catalogue.store, sheet.part),
+        "source": f"## Source\n\n{sheet.source}; in `{sheet.module}`." if sheet.source else "",
+    }
+    return TEXT("measure", sheet=sheet, meaning=f"{sheet.meaning[:1].upper()}{sheet.meaning[1:]}", **parts)
+
+
+def _formulation(store: Store, name: str) -> Part:
+    data = store.rows("measure_limits")
+    own = data[data["name"] == name] if len(data) else data
+    rows = [{**row, "problem": problem(row), "off": limit_error(row)} for row in own.to_dict("records")]
+    return TEXT("measure-limits", rows=rows) if rows else Part()
+
+
+def algorithm_sheet(catalogue: Catalogue, sheet: Sheet) -> Part:
+    """What it solves, its parameters, what it solved, refused and cost, its limits."""
+    store, name = catalogue.store, sheet.part
+    summary = store.rows("contact_summary", algorithm=name).iloc[:1]
+    solved = [TEXT("solves", **row, could=row["solved"] + row["failed"]) for _, row in summary.iterrows()]
+    parts = {
+        "first": joined(*solved),
+        "about": about(sheet.about),
+        "settings": catalogue.settings("algorithm", name),
+        "cost": joined(*(TEXT("cost", **row) for _, row in summary.iterrows())),
+        "outcomes": _outcomes(store, name),
+        "limits": _extremes(store, name),
+        "source": f"## Source\n\n{sheet.source} In `{sheet.module}`." if sheet.source else "",
+    }
+    return TEXT("algorithm", sheet=sheet, **parts)
+
+
+def _outcomes(store: Store, name: str) -> Part:
+    own = store.rows("outcomes", axis="contact", name=name)
+    return TEXT("outcomes", rows=own[own["scene"].fillna("") != ""]) if len(own) else Part()
+
+
+def _extremes(store: Store, name: str) -> Part:
+    own = store.rows("extremes_limits", part="algorithm", name=name)
+    if own.empty:
+        return Part()
+    return TEXT("algorithm-limits", rows=own.assign(reason=own["reason"].fillna("").map(_short)))
+
+
+def _short(reason: str) -> str:
+    """Its first clause, within a table."""
+    return reason.partition(";")[0].replace("|", "/")[:120]
