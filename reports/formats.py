@@ -110,12 +110,19 @@ WORDS = {
 class Line(Formatter):
     """Fills in "{name:format}" from a record, a mapping or an object, as str.format does but for the formats.
 
-    They are those of ``formatted``, "bound", "code", "codes", "said", "quantity", or ``named`` ones; without one a value is
-    printed as it is. In "{kkt[tension]:.1e}" an entry of a value is meant.
+    They are those of ``formatted``, some by name ("bound", "code", "codes", "said", "quantity") and ``named`` ones;
+    without one a value is printed as it is. In "{kkt[tension]:.1e}" an entry of a value is meant.
     """
 
     def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
-        self.named = {"bound": bound, "code": code, "codes": codes, "said": said, "quantity": quantity, **named}
+        self.named: dict[str, Callable[[Any], str]] = {
+            "bound": bound,
+            "code": code,
+            "codes": codes,
+            "said": said,
+            "quantity": quantity,
+            **named,
+        }
 
     def filled(self, text: str, record: Any) -> str:
         """The text with the values of a record."""

@@ -67,9 +67,9 @@ def origin(store: Store) -> str:
 
 def machines(store: Store) -> Part:
     """Whose machine the cells are from, where they are from several: how far merged ones were verified, whose times."""
-    if not store.has_analysis("machines"):
+    if not store.has("machines"):
         return Part()
-    found = store.analysis("machines")
+    found = store.table("machines")
     if len(found) < 2 and (found["seconds"] > 0).all():
         return Part()
     return TEXT("machines", rows=found)

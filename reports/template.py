@@ -31,6 +31,7 @@ class Template:
 
     def __init__(self, name: str, **named: Form) -> None:
         _, *pieces = BLOCK.split((FOLDER / f"{name}.md").read_text(encoding="utf-8"))
+        self.name = name
         self.blocks = {block: list(_paragraphs(text)) for block, text in zip(pieces[::2], pieces[1::2], strict=True)}
         self.named = named
 

@@ -96,7 +96,7 @@ class Cell:
         return float("nan") if step is None else float(step[quantity])
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table of the cell (contact, profile, mode, curve or grid); raises StoreError when it is missing or damaged."""
+        """A table of the cell, by a name of TABLE_COLUMNS; raises StoreError when it is missing or damaged."""
         if name not in self._tables:
             self._tables[name] = read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
         return self._tables[name].copy()

@@ -43,9 +43,9 @@ def statements(store: Store) -> tuple[Said, ...]:
 
 
 def _read(store: Store) -> Iterator[Said]:
-    if not all(map(store.has_analysis, TABLES)):
+    if not all(map(store.has, TABLES)):
         return
-    table, numbers = (store.analysis(name) for name in TABLES)
+    table, numbers = (store.table(name) for name in TABLES)
     numbers["word"] = numbers["word"].astype(object).where(numbers["word"].notna(), "")
     values: dict[str, dict[str, Any]] = {}
     for row in numbers.to_dict("records"):

@@ -54,7 +54,7 @@ class Catalogue:
     @classmethod
     def of(cls, store: Store) -> Catalogue:
         """Reads them all."""
-        tables = {name: store.analysis(f"sheet_{name}") for name in TABLES}
+        tables = {name: store.table(f"sheet_{name}") for name in TABLES}
         quads = dict(iter(tables["quads"].groupby("label", sort=False)))
         bodies = {}
         for label, own in tables["points"].groupby("label", sort=False):

@@ -164,9 +164,9 @@ def _finite(found: list[Entry]) -> Part:
 
 def _answers(store: Store) -> Part:
     """Problems of the whole campaign to which it has more than one certified answer."""
-    if not store.has_analysis("disagreements"):
+    if not store.has("disagreements"):
         return Part()
-    found = store.analysis("disagreements")
+    found = store.table("disagreements")
     rows = [
         {"why": why, "answers": len(own), "scenes": dict.fromkeys(own["scene"]), "difference": own["difference"].max()}
         for why, own in found.groupby("why", sort=False)

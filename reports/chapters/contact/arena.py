@@ -41,10 +41,10 @@ TEXT = Template("algorithms", signed=lambda count: f"{count:+.0f}")
 
 def arena_part(store: Store) -> Part:
     """The whole part; nothing where the campaign has no collection."""
-    if not all(map(store.has_table, NEEDED)):
+    if not all(map(store.has, NEEDED)):
         return Part()
     parts = {
-        "ranked": "" if store.has_table("solver_summary") else TEXT("unranked", run=RUN),
+        "ranked": "" if store.has("solver_summary") else TEXT("unranked", run=RUN),
         "ranking": _ranking(store),
         "profiles": _profiles(store),
         "osqp": _osqp(store),
@@ -56,7 +56,7 @@ def arena_part(store: Store) -> Part:
 
 def _ranking(store: Store) -> Part:
     """Who solves how many in which time, and who claims too much: a line a solver, in the form that suits it best."""
-    if not store.has_table("solver_summary"):
+    if not store.has("solver_summary"):
         return Part()
     whole = store.table("solver_summary")
     whole = whole[whole["size"] == ALL]
@@ -107,7 +107,7 @@ def _profiles(store: Store) -> Part:
 
 def _convex(store: Store, name: str) -> pd.DataFrame:
     """The rows of convex problems of all sizes at the middle tolerance; none without the table."""
-    if not store.has_table(name):
+    if not store.has(name):
         return pd.DataFrame()
     found = _middle(store.table(name))
     return found[(found["kind"] == CONVEX) & (found["size"] == ALL)]
@@ -144,7 +144,7 @@ def _cause(why: str) -> str:
 
 def _limits(store: Store) -> Part:
     """What bounds all this, and the machine."""
-    if not store.has_table("solver_run"):
+    if not store.has("solver_run"):
         return Part()
     about = dict(store.table("solver_run").astype(str).itertuples(index=False, name=None))
     limit, whole = float(about.pop("limit_s")), store.table("solver_summary")

@@ -17,7 +17,7 @@ FIRST, SOLVED = "semismooth", ("converged", "unstable")
 
 def algorithms_part(store: Store) -> Part:
     """Whether they agree, and what they cost."""
-    data, summary = store.table("friction_agreement"), store.analysis("friction_algorithms")
+    data, summary = store.table("friction_agreement"), store.table("friction_algorithms")
     names = [name for name in summary["algorithm"] if name != FIRST]
     first = data[data["algorithm"] == FIRST].set_index("case")["substeps"]
     groups = data.assign(usual=data["case"].map(first)).groupby("case", sort=False)
@@ -47,7 +47,7 @@ def _cell(row: dict) -> str:
 
 def checks_part(store: Store) -> Part:
     """Closed forms and orders, and problems that separate the algorithms."""
-    data = store.analysis("friction_orders").assign(size=lambda rows: rows["error"].abs())
+    data = store.table("friction_orders").assign(size=lambda rows: rows["error"].abs())
     families = data.groupby(["family", "theory"], sort=False).agg(
         errors=("error", "size"), worst=("size", "max"), low=("order", "min"), high=("order", "max")
     )
@@ -57,7 +57,7 @@ def checks_part(store: Store) -> Part:
 def _separating(store: Store) -> dict[str, Part | str]:
     """A row an algorithm: a plate, springs with none, one or several answers, and public problems."""
     greco, springs = store.table("friction_greco"), store.table("friction_klarbring")
-    bound, public = store.rules()["friction_greco"], store.has_table("friction_public")
+    bound, public = store.rules()["friction_greco"], store.has("friction_public")
     files = store.table("friction_public").dropna(subset=["algorithm"]) if public else pd.DataFrame({"algorithm": []})
     finest = greco[greco["elements"] == greco["elements"].max()]
     names = dict.fromkeys([*finest["algorithm"], *springs["algorithm"], *files["algorithm"]])

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.chapters.limits.figures_extremes import LOOKS, PANELS, outcome_maps
 from reports.formats import NOTHING, codes, formatted
 from reports.markdown import Part, commands, picture, table
@@ -33,7 +33,7 @@ def extremes_page(store: Store) -> Part:
     limits = store.table("extremes_limits")
     examples = limits.drop_duplicates(["limit", "part"])["command"]  # of the first name of each line
     parts = {"limits": list(_limits(limits)), "false": _false(limits), "commands": commands(examples)}
-    return TEXT("page", title=CHAPTER.title, **parts, **_maps(store))
+    return TEXT("page", **parts, **_maps(store))
 
 
 def cause(reason: str) -> str:
@@ -145,10 +145,8 @@ def _worst(points: pd.DataFrame, maps: pd.DataFrame) -> pd.DataFrame:
     return pairs.loc[sorted(chosen)]
 
 
-CHAPTER = Chapter(
-    "extremes",
-    "Extremes",
-    "how far each setting goes, where a certified answer is no longer right, and what stops a solve.",
+CHAPTER = chapter(
+    TEXT,
     extremes_page,
     needs=("extremes", "extremes_maps", "extremes_check", "extremes_limits"),
     always=True,

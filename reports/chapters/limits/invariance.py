@@ -11,7 +11,7 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.figures.drawing import BLACK, canvas, looks, svg
 from reports.formats import NOTHING, code, digits, fixed, number
 from reports.markdown import Part, commands, filled
@@ -41,14 +41,14 @@ def invariance_page(store: Store) -> Part:
     """The whole page."""
     sweep = store.table("rotation_sweep")
     motions = {**_motions(store), "panel": _panel(store), "turn_miss": _miss(sweep)}
-    drawn = _random(store) if all(map(store.has_table, RANDOM)) else Part()
+    drawn = _random(store) if all(map(store.has, RANDOM)) else Part()
     turn = {"rigid-body-turn.svg": full_turn(sweep)}
-    return TEXT("page", turn, title=CHAPTER.title, **motions, **_symmetries(store), random=drawn)
+    return TEXT("page", turn, **motions, **_symmetries(store), random=drawn)
 
 
 def _motions(store: Store) -> dict[str, Any]:
     """What each measure leaves under rigid motions, and how it begins."""
-    data, powers = store.table("rigid_body"), store.analysis("rigid_body_powers")
+    data, powers = store.table("rigid_body"), store.table("rigid_body_powers")
     plate = powers[powers["surface"] == "plate"].set_index(["measure", "motion"]).to_dict("index")
     rows = []
     for name, own in data.groupby("measure", sort=False):
@@ -157,10 +157,8 @@ def _random(store: Store) -> Part:
     return TEXT("random", **counts, **rows, commands=commands(broken["command"]))
 
 
-CHAPTER = Chapter(
-    "invariance",
-    "What must not matter",
-    "rigid motions by measure, symmetries and units, random cases and planted faults.",
+CHAPTER = chapter(
+    TEXT,
     invariance_page,
     needs=("rigid_body", "rigid_body_powers", "rotation_sweep", "symmetry"),
     always=True,

@@ -9,7 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.figures.drawing import BLACK, COLOURS, canvas, looks, svg
 from reports.formats import digits, share
 from reports.markdown import Part, by_name, commands, filled, table
@@ -27,7 +27,7 @@ LAW = "solid hencky"
 
 def limits_page(store: Store) -> Part:
     """The whole page."""
-    found, points = store.analysis("shell_boundaries"), store.table("shell_limits")
+    found, points = store.table("shell_boundaries"), store.table("shell_limits")
     headline = found[found["headline"]]
     usual = headline[headline["variant"] == DEFAULT]
     never, times = usual[usual["boundary_1"] == math.inf]["case"], usual["seconds_ratio"]
@@ -41,7 +41,7 @@ def limits_page(store: Store) -> Part:
         "doubtful": ", ".join(filled("{case}, {quantity}", doubtful)) or "none",
     }
     parts = {"options": _options(headline), "law": law_part(store), "ring": ring_part(store)}
-    return TEXT("page", {"shell-limits.svg": errors(points, usual)}, title=CHAPTER.title, **told, **parts)
+    return TEXT("page", {"shell-limits.svg": errors(points, usual)}, **told, **parts)
 
 
 @svg
@@ -89,12 +89,12 @@ def _options(headline: pd.DataFrame) -> str:
 
 def ring_part(store: Store) -> Part:
     """Forces computed beside measured ones."""
-    data, states = store.analysis("ring_budget"), store.analysis("ring_states")
+    data, states = store.table("ring_budget"), store.table("ring_states")
     data["approach"] = 2 * data["delta_mm"]
     end = data[data["delta_mm"] == data["delta_mm"].max()]
     thick = end[end["body"] == LAW].iloc[0]
     widest = states[(states["state"] == "3d") & (states["delta_mm"] == states["delta_mm"].max())]["off"].iloc[0]
-    known = dict(store.analysis("ring_inputs")[["input", "value"]].to_numpy())
+    known = dict(store.table("ring_inputs")[["input", "value"]].to_numpy())
     outer, inner = known["outer_mm"], known["inner_mm"]
     counts = data.groupby("body", sort=False)["within"].agg(["sum", "size"]).reset_index()
     told = {
@@ -163,16 +163,14 @@ def _stacked(axes: Axes, own: pd.DataFrame, name: str) -> tuple[float, float]:
 
 def law_part(store: Store) -> Part:
     """Laws beside one another on bodies that carry in different ways."""
-    rules = store.analysis("law_rules")
+    rules = store.table("law_rules")
     worst = {str(kind): float(factor) for kind, factor in rules.groupby("carries")["factor"].max().items()}
     strains = {"stretched": 0.01 / worst["membrane"], "bent": 0.01 / worst["bending"]}
     return TEXT("law", cases=len(rules), **worst, **strains, rules=rules)
 
 
-CHAPTER = Chapter(
-    "shell-limits",
-    "When is a shell not enough",
-    "from which thickness on, scene by scene, what a solid costs, the law at large strains, and a measured ring.",
+CHAPTER = chapter(
+    TEXT,
     limits_page,
     needs=("shell_limits", "shell_boundaries", "ring_budget", "ring_inputs", "ring_states", "law_rules"),
     always=True,

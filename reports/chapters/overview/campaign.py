@@ -32,7 +32,7 @@ def _sequences(store: Store) -> Part:
     own = store.rows("convergence", ladder="")
     if own.empty:
         return Part("No request was solved and analysed on 3 meshes or more.")
-    known = store.analysis("convergence_errors").drop_duplicates(["sequence", "reference"], keep="last")
+    known = store.table("convergence_errors").drop_duplicates(["sequence", "reference"], keep="last")
     known = known.assign(known=known["value"])[["sequence", "known", "kind", "error", "model_part"]]
     meshes = own.groupby("sequence")["mesh"].agg(", ".join).rename("meshes")
     finest = own.drop_duplicates("sequence", keep="last").join(meshes, on="sequence")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.markdown import Part, commands, joined
 from reports.store.tables import Store
 from reports.template import Template
@@ -17,7 +17,7 @@ ORDER = ("refuted", "qualified", "confirmed", "untested")
 
 def claims_page(store: Store) -> Part:
     """The whole page: counts, a table a subject, how to read a status."""
-    found = store.analysis(CLAIMS)
+    found = store.table(CLAIMS)
     counts = found["status"].value_counts()
     told = ", ".join(f"{counts.get(status, 0)} {status}" for status in STATUSES)
     subjects = joined(*(_subject(str(name), own) for name, own in found.groupby("subject", sort=False)))
@@ -33,10 +33,8 @@ def _subject(name: str, own: pd.DataFrame) -> Part:
     return TEXT("subject", name=name, steady=ordered[~timed], timed=ordered[timed], commands=shown)
 
 
-CHAPTER = Chapter(
-    "claims",
-    "Claims",
-    "sentences of papers and manuals, each confirmed, qualified or refuted, with the interval that decides.",
+CHAPTER = chapter(
+    TEXT,
     claims_page,
     needs=(CLAIMS,),
     always=True,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from reports.chapter import ALL, Chapter
+from reports.chapter import ALL, chapter
 from reports.chapters.overview.outcomes import outcomes_part
 from reports.markdown import Part
 from reports.origin import machines, origin
@@ -12,8 +12,8 @@ from reports.store.statements import statements
 from reports.store.tables import Store
 from reports.template import Template
 
-TEXT = Template("appendix")
 DATA = "data"
+TEXT = Template(DATA)
 FILES = {  # beside the pages, of tables by these names; those of many rows are compressed when they are written
     "cells.csv.gz": ("data_cells", "a row a cell of the plan, whatever became of it"),
     "answers.csv.gz": ("data_answers", "a row a quantity of a cell"),
@@ -28,7 +28,7 @@ GITHUB = "https://github.com"
 def data_files(store: Store) -> dict[str, str]:
     """The tables to be taken away as CSV, by file name."""
     return {
-        f"{DATA}/{name}": store.analysis(table).drop(columns="campaign").to_csv(index=False, float_format="%.10g")
+        f"{DATA}/{name}": store.table(table).drop(columns="campaign").to_csv(index=False, float_format="%.10g")
         for name, table, _ in _files(store)
     }
 
@@ -36,7 +36,7 @@ def data_files(store: Store) -> dict[str, str]:
 def appendix(store: Store) -> Part:
     """The whole page."""
     failed = [each for each in store.planned if each.ended not in AS_ASKED]
-    files = [{"name": name, "rows": len(store.analysis(table)), "words": told} for name, table, told in _files(store)]
+    files = [{"name": name, "rows": len(store.table(table)), "words": told} for name, table, told in _files(store)]
     cells, answers, *_ = (each["rows"] for each in files)
     parts = {"outcomes": outcomes_part(store), "questions": _questions(store), "findings": _findings(store)}
     made = {"origin": origin(store), "machines": machines(store)}
@@ -46,15 +46,15 @@ def appendix(store: Store) -> Part:
 def _files(store: Store) -> Iterator[tuple[str, str, str]]:
     """Names, tables and what they are; a part of the report has too few tables to judge claims."""
     for name, (table, told) in FILES.items():
-        if table in NEEDED or (store.pages == ALL and store.has_analysis(table)):
+        if table in NEEDED or (store.pages == ALL and store.has(table)):
             yield name, table, told
 
 
 def _questions(store: Store) -> Part:
     """What users of other solvers ask in public: threads, the sentences that answer by their place, what is missing."""
-    if not store.has_analysis("asks"):
+    if not store.has("asks"):
         return Part()
-    pages, asks = {each.name: each.page for each in statements(store)}, store.analysis("asks")
+    pages, asks = {each.name: each.page for each in statements(store)}, store.table("asks")
     rows = asks.astype(object).fillna("").to_dict("records")
     for row in rows:
         places = dict.fromkeys(pages[name] for name in row["answers"].split(", ") if name in pages)
@@ -76,10 +76,8 @@ def _findings(store: Store) -> Part:
     return TEXT("findings", count=len(found), steady=steady, timed=timed) if found else Part()
 
 
-CHAPTER = Chapter(
-    DATA,
-    "Appendix",
-    "outcomes by algorithm and measure, questions of users, all findings with their scope, words, data as CSV.",
+CHAPTER = chapter(
+    TEXT,
     appendix,
     needs=NEEDED,
 )

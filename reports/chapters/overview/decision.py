@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
-from reports.formats import NOTHING, code, codes, digits, formatted, share
+from reports.formats import code, codes, digits, formatted, share
 from reports.markdown import Part, by_name, commands, filled, table
 from reports.store.tables import Store
 from reports.template import Template

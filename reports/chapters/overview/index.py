@@ -57,5 +57,5 @@ def limitations(store: Store) -> Part:
 
 def _tyre(store: Store) -> Part:
     """In space at growing travel; its patch, where no cell of the sheets was solved."""
-    strip = filmstrip_of(Catalogue.of(store)) if all(map(store.has_analysis, NEEDS)) else Part()
+    strip = filmstrip_of(Catalogue.of(store)) if all(map(store.has, NEEDS)) else Part()
     return strip if strip.text else patch_picture(store)

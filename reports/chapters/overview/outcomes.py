@@ -30,7 +30,7 @@ SOLVED = ("converged", "unstable", "wrong", "not-converged", "cap-hit")
 
 def outcomes_part(store: Store) -> Part:
     """The whole part."""
-    matrices = [_matrix(store, axis) for axis in AXES] if store.has_analysis("outcomes") else []
+    matrices = [_matrix(store, axis) for axis in AXES] if store.has("outcomes") else []
     parts = {"completeness": completeness(store), "refusals": refusals(store)}
     return TEXT("part", summary=summary_table(store), matrices=joined(*matrices), **parts)
 

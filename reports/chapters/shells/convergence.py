@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.chapters.overview.decision import options_part
 from reports.chapters.shells.locking import locking_part
 from reports.chapters.shells.manufactured import manufactured_part
@@ -39,19 +39,19 @@ def convergence_page(store: Store) -> Part:
         "commands": commands(data.drop_duplicates("family", keep="last")["command"]),
     }
     limits = {**_families(store, data), **_unsteady(data)}
-    told = {"rules": store.rules(), "summary": store.analysis("convergence_summary"), "kinds": ", ".join(KINDS)}
-    return TEXT("page", title=CHAPTER.title, **told, **limits, **parts, **_certificates(store), **_newton(store))
+    told = {"rules": store.rules(), "summary": store.table("convergence_summary"), "kinds": ", ".join(KINDS)}
+    return TEXT("page", **told, **limits, **parts, **_certificates(store), **_newton(store))
 
 
 def sequences(store: Store) -> pd.DataFrame:
     """The ladders of the default element, a row a mesh."""
-    data = store.analysis("convergence")
+    data = store.table("convergence")
     return data[(data["element"] == DEFAULT) & (data["ladder"] != "")]
 
 
 def comparisons(store: Store, data: pd.DataFrame) -> pd.DataFrame:
     """One row a sequence and reference that holds for it: errors of the finest mesh, and what they are made of."""
-    errors = store.analysis("convergence_errors")
+    errors = store.table("convergence_errors")
     named = data.drop_duplicates("sequence")[["sequence", "ladder", "quantity", "asymptotic"]]
     return named.merge(errors.drop_duplicates(["sequence", "reference"], keep="last"), on="sequence")
 
@@ -94,7 +94,7 @@ def _unsteady(data: pd.DataFrame) -> dict[str, Any]:
 
 def elements_part(store: Store) -> Part:
     """Which option of the element, over all scenes, as advice."""
-    found, shares = store.analysis("element_choice"), store.analysis("thickness_share")
+    found, shares = store.table("element_choice"), store.table("thickness_share")
     errors = {f"{name}_error": found[name].str.split().str[0].astype(float) for name in ("paper", "default")}
     nearer = int((errors["default_error"].abs() < errors["paper_error"].abs()).sum())
     counts = found["verdict"].value_counts()
@@ -141,10 +141,8 @@ def _newton(store: Store) -> dict[str, Any]:
     return {**found, "steps": STEPS}
 
 
-CHAPTER = Chapter(
-    "convergence",
-    "Verification: benchmarks, orders, locking",
-    "every scene on three meshes or more against references, observed orders, which element, what locks.",
+CHAPTER = chapter(
+    TEXT,
     convergence_page,
     needs=(
         *("rules", "convergence", "convergence_errors", "convergence_summary", "element_choice", "thickness_share"),

@@ -26,7 +26,7 @@ DRAWN = ("torus", "refined")  # surface and element of the picture
 
 def manufactured_part(store: Store) -> Part:
     """The whole section."""
-    found, rules, data = store.analysis("manufactured_orders"), store.rules(), store.table("manufactured")
+    found, rules, data = store.table("manufactured_orders"), store.rules(), store.table("manufactured")
     far = len(found[~found["near"]])
     told = {
         "count": len(found),
@@ -64,7 +64,7 @@ def _spans(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
 
 def _contact(store: Store) -> dict[str, Any]:
     """Orders of displacement, pressure and edge with contact, and how far the edge is off."""
-    orders, data = store.analysis("manufactured_contact_orders"), store.table("manufactured_contact")
+    orders, data = store.table("manufactured_contact_orders"), store.table("manufactured_contact")
     spans = {name: orders[f"order_{name}"] for name in ("displacement", "pressure", "edge")}
     away, unsolved = orders["edge_elements"], data[~data["class"].isin(("converged", "unstable"))]["measure"]
     return {

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.chapters.overview.decision import limits_part
 from reports.formats import fixed, percent
 from reports.markdown import Part, commands, table
@@ -30,10 +30,8 @@ def measures_page(store: Store) -> Part:
     return TEXT("page", reference=reference, **shown)
 
 
-CHAPTER = Chapter(
-    "measures",
-    "Strain measures",
-    "exact against classical in the limit of the meshes, and what each costs.",
+CHAPTER = chapter(
+    TEXT,
     measures_page,
     always=True,
 )

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.chapters.trade.advice import advice_part
 from reports.chapters.tyre.cells import DELTA, PLIES
 from reports.figures.drawing import BLACK, canvas, legend_above, looks, svg
@@ -27,7 +27,7 @@ TEXT = Template("cost")
 
 def cost_page(store: Store) -> Part:
     """The whole page."""
-    needed, grids = store.analysis("grids_reaching"), store.table("work_precision")
+    needed, grids = store.table("grids_reaching"), store.table("work_precision")
     errors = list(dict.fromkeys(needed["within"]))
     told = {"delta": DELTA, "rules": store.rules(), **_models(store), **_precision(needed, grids.iloc[0], errors)}
     parts = {"statements": statements_part(store), "advice": advice_part(store)}
@@ -36,7 +36,7 @@ def cost_page(store: Store) -> Part:
 
 def _models(store: Store) -> dict[str, Any]:
     """Parts of the tyre beside the whole."""
-    found, same_at = store.analysis("tyre_models"), store.rules()["same_model"]
+    found, same_at = store.table("tyre_models"), store.rules()["same_model"]
 
     def off(value: float) -> str:
         return f"under {scientific(same_at, 0)}" if value <= same_at else scientific(value)
@@ -88,10 +88,10 @@ def precision(data: pd.DataFrame, errors: Sequence[float]) -> Figure:
 
 def statements_part(store: Store) -> Part:
     """Does what ``--error`` states hold, how wide is it, what does it cost? No campaign measures it by itself."""
-    if not (store.has_table("error_coverage") and store.has_analysis("error_statements")):
+    if not (store.has("error_coverage") and store.has("error_statements")):
         return Part()
-    data, stated = store.table("error_coverage"), store.analysis("stated_errors")
-    found = store.analysis("error_statements")
+    data, stated = store.table("error_coverage"), store.table("stated_errors")
+    found = store.table("error_statements")
     rows = {
         "errors": found[found["asked"].notna()],
         "wrong": stated[stated["value_inside"].eq(False) | stated["inside"].eq(False)],
@@ -117,10 +117,8 @@ def errors_stated(data: pd.DataFrame) -> Figure:
     return figure
 
 
-CHAPTER = Chapter(
-    "cost",
-    "Cost and accuracy",
-    "what a part of a body saves, what a better grid saves, how honest stated errors are, and what advice is worth.",
+CHAPTER = chapter(
+    TEXT,
     cost_page,
     needs=("rules", "work_precision", "grids_reaching", "tyre_models"),
     always=True,

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.figures.drawing import BLACK, canvas, lines, svg
 from reports.formats import NOTHING, fixed, number, percent, quantity, share
 from reports.markdown import Part, commands
@@ -37,9 +37,9 @@ def programs_page(store: Store) -> Part:
 
 def _peers(store: Store) -> Part:
     """Work to an equal error beside NGSolve and Kratos; nothing where they were not run."""
-    if not (store.has_table("peers") and store.has_analysis("peer_factors")):
+    if not (store.has("peers") and store.has("peer_factors")):
         return Part()
-    factors, shown = store.analysis("peer_factors"), commands([MEASURED])
+    factors, shown = store.table("peer_factors"), commands([MEASURED])
     told = [{"sentence": sentence} for sentence in factors_said(factors)]
     drawn = {"cost-peers.svg": work_precision(store.table("peers"))}
     return TEXT("peers", drawn, said=told, factors=factors, commands=shown)
@@ -108,9 +108,9 @@ def work_precision(data: pd.DataFrame) -> Figure:
 
 def _programs(store: Store) -> Part:
     """Scenes in other programs from our decks, without an edit; nothing where they were not run."""
-    if not (store.has_table("programs") and store.has_analysis("program_agreement")):
+    if not (store.has("programs") and store.has("program_agreement")):
         return Part()
-    finest = store.analysis("program_agreement")
+    finest = store.table("program_agreement")
     return TEXT("programs", finest=finest, agreements=" ".join(agreements(finest)), commands=commands([DECKS]))
 
 
@@ -137,10 +137,8 @@ def _beyond(row: Mapping[Hashable, Any]) -> str:
     return f"{told}, for a reason that is not known."
 
 
-CHAPTER = Chapter(
-    "programs",
-    "Other programs",
-    "NGSolve, Kratos and CalculiX on the same problems: values, and the time to an equal error.",
+CHAPTER = chapter(
+    TEXT,
     programs_page,
     needs=("programs", "program_agreement"),
 )

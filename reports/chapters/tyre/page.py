@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.chapters.tyre.cells import CURVES, DELTA, PAPER
 from reports.chapters.tyre.printed_pressures import printed_part
 from reports.chapters.tyre.solid import solid_part
@@ -33,7 +33,7 @@ def tyre_page(store: Store) -> Part:
     own = {"tyre": cell.settings, "mesh": cell.result["mesh"], "crown": crown, "steps": cell.steps}
     parts = {"budget": _budget(store), "printed": printed_part(store), "solid": solid_part(store)}
     shown = {"patch": patch_picture(store), "commands": commands([cell.command])}
-    return TEXT("page", title=CHAPTER.title, **own, **parts, **shown)
+    return TEXT("page", **own, **parts, **shown)
 
 
 def patch_picture(store: Store) -> Part:
@@ -46,7 +46,7 @@ def patch_picture(store: Store) -> Part:
 
 def _budget(store: Store) -> Part:
     """Every error of the force at 20 mm, those of the mesh beside those of the model."""
-    found = store.analysis("tyre_budget").to_dict("records")
+    found = store.table("tyre_budget").to_dict("records")
     early = {row["changed"]: row for row in found if row["delta_mm"] != DELTA}
     rows = [{**row, "early": _change(early.get(row["changed"]))} for row in _at_delta(found)]
     other = next((f"{row['delta_mm']:g}" for row in early.values()), "")
@@ -78,10 +78,8 @@ def _change(row: Mapping[Any, Any] | None) -> str:
     return told if str(row["settled"]) == "True" else f"{told}, not settled"
 
 
-CHAPTER = Chapter(
-    "tyre",
-    "The tyre",
-    "an inflated angle-ply torus pressed on a plane: what its force is worth, the paper's printed table, a solid.",
+CHAPTER = chapter(
+    TEXT,
     tyre_page,
     needs=("rules", "tyre_comparison", "tyre_readings", "tyre_budget", "tyre_symmetry", "solid_shell"),
     always=True,

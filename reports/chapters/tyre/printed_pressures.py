@@ -22,8 +22,8 @@ HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
 
 def printed_part(store: Store) -> Part:
     """What the printed table can mean, and which readings need no table."""
-    cell, compared = store.find(**PAPER), store.analysis("tyre_comparison")
-    readings = at_delta_and_best(store.analysis("tyre_readings"))
+    cell, compared = store.find(**PAPER), store.table("tyre_comparison")
+    readings = at_delta_and_best(store.table("tyre_readings"))
     first, literal = (
         compared[(compared["delta_mm"] == DELTA) & (compared["phi_per_label"] == per_label)].to_dict("records")[0]
         for per_label in (HALF, LITERAL)
@@ -55,7 +55,7 @@ def _crown(cell: Cell) -> dict[str, Any]:
 
 def _symmetry(store: Store, cell: Cell) -> dict[str, Any]:
     """What a half turn and a reflection change in print and in ours."""
-    data = store.analysis("tyre_symmetry")
+    data = store.table("tyre_symmetry")
     ours, printed = data[(data["who"] != "printed") & (data["delta_mm"] == DELTA)], data[data["who"] == "printed"]
     central, mirror = (float(value) for value in printed["both_touch_MPa"].iloc[:2])
     to_what = "to its last digit" if central < PRINTED_DIGIT / 2 else f"to {fixed(central, 3)} MPa"

@@ -19,7 +19,7 @@ PENALTY = 20.0  # MPa/mm, NGSolve's
 
 def solid_part(store: Store) -> Part:
     """The whole section."""
-    data = store.analysis("solid_shell")
+    data = store.table("solid_shell")
     forces, growth = data[data["quantity"] == "force_N"], data[data["quantity"].str.startswith("inflated")]
     order = data["body"].map({"solid": 0, "shell": 2}).fillna(1).argsort(kind="stable")  # the soft plane between them
     cells = {

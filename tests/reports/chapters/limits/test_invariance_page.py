@@ -35,7 +35,7 @@ def test_rates_of_the_famous_failures(loaded: Store) -> None:
     assert row(text, "| `exact` |")[1:7] == ["0"] * 6
     assert float(row(text, "| `donnell` |")[1]) > 0.1  # a translated cylinder strains
     assert row(text, "| `linear` |")[1] == "0"
-    found = loaded.analysis("rigid_body_powers")
+    found = loaded.table("rigid_body_powers")
     shear = found.query("measure == 'donnell' and surface == 'cylinder' and motion == 'translation'").iloc[0]
     assert shear["largest_rate"] == pytest.approx(1, abs=0.01)
 

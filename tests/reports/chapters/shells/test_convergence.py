@@ -78,7 +78,7 @@ def test_page_shows_values_orders_limits_and_references(store: Path) -> None:
 def test_agreement_is_counted_once_of_exact_and_of_linear_strains(store: Path) -> None:
     """The opening says what the table says; limits of our own grids do not count."""
     loaded = load_store(store)
-    found = loaded.analysis("convergence_summary").set_index("group")
+    found = loaded.table("convergence_summary").set_index("group")
     whole = found.loc[["exact strains", "linear strains"]].sum()
     assert whole["sequences"] == sum(len(ladder.quantities) for ladder in LADDERS)
     judged = comparisons_of(store)
