@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from textwrap import dedent
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -21,9 +22,8 @@ FRAME = "sheet tyre at "  # how the labels of the filmstrip begin
 KINDS = {"scene": "Scene", "measure": "Strain measure", "algorithm": "Contact algorithm"}
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """A row of the table of parts."""
+class Sheet(NamedTuple):
+    """A row of the table of parts, with the name and the title of its page."""
 
     kind: str
     part: str
@@ -31,16 +31,8 @@ class Sheet:
     about: str
     source: str
     module: str
-
-    @property
-    def name(self) -> str:
-        """Of its page."""
-        return f"sheets/{self.kind}-{self.part}"
-
-    @property
-    def title(self) -> str:
-        """Of its page."""
-        return f"{KINDS[self.kind]}: {self.part}"
+    name: str
+    title: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,8 +65,10 @@ class Catalogue:
     def sheets(self, *kinds: str) -> Iterator[Sheet]:
         """The parts of some kinds, in the order of their catalogues."""
         parts = self.tables["parts"].fillna("")
-        columns = ["kind", "part", "meaning", "about", "source", "module"]
-        yield from (Sheet(*map(str, row)) for row in parts.loc[parts["kind"].isin(kinds), columns].to_numpy())
+        for row in parts[parts["kind"].isin(kinds)].to_dict("records"):
+            own = {name: str(row[name]) for name in ("kind", "part", "meaning", "about", "source", "module")}
+            title = f"{KINDS[own['kind']]}: {own['part']}"
+            yield Sheet(**own, name=f"sheets/{own['kind']}-{own['part']}", title=title)
 
     def body(self, scene: str) -> Body | None:
         """That of the sheet of a scene, None where its cell has no fields."""

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterator, Mapping
 from typing import Any
 
+import pandas as pd
+
 from reports.chapter import chapter
-from reports.chapters.tyre.cells import CURVES, DELTA, PAPER
-from reports.chapters.tyre.printed_pressures import printed_part
-from reports.chapters.tyre.solid import solid_part
+from reports.chapters.tyre.cells import CURVES, DELTA, ISOTROPIC_FINE, PAPER
 from reports.figures import patch
 from reports.figures.maps import Developed, at_delta, pressure_map
-from reports.formats import NOTHING, code, formatted
-from reports.markdown import Part, commands
+from reports.formats import NOTHING, code, fixed, formatted
+from reports.markdown import Part, commands, filled
+from reports.store.cells import Cell
 from reports.store.tables import Store
 from reports.template import Template
 
 TEXT = Template("tyre")
+PRINTED_DIGIT = 0.001  # MPa, one unit of its last digit
+HALF, LITERAL = 0.5, 1.0  # phi in degrees per unit of row label
+PENALTY = 20.0  # MPa/mm, NGSolve's
 WORDS = {
     "follower": "pressure that follows the inner face, over dead pressure on the mid-surface",
     "full-3d": "full three-dimensional law (`full-3d`), over constant S33",
@@ -31,7 +36,7 @@ def tyre_page(store: Store) -> Part:
         cell.step(delta_mm=delta)
     crown = cell.result["quantities"].get("inflated_equator_outer_mm")
     own = {"tyre": cell.settings, "mesh": cell.result["mesh"], "crown": crown, "steps": cell.steps}
-    parts = {"budget": _budget(store), "printed": printed_part(store), "solid": solid_part(store)}
+    parts = {"budget": _budget(store), "printed": _printed(store), "solid": solid_part(store)}
     shown = {"patch": patch_picture(store), "commands": commands([cell.command])}
     return TEXT("page", **own, **parts, **shown)
 
@@ -76,6 +81,79 @@ def _change(row: Mapping[Any, Any] | None) -> str:
         return f"± {formatted(row['within'], '.1%')}"
     told = f"{formatted(row['change'], '+.1%')} ± {formatted(row['within'], '.1%')}"
     return told if str(row["settled"]) == "True" else f"{told}, not settled"
+
+
+def _printed(store: Store) -> Part:
+    """What the printed table can mean, and which readings need no table."""
+    cell, compared = store.find(**PAPER), store.table("tyre_comparison")
+    readings = _at_delta_and_best(store.table("tyre_readings"))
+    first, literal = (
+        compared[(compared["delta_mm"] == DELTA) & (compared["phi_per_label"] == per_label)].to_dict("records")[0]
+        for per_label in (HALF, LITERAL)
+    )
+    kinds = {kind: readings[readings["kind"] == kind] for kind in ("model", "data")}
+    told = {"rules": store.rules(), "first": first, "literal": literal, "commands": commands(readings["command"])}
+    return TEXT("printed", delta=DELTA, **told, **kinds, **_crown(cell), **_symmetry(store, cell))
+
+
+def _at_delta_and_best(found: pd.DataFrame) -> pd.DataFrame:
+    """A row a reading: its values at the stated travel, and those of the travel of best fit as ``best_``."""
+    stated, best = (found[found[name].astype(str) == "True"] for name in ("stated", "best"))
+    names = {"delta_mm": "best_mm", "force_N": "best_N", "core_rms": "best_rms", "in_one_only": "best_nodes"}
+    return stated.merge(best[["reading", *names]].rename(columns=names), on="reading")
+
+
+def _crown(cell: Cell) -> dict[str, Any]:
+    """The radius of the inflated crown, how far a plane inside it reaches, and what another origin of travel does."""
+    profile = cell.table("profile")
+    crown = float(profile.loc[profile["state"] == "inflated", "outer_radial_mm"].max())
+    reach = math.degrees(math.acos(1.0 - DELTA / crown))
+    moved = cell.result["quantities"].get("inflated_equator_outer_mm")
+    if moved is None:
+        return {"crown": crown, "reach": reach, "origin": ""}
+    whither = "farther from" if moved < 0 else "nearer to"
+    origin = TEXT("origin", moved=moved, delta=DELTA, travel=DELTA + moved, whither=whither)
+    return {"crown": crown, "reach": reach, "origin": origin}
+
+
+def _symmetry(store: Store, cell: Cell) -> dict[str, Any]:
+    """What a half turn and a reflection change in print and in ours."""
+    data = store.table("tyre_symmetry")
+    ours, printed = data[(data["who"] != "printed") & (data["delta_mm"] == DELTA)], data[data["who"] == "printed"]
+    central, mirror = (float(value) for value in printed["both_touch_MPa"].iloc[:2])
+    to_what = "to its last digit" if central < PRINTED_DIGIT / 2 else f"to {fixed(central, 3)} MPa"
+    off = float(ours["both_touch_MPa"].iloc[1:].max())
+    peak = float(at_delta(cell.table("contact"), DELTA)["pressure_MPa"].max())
+    turned = cell.step(delta_mm=DELTA)["central_asymmetry"]
+    return {"central": to_what, "turned": turned, "mirror": mirror, "off": off, "off_share": off / peak}
+
+
+def solid_part(store: Store) -> Part:
+    """The isotropic tyre as a shell and as a solid, split into mesh parts and a model part."""
+    data = store.table("solid_shell")
+    forces, growth = data[data["quantity"] == "force_N"], data[data["quantity"].str.startswith("inflated")]
+    order = data["body"].map({"solid": 0, "shell": 2}).fillna(1).argsort(kind="stable")  # the soft plane between them
+    cells = {
+        "tyre": store.find(scene="tyre-solid", mesh="56x72", epsilon=math.inf).settings,
+        "shell": store.find(**ISOTROPIC_FINE).settings,
+        "soft": store.find(scene="tyre-solid", epsilon=PENALTY).result,
+    }
+    told = {
+        "rules": store.rules(),
+        "finest": forces["mesh"].iloc[-1],
+        "changes": ", ".join(filled("{value:+.2%} at {at} mm", data[data["quantity"] == "penalty"])),
+        "parts": " and ".join(filled("{model_part:+.2%} ({at})", growth.drop_duplicates("at"))),
+        "cancellation": float(growth["cancellation"].iloc[0]),
+        "commands": commands(data["command"].iloc[order]),
+    }
+    return TEXT("solid", **cells, **told, forces=_both(forces), growth=_both(growth))
+
+
+def _both(data: pd.DataFrame) -> Iterator[dict[Any, Any]]:
+    """The row of the solid with that of the shell in it."""
+    for _, rows in data.groupby("at", sort=False):
+        solid, shell = rows.drop_duplicates("body").to_dict("records")
+        yield {**solid, "shell": shell}
 
 
 CHAPTER = chapter(

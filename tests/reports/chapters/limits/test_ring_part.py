@@ -7,7 +7,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.limits.ring_part import law_part, ring_part
+from reports.chapters.limits.shell_limits import law_part, ring_part
 from reports.figures.drawing import drawn
 from reports.markdown import Part
 from reports.store.tables import load_store

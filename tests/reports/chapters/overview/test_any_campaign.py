@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.advice import advice_part
+from reports.chapters.trade.cost import advice_part
 from reports.files import write_texts
 from reports.site import check_pages, compare_pages, rendered
 from reports.store.reading import StoreError

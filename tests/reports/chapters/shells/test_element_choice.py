@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.shells.element_choice import SHARES, counted, elements_part
+from reports.chapters.shells.convergence import SHARES, counted, elements_part
 from reports.store.tables import load_store
 from studies.store.atomic import write_json
 from support.stores.made_up import analysed_again
