@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from reports.chapters.tyre.solid import solid_part
+from reports.chapters.tyre.page import solid_part
 from reports.figures.result_figures import draw_result
 from reports.store.cells import load_cell
 from reports.store.reading import StoreError

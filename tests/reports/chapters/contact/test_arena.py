@@ -8,13 +8,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.arena.figures import NAMED, shown_by_name
-from reports.chapters.arena.page import arena_part
+from reports.chapters.contact.arena import NAMED, arena_part, shown_by_name
 from reports.markdown import Part
 from reports.store.statements import conclusions
 from reports.store.tables import load_store
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.store.atomic import write_table
+from support.pages.changed import edit_table
 
 
 @pytest.fixture
@@ -34,11 +33,12 @@ def test_the_ranking_is_first_and_counts_every_kind(page: Part) -> None:
 
 def test_a_solver_has_one_line_and_its_other_forms_are_counted(own_store: Path) -> None:
     """The scaled form solves more and stands first; the other one's false claims stay on the page."""
-    path = own_store / "tables" / "solver_summary.csv"
-    found = pd.read_csv(path)
-    own = found[found["solver"] == "quadprog"]
-    scaled = own.assign(solver="quadprog, scaled", solved=own["problems"])
-    write_table(path, pd.concat([found, scaled], ignore_index=True))
+
+    def with_scaled(found: pd.DataFrame) -> pd.DataFrame:
+        own = found[found["solver"] == "quadprog"]
+        return pd.concat([found, own.assign(solver="quadprog, scaled", solved=own["problems"])], ignore_index=True)
+
+    edit_table(own_store, "solver_summary", with_scaled)
     rows = [line for line in arena_part(load_store(own_store)).text.splitlines() if line.startswith("| quadprog")]
     assert len(rows) == 1
     assert rows[0].startswith("| quadprog | scaled | 3/3 |")
@@ -56,7 +56,7 @@ def test_failures_are_shown_at_the_limit(page: Part) -> None:
 
 
 def test_the_winner_and_the_default_are_concluded(store: Path) -> None:
-    opening = conclusions(load_store(store), "algorithms")
+    opening = conclusions(load_store(store), "algorithms").text
     assert "semismooth solves most of 3 convex problems to 1e-06: 3, in 0.018 s on average" in opening
     assert "Of 8 claims of 3 solvers and forms 0, by 0 of them, are false" in opening
     assert "`semismooth`, the default here, solves 3 and makes 0 false claims, 0 when asked for 1e-08." in opening
@@ -85,10 +85,9 @@ def test_what_was_left_out_is_counted_by_its_reason(page: Part) -> None:
 
 
 def test_steps_on_which_our_default_cycles_are_said(own_store: Path) -> None:
-    path = own_store / "tables" / "problems_left_out.csv"
     why = "semismooth: the contact set repeats itself and the fallback did not settle it; lcp: something else"
     row = pd.DataFrame([{"name": "p", "family": "panel", "why": why}])
-    write_table(path, pd.concat([pd.read_csv(path), row], ignore_index=True))
+    edit_table(own_store, "problems_left_out", lambda found: pd.concat([found, row], ignore_index=True))
     assert "in 1 steps it cycles" in arena_part(load_store(own_store)).text
 
 
