@@ -15,9 +15,7 @@ from typing import Any
 import pandas as pd
 
 from studies.fuzz.cases import kind_of
-from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report, command_of
-from studies.fuzz.record import NAME as NAME
-from studies.fuzz.record import task_id
+from studies.fuzz.examine import BROKEN, EXPLAINED, NAME, PASSED, UNCOMPARED, Report, command_of, task_id
 from studies.pool.engine import engine as engine_of
 from studies.pool.process import StoreFullError
 from studies.pool.task import Limits, Task

@@ -17,11 +17,10 @@ from studies.algorithm_settings import configured, settings_of
 from studies.analysis.comparisons.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
 from studies.friction.observed import FORCES
 from studies.friction.settings import MU, SLIDING, rubbing
-from studies.fuzz import rubbed, stable
+from studies.fuzz import state_laws
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
 from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, TOLERANCE, Answer, compared, error_of, unstable
-from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
 from studies.request import Request, text_of
 from studies.scene import has_contact
@@ -43,10 +42,7 @@ def check(seed: int, asked: Asked) -> Passed:
     one = attempt(asked, seed)
     if one.kind != CONVERGED:
         return Passed(one.word, said=one.reason, hard=hardness(one.result))
-    _differences(one, seed)
-    stable.as_told(one.found, _answer(one))
-    stable.when_finer(one, seed)
-    rubbed.check(one)
+    state_laws.check(one, _answer(one), seed)
     laws = _laws(asked)
     if not laws:
         return Passed(one.word, hard=hardness(one.result))
@@ -138,15 +134,6 @@ def _answer(one: Attempt) -> Answer:
     loose = request.number("tolerance") > LOOSE
     tight = configured(request.contact, {**request.settings, "tolerance": TIGHT}) if loose else None
     return Answer(end.problem, end.point.solution, algorithm, found.ways, not found.on_the_way, tight)
-
-
-def _differences(one: Attempt, seed: int) -> None:
-    """Raises Broken for a derivative that is none."""
-    answer = _answer(one)
-    with quiet():
-        wrong = mismatches(answer.problem, answer.state.u, answer.state.pressure, generator(seed, "direction"))
-    if wrong:
-        raise Broken("derivatives", ", ".join(f"{name} off by {value:.1e}" for name, value in wrong.items()))
 
 
 # --- another problem with the same answer -----------------------------------------------------------------------------
