@@ -35,7 +35,7 @@ from contact.interchange.untrusted import read_toml
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
-from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.campaigns.report_cells import LISTS
 from studies.door.plugins import load_file
 from studies.request import Request, text_of
 from studies.scene import UsageError, has_contact
@@ -73,27 +73,6 @@ TYPES: Mapping[str, Kind] = {
     **{"lists": axis, "modules": Each(word), "cross": Each({**OF_A_CROSS, "scenes": Named(OF_A_CROSS)})},
 }
 
-TITLES = {  # of the lists, for people
-    "tyre": "The paper's tyre: travels, loads, sections, both Newton iterations, finer meshes",
-    "benchmarks": "Scenes without contact against exact and published values",
-    "measures": "Every strain measure under growing loads, and all options of the element",
-    "solid": "The isotropic tyre as a shell and as a solid",
-    "convergence": "Ladders of meshes: orders, limits, errors",
-    "shares": "Every sampling of the thickness strain, on two meshes each",
-    "agreement": "Every contact algorithm on one tyre, by loads and sections, and by other ways",
-    "models": "Parts of the tyre beside the whole, and what they save",
-    "sheets": "The pictures of the scenes' sheets",
-    "choices": "What is enough in each regime of deformation, to 5 and 1 % (a table)",
-    "statements": "How often the interval of an error holds (a table)",
-    "experiment": "A crushed ring that was measured (tables)",
-    "truth": "Manufactured solutions (tables)",
-    "limits": "Where a shell is not enough (a table)",
-    "faults": "After how many random cases planted faults are found (a table)",
-    "arena": "The collection of frozen contact problems (tables)",
-    "friction": "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
-    "report": "All of these lists but statements, and the tables of all pages",
-}
-
 
 @dataclass(frozen=True)
 class Campaign:
@@ -116,7 +95,8 @@ def find(name: str, *, trust: bool = False) -> Campaign:
     if path.exists():
         return read(path)
     if name in LISTS:
-        return Campaign(name, TITLES[name], tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
+        listed = LISTS[name]
+        return Campaign(name, listed.title, tuple(listed.cells()), listed.tables)
     if name.endswith(".toml"):
         return read(Path(name), trust=trust)
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")
@@ -139,11 +119,12 @@ def read(path: Path, *, trust: bool = False) -> Campaign:
     if wrong := fault(data, TYPES):
         raise UsageError(f"campaign {path}: {wrong}")
     use = _modules(path, data.get("modules", []), trust=trust)
-    cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]()]
+    lists = [LISTS[name] for name in _listed(path, data, "lists", LISTS)]
+    cells = [cell for listed in lists for cell in listed.cells()]
     for cross in data.get("cross", []):
         cells += _crossed(path, cross, MOST_CELLS - len(cells))
     unique = _without_repeats(path, cells)
-    tables = tuple(dict.fromkeys(table for name in data.get("lists", ()) for table in TABLES_OF.get(name, ())))
+    tables = tuple(dict.fromkeys(table for listed in lists for table in listed.tables))
     return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), use)
 
 

@@ -14,7 +14,7 @@ from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan, solved_rows
 from studies.door.plugins import used
 from studies.pool.engine import engine as engine_of
-from studies.pool.process import StoreFullError
+from studies.pool.process import StoreFullError, keeping_what_is_finished
 from studies.pool.task import Limits, Task
 from studies.result import CLASSES, CRASH, MEMORY, TIME, UNSUPPORTED, WRONG
 from studies.scene import UsageError
@@ -70,20 +70,15 @@ def run(
     if resume and not archive.index_path(campaign.name).exists():
         raise UsageError(f"--resume: {store} has no campaign {campaign.name!r} yet; leave --resume out to begin it")
     rows = plan(campaign)
-    with archive.claimed():
-        try:
-            tasks = _begun(archive, campaign, rows, say, fields=fields)
-            done, summary = len(rows) - len(tasks), Summary(len(rows))
-            progress(done, len(rows), "")
-            for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
-                summary.solved += task.kind == "cell"
-                if task.kind == "table" and ended:
-                    summary.tables.append(f"{task.label} ({ended})")
-                progress(min(count + 1, len(rows)), len(rows), task.label)
-        except StoreFullError as error:
-            raise StoreFullError(
-                f"{store} takes no more: {error}; what is finished is kept, run again to go on"
-            ) from None
+    with archive.claimed(), keeping_what_is_finished(store):
+        tasks = _begun(archive, campaign, rows, say, fields=fields)
+        done, summary = len(rows) - len(tasks), Summary(len(rows))
+        progress(done, len(rows), "")
+        for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
+            summary.solved += task.kind == "cell"
+            if task.kind == "table" and ended:
+                summary.tables.append(f"{task.label} ({ended})")
+            progress(min(count + 1, len(rows)), len(rows), task.label)
     summary.classes = classes(archive, rows)
     progress(len(rows), len(rows), "done")
     return summary

@@ -46,11 +46,6 @@ class Report:
         """As plain data."""
         return asdict(self)
 
-    @property
-    def command(self) -> str:
-        """The command that replays it."""
-        return command_of(self.seed, self.kind)
-
 
 def command_of(seed: int, kind: str) -> str:
     """The command that replays a case."""

@@ -48,7 +48,7 @@ def as_solved(directory: Path) -> Path:
     return directory
 
 
-PAPER = next(number for number, cell in enumerate(LISTS["report"]()) if cell.label == "paper")
+PAPER = next(number for number, cell in enumerate(LISTS["report"].cells()) if cell.label == "paper")
 DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no store": (lambda root: shutil.rmtree(root), "no such directory"),
     "no index": (lambda root: (root / "campaigns/report.json").unlink(), ": no campaign"),
@@ -186,7 +186,7 @@ def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(f
 @pytest.mark.usefixtures("undrawn")
 def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     """All fail but the one without which there is no page; what was never reached is not in the store."""
-    for i, cell in enumerate(LISTS["report"]()):
+    for i, cell in enumerate(LISTS["report"].cells()):
         if cell.label == "paper":
             continue
         directory = own_store / "cells" / str(i)
@@ -202,7 +202,7 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
 
 
 def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Path) -> None:
-    number = next(i for i, cell in enumerate(LISTS["report"]()) if cell.label == "paper")
+    number = next(i for i, cell in enumerate(LISTS["report"].cells()) if cell.label == "paper")
     path = own_store / "cells" / f"{number}.json"
     edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
     with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
@@ -314,7 +314,7 @@ def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> 
     count = int(re.search(r"of each of the (\d+) states", text)[1])
     assert f"certifies {count} of them" in text
     assert "Not certified" not in text
-    labels_of = [cell.label for cell in LISTS["report"]()]
+    labels_of = [cell.label for cell in LISTS["report"].cells()]
     path = own_store / "cells" / f"{labels_of.index('hemisphere 16')}.json"
     edit_json(path, lambda result: result["steps"][-1].update(failures=["energy"]))
     text = page.render(load_store(own_store)).text
