@@ -6,11 +6,7 @@ the unknowns mean, and whether they are in equilibrium, does not enter here.
 
 from __future__ import annotations
 
-import base64
-import binascii
-import re
 import tempfile
-import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -21,13 +17,10 @@ from contact.problem import ContactSolution, Outcome
 from formulations.discretisation import Discretisation
 from formulations.solid.body import SolidDiscretisation
 from studies.scene import SceneModel, ShellSceneModel, candidates_at
+from studies.store.vtu import PackedArray, packed_arrays
 from studies.trust.foreign import ClaimError
 
-ARRAY = re.compile(
-    rb'<DataArray type="(Float64|Int64)" Name="([^"\n]{1,60})"[^>\n]{0,200}>\n([A-Za-z0-9+/=]*)\n</DataArray>'
-)
 RESULTANT = "H_"  # how the names of resultants begin
-HEAD = 44  # characters: four whole numbers of 8 bytes in base 64
 SAME = 1e-12  # of the largest value of an array: writing a field and reading it back
 RESULTANTS = 1e-6  # of the largest one: small differences of large displacements
 
@@ -40,34 +33,28 @@ def as_written(model: SceneModel, state: ContactSolution) -> tuple[bytes, Arrays
         path = Path(folder) / "fields.vtu"
         model.write_fields(path, state)
         text = path.read_bytes()
-    return text, {name: _unpacked(kind, packed, None, name) for kind, name, packed in _blocks(text)}
+    return text, {name: packed.values.ravel() for name, packed in packed_arrays(text).items()}
 
 
 def arrays_of(text: bytes, wanted: Arrays) -> dict[str, np.ndarray]:
     """The arrays by name, each with the type and as many values as in ``wanted``; raises ClaimError."""
-    blocks = {name: (kind, packed) for kind, name, packed in _blocks(text)}
-    if blocks.keys() != wanted.keys():
-        raise ClaimError("field", f"has the arrays {', '.join(blocks) or 'of nothing'}, not {', '.join(wanted)}")
-    return {name: _unpacked(*blocks[name], wanted[name], name) for name in wanted}
+    there = packed_arrays(text)
+    if there.keys() != wanted.keys():
+        raise ClaimError("field", f"has the arrays {', '.join(there) or 'of nothing'}, not {', '.join(wanted)}")
+    return {name: _unpacked(there[name], wanted[name], name) for name in wanted}
 
 
-def _blocks(text: bytes) -> list[tuple[bytes, str, bytes]]:
-    return [(kind, name.decode("ascii", "replace"), packed) for kind, name, packed in ARRAY.findall(text)]
-
-
-def _unpacked(kind: bytes, packed: bytes, wanted: np.ndarray | None, name: str) -> np.ndarray:
+def _unpacked(packed: PackedArray, wanted: np.ndarray, name: str) -> np.ndarray:
     """One array (k,), unpacked no further than wanted: what says that it is small may be huge."""
-    dtype = np.dtype(np.float64 if kind == b"Float64" else np.int64)
-    most = 0 if wanted is None else wanted.size * dtype.itemsize
-    engine = zlib.decompressobj()
+    most = wanted.nbytes
     try:
-        data = engine.decompress(base64.b64decode(packed[HEAD:], validate=True), most + 1 if most else 0)
-    except (zlib.error, binascii.Error, ValueError) as error:
+        data = packed.unpacked(most + 1)
+    except ValueError as error:
         raise ClaimError("field", f"{name} cannot be unpacked: {error}") from None
-    if wanted is not None and (len(data) != most or wanted.dtype != dtype):
+    if len(data) != most or wanted.dtype != packed.dtype:
         has = f"more than {most}" if len(data) > most else str(len(data))
         raise ClaimError("field", f"{name} has {has} bytes, {most} belong to this mesh")
-    return np.frombuffer(data, dtype)
+    return np.frombuffer(data, packed.dtype)
 
 
 def state_of(model: SceneModel, arrays: Arrays, m: int) -> ContactSolution:

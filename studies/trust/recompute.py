@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from contact.continuation.stability import UNSTABLE, stability
+from contact.continuation.stability import stability
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from contact.verify import Verdict, claim, gap_residuals, judge
 from studies.algorithm_settings import configured
@@ -55,11 +55,6 @@ class Recomputed:
     def curve(self) -> bool:
         """Whether it is the end of a curve by arc length, whose other points are not kept."""
         return isinstance(self.stage, CurveStage)
-
-    @property
-    def unstable(self) -> bool:
-        """Whether nobody could stand there; a traced curve leads through such states on purpose."""
-        return self.stable == UNSTABLE and not self.curve
 
 
 @dataclass(frozen=True, eq=False)
