@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -42,7 +42,7 @@ from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 from studies.store.schema import Each, Kind, Named, fault, scalar, setting, whole, word
 
-SHIPPED = Path(__file__).parent
+SHIPPED = Path(__file__).parent / "shipped"
 OPTIONS = {"measures": "measure", "contacts": "contact", "newtons": "newton", "models": "model", "meshes": "mesh"}
 SETTINGS = {
     **{"sections": "section", "loads": "load", "elements": "element"},
@@ -54,8 +54,6 @@ CATALOGUES: dict[str, Mapping[str, Any]] = {
     "newtons": dict.fromkeys(NEWTONS),
     "scenes": SCENES,
 }
-KEYS = ("title", "lists", "pages", "modules", "cross")
-CROSS_KEYS = (*OPTIONS, *SETTINGS, "vary", "set", "steps")
 MOST_CELLS, MOST_KEYS, LONGEST_LABEL = 100_000, 100, 1000
 
 
@@ -64,13 +62,17 @@ def axis(value: Any) -> bool:
     return value == "all" or (isinstance(value, list) and all(map(scalar, value)))
 
 
-OF_A_CROSS: Mapping[str, Kind] = {
+OF_A_SCENE: Mapping[str, Kind] = {
     **dict.fromkeys((*OPTIONS, *SETTINGS), axis),
-    **{"name": word, "vary": Named(axis), "set": Named(setting), "steps": whole},
+    **{"vary": Named(axis), "set": Named(setting), "steps": whole},
 }
-TYPES: Mapping[str, Kind] = {
-    **dict.fromkeys(("title", "pages"), word),
-    **{"lists": axis, "modules": Each(word), "cross": Each({**OF_A_CROSS, "scenes": Named(OF_A_CROSS)})},
+CROSS: Mapping[str, Kind] = {"name": word, "scenes": Named(OF_A_SCENE), **OF_A_SCENE}
+CAMPAIGN: Mapping[str, Kind] = {
+    "title": word,
+    "lists": axis,
+    "pages": word,
+    "modules": Each(word),
+    "cross": Each(CROSS),
 }
 
 
@@ -115,8 +117,8 @@ def read(path: Path, *, trust: bool = False) -> Campaign:
         raise UsageError(f"campaign {path}: {error.strerror}") from None
     except ValueError as error:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
-    _known(path, data, KEYS)
-    if wrong := fault(data, TYPES):
+    _known(path, data, CAMPAIGN)
+    if wrong := fault(data, CAMPAIGN):
         raise UsageError(f"campaign {path}: {wrong}")
     use = _modules(path, data.get("modules", []), trust=trust)
     lists = [LISTS[name] for name in _listed(path, data, "lists", LISTS)]
@@ -134,8 +136,8 @@ def _modules(path: Path, names: Sequence[str], *, trust: bool) -> tuple[str, ...
     for name in names:
         if not name.isidentifier():
             raise UsageError(f"campaign {path}: modules has {name!r}, which must be the name of a module beside it")
-        place = folder / name
-        files.append(next((file for file in (place / "__init__.py",) if file.exists()), place.with_suffix(".py")))
+        package = folder / name / "__init__.py"
+        files.append(package if package.exists() else folder / f"{name}.py")
         if not files[-1].resolve().is_relative_to(folder):
             raise UsageError(f"campaign {path}: {files[-1]} leads out of the folder of the campaign")
     if files and not trust:
@@ -151,12 +153,12 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
 
     Of a scene without contact the contact algorithms are no axis.
     """
-    _known(path, cross, ("name", "scenes", *CROSS_KEYS))
+    _known(path, cross, CROSS)
     if not isinstance(cross.get("scenes"), Mapping):
         raise UsageError(f"campaign {path}: a cross needs its scenes, as tables [cross.scenes.NAME]")
     for scene in _listed(path, {"scenes": list(cross["scenes"])}, "scenes", SCENES):
         own = cross["scenes"][scene]
-        _known(path, own, CROSS_KEYS)
+        _known(path, own, OF_A_SCENE)
         asked = {**cross, **own}
         constant = {**cross.get("set", {}), **own.get("set", {})}
         axes = _axes(path, asked)
@@ -199,7 +201,7 @@ def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[s
     return [text_of(value) for value in values]
 
 
-def _known(path: Path, data: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+def _known(path: Path, data: Mapping[str, Any], keys: Iterable[str]) -> None:
     for key in data:
         if key not in keys:
             raise UsageError(f"campaign {path}: key {key!r} must be one of {', '.join(keys)}")

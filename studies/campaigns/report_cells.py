@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
@@ -26,7 +26,7 @@ def enforcements(default: float) -> tuple[tuple[str, str], ...]:
     return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", text_of(default)))
 
 
-def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
+def _tyre(label: str, settings: Mapping[str, str] | None = None, **options: Any) -> Cell:
     """All of the tyre, so that its symmetry is a finding, unless ``model`` says otherwise."""
     return Cell(label, "tyre", {"model": "full", **options}, {**_PAPER, **(settings or {})})
 

@@ -136,9 +136,8 @@ def laws() -> pd.DataFrame:
 def settings() -> pd.DataFrame:
     """SETTINGS: of scenes and algorithms."""
     described = [describe(name) for name in (*SCENES, *ALGORITHMS)]
-    return pd.DataFrame(
-        [(each.kind, each.name, *row) for each in described for row in each.rows], columns=list(SETTINGS)
-    )
+    rows = [(each.kind, each.name, *row) for each in described for row in each.rows]
+    return pd.DataFrame(rows, columns=list(SETTINGS))
 
 
 def facts(built: Sequence[Built]) -> pd.DataFrame:

@@ -1,6 +1,7 @@
 """Which sources decide a result: the import closure of what computes it, and the hash of its statements.
 
-Every import of our own modules counts, wherever in a file it stands, and the packages that a module lies in. For a
+Every import of our own modules counts, wherever in a file it stands, and the packages that a module lies in; so does a
+file of data beside a module that it names as ``Path(__file__).with_name("...")``. For a
 cell the catalogue of scenes is not followed: it imports all of them, and a cell is solved by its own scene alone. Nor,
 without friction, what is imported with it alone.
 """
@@ -14,6 +15,7 @@ from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("formulations", "contact", "studies")
@@ -38,7 +40,9 @@ def _digest(modules: frozenset[str], root: Path, without: tuple[str, ...]) -> st
     for name in sorted(closure(modules, root, without=without)):
         path = _path_of(name, root)
         assert path is not None
-        digest.update(f"{name} {_read(path.read_bytes(), '')[0]}\n".encode())
+        source = _read(path.read_bytes(), "")
+        beside = [hashlib.sha256(path.with_name(file).read_bytes()).hexdigest() for file in source.beside]
+        digest.update(f"{' '.join((name, source.statements, *beside))}\n".encode())
     return digest.hexdigest()
 
 
@@ -71,14 +75,14 @@ def _imports(name: str, root: Path) -> tuple[str, ...]:
     if name.split(".")[0] in PACKAGES:
         return _ours(name, path, root)
     package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-    beside = {each for each in _read(path.read_bytes(), package)[1] if each.split(".")[0] not in PACKAGES}
+    beside = {each for each in _read(path.read_bytes(), package).imports if each.split(".")[0] not in PACKAGES}
     places = {each: _path_of(each, root) for each in beside}
     return (*_ours(name, path, root), *(each for each, at in places.items() if at and path.parent in at.parents))
 
 
 @cache
 def _ours(name: str, path: Path, root: Path) -> tuple[str, ...]:
-    named = set(_read(path.read_bytes(), "")[1])
+    named = set(_read(path.read_bytes(), "").imports)
     parents = {
         ".".join(parts[:i]) for each in (*named, name) for parts in [each.split(".")] for i in range(1, len(parts))
     }
@@ -86,16 +90,31 @@ def _ours(name: str, path: Path, root: Path) -> tuple[str, ...]:
     return tuple(sorted(each for each in ours if _path_of(each, root) is not None))
 
 
+class _Source(NamedTuple):
+    """A hash of a module's statements without comments, docstrings and layout; what it imports; data beside it."""
+
+    statements: str
+    imports: tuple[str, ...]
+    beside: tuple[str, ...]
+
+
 @cache
-def _read(source: bytes, package: str) -> tuple[str, tuple[str, ...]]:
-    """What a module does, as a hash of its source without comments, docstrings and layout; and what it imports."""
+def _read(source: bytes, package: str) -> _Source:
+    """What a module does."""
     tree = ast.parse(source)
     named = tuple(_named(tree, package))
     documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
     for node in ast.walk(tree):
         if isinstance(node, documented) and ast.get_docstring(node):
             node.body[:1] = [] if len(node.body) > 1 or isinstance(node, ast.Module) else [ast.Pass()]
-    return hashlib.sha256(ast.unparse(tree).encode()).hexdigest(), named
+    return _Source(hashlib.sha256(ast.unparse(tree).encode()).hexdigest(), named, tuple(_data(tree)))
+
+
+def _data(tree: ast.Module) -> Iterator[str]:
+    """Files that a module names as they lie beside it."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "Path(__file__).with_name":
+            yield ast.literal_eval(node.args[0])
 
 
 def _named(tree: ast.Module, package: str = "") -> Iterator[str]:

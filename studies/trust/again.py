@@ -56,21 +56,22 @@ def solving(lot: Collection[str]) -> Iterator[Again]:
         yield Again(lot, children, Archive(Path(folder)))
 
 
-def compare(record: Mapping[str, Any], ours: Mapping[str, Any]) -> None:
-    """Class, loads, quantities and counters; raises ClaimError for the first that differs."""
+def compare(
+    record: Mapping[str, Any], ours: Mapping[str, Any], said: str = "solved again {}", *, counted: bool = True
+) -> None:
+    """Class and quantities and, where ``counted``, loads and counters; raises ClaimError for the first that differs.
+
+    said: of the value that ours has.
+    """
     if record["class"] != ours["class"]:
-        raise ClaimError("class", f"claimed {record['class']!r}, solved again {ours['class']!r}")
-    if len(record["steps"]) != len(ours["steps"]):
-        raise ClaimError("steps", f"claimed {len(record['steps'])} loads, solved again {len(ours['steps'])}")
-    for name, value in ours["quantities"].items():
-        _near(name, record["quantities"].get(name), value, VALUES, 0.0)
-    for name, value in ours["counters"].items():
-        _near(name, record["counters"].get(name), value, COUNTS, FEW)
-
-
-def _near(name: str, told: Any, ours: Any, share: float, least: float) -> None:
-    if told == ours:
-        return
-    numbers = isinstance(told, int | float) and isinstance(ours, int | float)
-    if not numbers or not abs(told - ours) <= max(share * abs(ours), least):
-        raise ClaimError(name, f"claimed {told}, solved again {ours}")
+        raise ClaimError("class", f"claimed {record['class']!r}, {said.format(repr(ours['class']))}")
+    if counted and len(record["steps"]) != len(ours["steps"]):
+        raise ClaimError("steps", f"claimed {len(record['steps'])} loads, {said.format(len(ours['steps']))}")
+    compared = {"quantities": (VALUES, 0.0), "counters": (COUNTS, FEW)}
+    for kind in ("quantities", "counters") if counted else ("quantities",):
+        share, least = compared[kind]
+        for name, value in ours[kind].items():
+            told = record[kind].get(name)
+            numbers = isinstance(told, int | float) and isinstance(value, int | float)
+            if told != value and not (numbers and abs(told - value) <= max(share * abs(value), least)):
+                raise ClaimError(name, f"claimed {told}, {said.format(value)}")

@@ -91,6 +91,18 @@ def test_comments_and_docstrings_decide_nothing(tmp_path: Path) -> None:
     assert hashed("alone", 'def f(x):\n    """Nothing else."""\n') == hashed("empty", "def f(x):\n    pass\n")
 
 
+def test_data_that_a_module_names_beside_it_decide(tmp_path: Path) -> None:
+    def hashed(name: str, data: str) -> str:
+        path = tmp_path / name / "studies" / "a.py"
+        path.parent.mkdir(parents=True)
+        path.write_text('from pathlib import Path\ntext = Path(__file__).with_name("a.txt").read_text()\n')
+        path.with_name("a.txt").write_text(data)
+        path.with_name("b.txt").write_text(name)
+        return sources_hash(["studies.a"], tmp_path / name)
+
+    assert hashed("one", "1") == hashed("same", "1") != hashed("other", "2")
+
+
 def test_a_table_depends_on_the_scenes_that_it_solves() -> None:
     modules = closure([TABLES["epsilon"].__module__])
     assert {"studies.experiments.epsilon", "studies.scenes.tyre.scene", "contact.newton.step"} <= modules
