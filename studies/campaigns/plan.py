@@ -14,7 +14,6 @@ from contact.problem import Linearised, without_contact
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
-from studies.complete import complete
 from studies.door.plugins import modules_of
 from studies.friction.settings import rubbing
 from studies.request import Request
@@ -51,7 +50,7 @@ def plan(campaign: Campaign) -> list[Row]:
 
 def identity(cell: Cell) -> str:
     """Hash of all that decides the result; raises UsageError when the request is none."""
-    return _identity(complete(cell.scene, cell.settings, **cell.options)[1])
+    return _identity(cell.resolved()[1])
 
 
 def _identity(request: Request) -> str:
@@ -65,7 +64,7 @@ def _identity(request: Request) -> str:
 
 def _row(cell: Cell) -> Row:
     try:
-        _, request = complete(cell.scene, cell.settings, **cell.options)
+        _, request = cell.resolved()
     except UsageError as error:
         if cell.scene not in SCENES:
             raise

@@ -15,8 +15,8 @@ from studies.choosing.choose import BUDGET, ERROR, choose
 from studies.choosing.offers import Offer
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
 from studies.commands.options import add_settings, add_solving, check_directory, named, pairs, progress_line
-from studies.door.chosen import write_choice
 from studies.door.columns import columns
+from studies.door.notebook import write_choice
 from studies.refinement.cascade import parse_budget
 from studies.refinement.error_control import parse_error
 
