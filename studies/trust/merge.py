@@ -3,7 +3,7 @@
 - A cell is asked for by its label and settings; request and identity are found here. Another identity means other
   sources or another request: it is refused.
 - A cell that claims an equilibrium is taken when its field bears it out (:mod:`studies.trust.claims`), or when it was
-  solved again (:mod:`studies.trust.again`). Without either it is refused.
+  solved again. Without either it is refused.
 - Of a cell that claims none only that, and its reason, are taken: an unverified failure, no quantity and no load of it.
 - A cell that is here stays as it is. When it says the same, nothing is to be done; when not, that is named.
 - Its seconds are kept apart: they are of another machine, and nothing bears them out.
@@ -14,22 +14,28 @@ Each record comes last and whole, so that a merge that was stopped is gone on wi
 
 from __future__ import annotations
 
+import secrets
+import tempfile
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan
 from studies.campaigns.run import Progress, write_plan
+from studies.door.plugins import used
+from studies.pool.process import Children
+from studies.pool.task import Limits, Task
 from studies.request import Request, UsageError
 from studies.store.atomic import as_text, write_by, write_text
 from studies.store.layout import Archive, DamagedError
 from studies.store.provenance import provenance
-from studies.trust.again import Again, compare, drawn, solving
 from studies.trust.claims import Verified, check_request, claims_success, verify
 from studies.trust.foreign import FIELDS, ClaimError, Foreign
 
@@ -39,6 +45,51 @@ STATUSES = (VERIFIED, SOLVED_AGAIN, UNVERIFIED)
 NOT_SOLVED, ALREADY = "not solved there", "here already"
 LARGEST, LARGEST_SOLID = 20_000, 4_096  # elements that are built to recompute a claim: about a GiB
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out
+ALL = "all"  # of the cells, solved again
+VALUES, COUNTS, FEW = 1e-6, 0.1, 2  # relative, of quantities and of counters, of which a few are never too many
+
+
+Check = Callable[[str, Cell, Mapping[str, Any]], None]  # of a cell by its identity and what it claims
+
+
+@contextmanager
+def solving_again() -> Iterator[Check]:
+    """What solves a cell here, in a process with the usual limits; its record is gone with it.
+
+    The check raises ClaimError where the cell comes to something else.
+    """
+    with closing(Children()) as children, tempfile.TemporaryDirectory() as folder:
+        aside = Archive(Path(folder))
+
+        def check(cell_id: str, cell: Cell, record: Mapping[str, Any]) -> None:
+            task = Task("cell", cell_id, replace(cell, artefacts=False), used())
+            ended, ours = children.perform(task, folder, Limits()), aside.record(cell_id)
+            if ours is None:
+                raise ClaimError("outcome", f"claimed {record['class']!r}, solved again it ends in {ended!r}")
+            compare(record, ours)
+
+        yield check
+
+
+def compare(
+    record: Mapping[str, Any], ours: Mapping[str, Any], said: str = "solved again {}", *, counted: bool = True
+) -> None:
+    """Class and quantities and, where ``counted``, loads and counters; raises ClaimError for the first that differs.
+
+    said: of the value that ours has.
+    """
+    if record["class"] != ours["class"]:
+        raise ClaimError("class", f"claimed {record['class']!r}, {said.format(repr(ours['class']))}")
+    if counted and len(record["steps"]) != len(ours["steps"]):
+        raise ClaimError("steps", f"claimed {len(record['steps'])} loads, {said.format(len(ours['steps']))}")
+    compared = {"quantities": (VALUES, 0.0), "counters": (COUNTS, FEW)}
+    for kind in ("quantities", "counters") if counted else ("quantities",):
+        share, least = compared[kind]
+        for name, value in ours[kind].items():
+            told = record[kind].get(name)
+            numbers = isinstance(told, int | float) and isinstance(value, int | float)
+            if told != value and not (numbers and abs(told - value) <= max(share * abs(value), least)):
+                raise ClaimError(name, f"claimed {told}, {said.format(value)}")
 
 
 @dataclass
@@ -74,11 +125,13 @@ def merge(
         asked = dict(_asked(foreign, archive, names, summary, say))
         theirs = Archive(source)
         new = [each for each in asked if not archive.record_path(each).exists() and theirs.record_path(each).exists()]
-        with solving(drawn(new, again)) as checks:
+        lot = secrets.SystemRandom().sample(new, min(again, len(new)))  # nobody can know which beforehand
+        with solving_again() as check:
             for done, (cell_id, (row, claimed)) in enumerate(asked.items()):
                 progress(done, len(asked), row.cell.label)
                 try:
-                    summary.counts[_taken(foreign, archive, cell_id, row, claimed, checks)] += 1
+                    taken = _taken(foreign, archive, cell_id, row, claimed, check if cell_id in lot else None)
+                    summary.counts[taken] += 1
                 except ClaimError as refused:
                     _refuse(summary, say, f"{row.cell.label} ({cell_id}): {refused}")
         progress(len(asked), len(asked), "done")
@@ -120,8 +173,8 @@ def _asked(
             write_plan(archive, Campaign(name, title, tuple(row.cell for row in rows)), rows)
 
 
-def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: str | None, checks: Again) -> str:
-    """What has become of a cell, in a word; raises ClaimError."""
+def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: str | None, check: Check | None) -> str:
+    """What has become of a cell, in a word; check: solves it again, where that is asked for. Raises ClaimError."""
     if claimed is None:
         return NOT_SOLVED
     if claimed != cell_id:
@@ -137,15 +190,14 @@ def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: 
     request = Request.of(row.request)
     check_request(record, request)
     success = claims_success(record)
-    again = cell_id in checks.lot
-    if again:
-        checks.check(cell_id, row.cell, record)
+    if check is not None:
+        check(cell_id, row.cell, record)
     if success and FIELDS in record["files"]:
         found = _verified(record, request, foreign)
         tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
         _keep_files(archive.files(cell_id), found.fields, tables)
         return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, found.claimed)
-    if again:
+    if check is not None:
         return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, ["times", "machine"])
     if success:
         raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them, or --again all")

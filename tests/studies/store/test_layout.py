@@ -10,7 +10,7 @@ import pytest
 
 from studies.scene import UsageError
 from studies.store import door
-from studies.store.door import check_store
+from studies.store.layout import check_store
 
 ROW = {"label": "a", "id": "a", "scene": "panel"}
 
