@@ -19,7 +19,7 @@ from studies.experiments.invariance.problems import FIRST, Motion, Panel, Posed,
 from studies.experiments.invariance.symmetry import ACCIDENT, against, solved
 from studies.experiments.rigid_body import rotation
 from studies.experiments.specimens import ELEMENTS
-from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, place, quiet, watched
+from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, no_traceback, quiet, watched
 from studies.fuzz.comparing import ALIKE, Answer, compared, unstable
 from studies.fuzz.state_laws import check_derivatives
 from studies.fuzz.values import generator
@@ -110,15 +110,11 @@ def check(seed: int) -> Passed:
     other = case.panel.posed(measure, case.way)
     if case.how == "nodes renumbered":
         other = renumbered(first, generator(seed, "numbers"))
+    with no_traceback():
+        one = solved(_watched(first), algorithm)
+        two = solved(_watched(other), algorithm, case.steps if case.how == "load steps" else 1)
+        row = against(case.how, one, two)
     with quiet():
-        try:
-            one = solved(_watched(first), algorithm)
-            two = solved(_watched(other), algorithm, case.steps if case.how == "load steps" else 1)
-            row = against(case.how, one, two)
-        except Broken:
-            raise
-        except Exception as error:
-            raise Broken("no traceback", place(error)) from error
         for refused, wrong in ((each.refused, each.wrong) for each in (one, two)):
             if refused:
                 return Passed(REFUSED, said=wrong)
