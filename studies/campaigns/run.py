@@ -100,9 +100,11 @@ def _begun(
     archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
 ) -> list[Task]:
     """Write the plan; what is left to do of it. Raises StoreFullError."""
+    use = (*used(), *campaign.use)
     try:
         write_plan(archive, campaign, rows)
-        return [*_tables(campaign), *_missing(archive, campaign, rows, say, fields=fields)]
+        tables = [Task("table", name, use=use) for name in campaign.tables]
+        return [*tables, *_missing(archive, rows, use, say, fields=fields)]
     except OSError as error:
         raise StoreFullError(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from None
 
@@ -120,16 +122,8 @@ def write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
     write_json(archive.index_path(campaign.name), {**told, "tables": campaign.tables, "cells": cells})
 
 
-def _tables(campaign: Campaign) -> list[Task]:
-    return [Task("table", name, use=_used(campaign)) for name in campaign.tables]
-
-
-def _used(campaign: Campaign) -> tuple[str, ...]:
-    return (*used(), *campaign.use)
-
-
 def _missing(
-    archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
+    archive: Archive, rows: list[Row], use: tuple[str, ...], say: Callable[[str], None], *, fields: bool
 ) -> list[Task]:
     """The cells without a record, or without the files that are wanted; a damaged one is set aside."""
     tasks = []
@@ -140,5 +134,5 @@ def _missing(
                 continue
         except DamagedError as error:
             say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
-        tasks.append(Task("cell", cell_id, cell, _used(campaign)))
+        tasks.append(Task("cell", cell_id, cell, use))
     return tasks
