@@ -29,8 +29,7 @@ MORE = {
     "studies/commands/compare.py": {"reports"},  # and how words stand in Markdown
     "studies/commands/exchange/card.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
-    "studies/door/chosen.py": {"reports"},  # as does a choice
-    "studies/door/notebook.py": {"reports"},  # and so does that of a notebook
+    "studies/door/notebook.py": {"reports"},  # as does that of a notebook, and a choice
     "studies/cli.py": {"?"},  # the module of the command that is asked for
     "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for
     "studies/door/plugins.py": {"?"},  # modules of a user's own

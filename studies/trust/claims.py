@@ -20,9 +20,8 @@ from studies.scene import CurveStage, Stage, moved
 from studies.step import seen_in
 from studies.store.atomic import plain
 from studies.store.tables import Table
-from studies.trust.field import arrays_of, as_written
 from studies.trust.foreign import ClaimError, Foreign
-from studies.trust.recompute import Opened, Recomputed
+from studies.trust.recompute import Opened, Recomputed, arrays_of, as_written
 
 AGREE, RESOLVED = 1e-9, 1e-6  # relative
 SHAKEN = 8  # times what other last digits make of a quantity

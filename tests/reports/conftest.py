@@ -446,7 +446,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _fill(root: Path) -> None:
-    rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"]())]
+    rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"].cells())]
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     write_json(root / "references.json", {"schema": SCHEMA, "references": references})

@@ -41,7 +41,7 @@ def as_solved(directory: Path) -> Path:
     return directory
 
 
-PAPER = next(number for number, cell in enumerate(LISTS["report"]()) if cell.label == "paper")
+PAPER = next(number for number, cell in enumerate(LISTS["report"].cells()) if cell.label == "paper")
 DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no store": (lambda root: shutil.rmtree(root), "no such directory"),
     "no index": (lambda root: (root / "campaigns/report.json").unlink(), ": no campaign"),
@@ -179,7 +179,7 @@ def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(f
 @pytest.mark.usefixtures("undrawn")
 def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     """All fail but the one without which there is no page; what was never reached is not in the store."""
-    for i, cell in enumerate(LISTS["report"]()):
+    for i, cell in enumerate(LISTS["report"].cells()):
         if cell.label == "paper":
             continue
         directory = own_store / "cells" / str(i)

@@ -67,7 +67,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
 @pytest.fixture
 def store(tmp_path: Path) -> Path:
     rows = []
-    for i, cell in enumerate(LISTS["solid"]()):
+    for i, cell in enumerate(LISTS["solid"].cells()):
         write_cell(cell, tmp_path / "cells" / str(i))
         _, request = resolve(cell.scene, cell.settings, **cell.options)
         rows.append(Row(cell, str(i), plain(request.data)).as_json())

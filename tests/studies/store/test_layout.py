@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from studies.scene import UsageError
-from studies.store import door
-from studies.store.door import check_store
+from studies.store import layout
+from studies.store.layout import check_store
 
 ROW = {"label": "a", "id": "a", "scene": "panel"}
 
@@ -54,7 +54,7 @@ def test_values_are_of_their_types(store: Path, path: str, text: str, says: str)
 
 
 def test_tables_are_files_within_bounds(store: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(door, "MOST", 3)
+    monkeypatch.setattr(layout, "MOST", 3)
     with pytest.raises(UsageError, match="more than 3 values"):
         check_store(store)
     (store / "tables" / "t.csv").unlink()
