@@ -50,6 +50,7 @@ from contact.friction.verify import judge
 from contact.interchange.oracle import AGREEMENT, OracleError
 from contact.problem import Outcome
 from contact.solvers.sparse import checked_solve, factorise
+from studies.experiments.rows import Row
 from studies.store.atomic import write_table
 
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
@@ -71,7 +72,6 @@ class Tried:
 
 
 Solved = Callable[[Callable[[], Tried]], Tried]
-Row = dict[str, object]
 
 
 def algorithms() -> dict[str, FrictionalAlgorithm]:

@@ -1,0 +1,94 @@
+"""Bars with friction: the strip against closed forms of the bar and of its model, the drum against the capstan."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from studies.experiments.friction.bars import DRUM_END, MESHES, TAU, Bar, capstan_table, drum_table, front, strip_table
+from support.problems.differences import orders
+
+ROUNDING = 1e-9
+
+
+def exact_but_for_the_mesh(table: pd.DataFrame) -> None:
+    """What holds on any mesh: the reading of the front, and the closed form of the model."""
+    assert table["converged"].all()
+    assert (table["least_N_mm"] >= 0).all()
+    np.testing.assert_allclose(table["front_mm"], 40.0, rtol=ROUNDING)
+    for name in ("end", "loop"):
+        np.testing.assert_allclose(table[f"{name}_error"], table[f"discrete_{name}_error"], rtol=0, atol=ROUNDING)
+
+
+@pytest.mark.parametrize(("n", "offset"), [(10, 0.0), (13, 0.2), (16, 0.4)])
+def test_the_error_of_the_strip_follows_from_where_its_front_lies(n: int, offset: float) -> None:
+    table = strip_table((n,), (1,))
+    exact_but_for_the_mesh(table)
+    row = table.iloc[0]
+    assert row["offset"] == pytest.approx(offset)
+    assert row["counted_error"] == pytest.approx(-(offset + 0.5) / (0.4 * n))
+    assert row["end_error"] == pytest.approx(-((offset / (0.4 * n)) ** 2), abs=ROUNDING)
+
+
+def test_load_steps_of_one_sense_change_nothing() -> None:
+    table = strip_table((8,), (1, 2)).drop(columns=["steps", "iterations", "converged", "least_N_mm"])
+    np.testing.assert_allclose(table.iloc[1], table.iloc[0], rtol=1e-8, atol=ROUNDING)
+
+
+def test_the_front_is_read_where_a_parabola_has_its_vertex() -> None:
+    """Also off the nodes, where slip ends at its root before it; and under any uniform friction."""
+    bar = Bar(20, 100.0, 1.0, press=TAU)
+    x = 5.0 * np.arange(21)
+    for zone in (40.0, 43.3, 46.0):
+        slip = np.maximum((x - 100 + zone) ** 2 - 1.7, 0.0) * (x > 100 - zone)
+        assert front(bar, slip) == pytest.approx(zone)
+        assert front(bar, -3 * slip) == pytest.approx(zone)
+
+
+@pytest.mark.slow
+def test_the_strip_within_its_bounds_on_four_meshes() -> None:
+    """End and slip zone within 0.5 %, the loop within 1 %; all of second order but the count of nodes."""
+    table = strip_table(MESHES, (1,))
+    exact_but_for_the_mesh(table)
+    assert (table["end_error"].abs() < 0.005).all()
+    assert (table["loop_error"].abs() < 0.01).all()
+    found = orders(table, ["steps"], "elements", ["end_error", "back_error", "loop_error", "counted_error"]).iloc[0]
+    assert found["end_error"] == pytest.approx(2, abs=0.01)
+    assert found["back_error"] == pytest.approx(2, abs=0.01)
+    assert found["loop_error"] == pytest.approx(2, abs=0.05)
+    assert found["counted_error"] == pytest.approx(1, abs=0.01)
+
+
+@pytest.mark.parametrize("side", ["on", "inside"])
+def test_partial_slip_within_a_thousandth(side: str) -> None:
+    assert pytest.approx(0.03151163, abs=5e-9) == DRUM_END
+    row = drum_table((18,), (side,)).iloc[0]
+    assert row["outcome"] == "converged"
+    assert abs(row["end_error"]) < 1e-3
+    assert abs(row["slip_error"]) < 5e-3
+
+
+@pytest.mark.parametrize("side", ["on", "inside"])
+def test_the_capstan_by_both_readings(side: str) -> None:
+    """Every node slips; the ratio is that of its own recursion, (1 + a/2)/(1 - a/2) a node with a = mu theta/n."""
+    table = capstan_table(meshes=(10,), sides=(side,))
+    assert (table["outcome"] == "converged").all()
+    assert (table["slipping"] == 11).all()
+    assert (table["error"].abs() < 0.01).all()
+    np.testing.assert_allclose(table["at_spring"], table["ratio"], rtol=1e-6)
+    half = (table["mu"] * table["theta_rad"] / table["elements"] / 2).to_numpy(float)
+    np.testing.assert_allclose(table["ratio"], ((1 + half) / (1 - half)) ** 10, rtol=1e-9)
+
+
+@pytest.mark.slow
+def test_the_orders_of_both() -> None:
+    slips = drum_table(sides=("on",))
+    assert (slips["end_error"].abs() < 1e-3).all()
+    found = orders(slips, ["side"], "elements", ["end_error", "slip_error"])
+    np.testing.assert_allclose(found[["end_error", "slip_error"]].to_numpy(float), 2, atol=0.05)
+    ratios = capstan_table(((0.3, 2.0), (0.5, 4.0)), sides=("inside",))
+    assert (ratios["error"].abs() < 0.01).all()
+    np.testing.assert_allclose(
+        orders(ratios, ["side", "mu", "theta_rad"], "elements", ["error"])["error"], 2, atol=0.05
+    )
