@@ -60,7 +60,7 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
     """Campaigns, references, baseline and assets are read by the program, and not one of them is a module."""
     with zipfile.ZipFile(wheel) as archive:
         shipped = set(archive.namelist())
-    data = ("*.py", "*.toml", "*.csv", "*.json", "*.css", "*.js", "py.typed")
+    data = ("*.py", "*.toml", "*.csv", "*.json", "*.css", "*.js", "*.html", "*.md", "py.typed")
     ours = {
         path.relative_to(ROOT).as_posix() for name in PACKAGES for kind in data for path in (ROOT / name).rglob(kind)
     }
@@ -70,6 +70,7 @@ def test_it_has_every_file_of_the_packages(wheel: Path) -> None:
         "studies/scenes/data/",
         "studies/baseline/",
         "reports/html/assets/",
+        "reports/templates/",
         "studies/analysis/advice/",
     ):
         assert any(name.startswith(place) for name in shipped), place
