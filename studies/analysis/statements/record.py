@@ -12,7 +12,7 @@ import pandas as pd
 from studies.analysis.comparisons.friction import FLOOR
 from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
 from studies.experiments.friction.agreement import AGREED
-from studies.experiments.friction.rubbed_scenes import COARSE, CONTACT, MESH, MU
+from studies.experiments.friction.rubbed_scenes import COARSE, CONTACT, MU
 
 OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
 COLUMNS = ("statement", "page", "role", "text", "problems", "scope", "machine")
@@ -40,7 +40,6 @@ class Statement:
 
 # what the tables of experiments are made with, by names that are not published
 DEFAULTS: dict[str, Any] = {
-    "_cost_mesh": MESH,
     "_cost_contact": CONTACT,
     "_steps_mesh": COARSE,
     "_steps_mu": MU,

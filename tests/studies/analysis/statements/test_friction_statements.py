@@ -106,7 +106,7 @@ def test_steps_above_what_is_required_are_named() -> None:
     (text,) = texts(said("friction-cost", friction_cost=cost(), rules=rules))
     (seconds,) = texts(said("friction-seconds", friction_cost=cost()))
     assert "2.00 to 3.00 times the operations of one without, and 1.20 to 1.50 factorisations" in text
-    assert "required are at most 2.5 and 1.2, and 1 of 2 steps exceed one of them: drag to 0.5 mm." in text
+    assert "required are at most 2.5 and 1.2, and 1 of 2 steps exceed one of them: drag to 0.5 mm on 42x40." in text
     assert "1.50 to 2.00 times one without" in seconds
     below = cost().assign(factorisations=1.0, operations_ratio=2.0)
     assert "and none of 2 steps exceeds them." in texts(said("friction-cost", friction_cost=below, rules=rules))[0]
@@ -142,6 +142,7 @@ def test_failures_and_other_paths_are_named() -> None:
 def test_what_springs_change() -> None:
     (text,) = texts(said("friction-regularised", friction_agreement=agreement()))
     assert "springs of 10000 MPa/mm changes nodal forces by 1e-04 to 1e-04 of the largest on 3 scenes" in text
+    assert "; on twice the elements each way by 2e-04 to 2e-04 on 2, while on 1 the two take other load steps" in text
     assert said("friction-regularised", friction_agreement=agreement().assign(epsilon=np.inf)) == []
 
 
