@@ -86,14 +86,14 @@ def _compared(case: str) -> Iterator[Row]:
 def _on_finer_mesh(case: str) -> float:
     scene, mesh, settings = CASES[case]
     n1, n2 = (2 * int(n) if int(n) > 1 else 1 for n in mesh.split("x"))
-    both = [
+    soft, exact = (
         solved(scene, {**settings, "tolerance": TOLERANCE}, f"{n1}x{n2}", contact=name)
         for name in ("regularised", "semismooth")
-    ]
-    steps = [[step["substeps"] for step in each.steps] for each in both]
-    if any(each.verdict != "converged" for each in both) or steps[0] != steps[1]:
+    )
+    ours, theirs = ([step["substeps"] for step in each.steps] for each in (soft, exact))
+    if any(each.verdict != "converged" for each in (soft, exact)) or ours != theirs:
         return np.nan
-    return max(_difference(*both, k)[1] for k in range(len(steps[0])))
+    return max(_difference(soft, exact, k)[1] for k in range(len(ours)))
 
 
 def _difference(one: Result, other: Result, load: int) -> tuple[int, float]:
