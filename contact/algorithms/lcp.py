@@ -11,6 +11,8 @@ from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
+from contact.friction.loop import finished, unfinished
+from contact.friction.polygon import SIDES, by_pivots, no_polygon
 from contact.newton.condensed import Condensed
 from contact.newton.loop import Step, StepError, decide_set, iterate
 from contact.newton.pivots import holding
@@ -45,20 +47,37 @@ class Lcp(NewtonAlgorithm):
     definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling; where
     the travel of the foundation is an unknown, in arc length, the active set takes its place).
     Consistent coupling is solved in full.
+    With friction the problem is that on a polygon in the disc (:mod:`contact.friction.polygon`), by Lemke's pivots;
+    where they find no end states are settled by exact steps alone, as the history says. Candidates that slip along a
+    line have no polygon.
+    sides: of the polygon; friction is up to 1 - cos(pi/sides) short.  finish: whether exact steps on the states of the
+    answer put friction on the disc itself; else a step ends with the forces of the polygon, which the judge refuses.
     Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
     """
 
     method: str = "lemke"
     system: str = "condensed"
+    sides: int = SIDES
+    finish: bool = True
     name: ClassVar[str] = "lcp"
+    friction: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
-        Parameter("method", "how the complementarity problem is solved", kind="choice", choices=tuple(METHODS)),
+        Parameter(
+            "method",
+            "how the complementarity problem is solved",
+            kind="choice",
+            choices=tuple(METHODS),
+            frictionless=True,
+        ),
         SYSTEM,
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """All problems but consistent coupling with nnls."""
+        """All problems but consistent coupling with nnls; with friction, finite coefficients and a proper polygon."""
+        if problem.coulomb is not None:
+            refused = no_polygon(self.sides, problem.coulomb.mu, "is no row of a complementarity problem")
+            return refused or super().supports(problem)
         if self.method not in METHODS:
             return f"method {self.method!r} must be one of {', '.join(METHODS)}"
         if self.method == "nnls" and problem.coupling is not None:
@@ -67,6 +86,10 @@ class Lcp(NewtonAlgorithm):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
+        if problem.coulomb is not None:
+            run, by = self.rubbing(problem, start, lawful=self.finish), finished if self.finish else unfinished
+            choose = partial(by_pivots, sides=self.sides)
+            return run.finish(*by(run, run.start(), choose, [], self.max_iterations))
         step = _condensed if self.system == "condensed" else _full
         method = "active-set" if self.method == "nnls" and problem.driven else self.method
         return iterate(self.run(problem), start, partial(step, method), self.max_iterations)

@@ -1,4 +1,4 @@
-"""Regularised contact, the paper's perturbed Lagrangian: a foundation of springs, p = epsilon <-g>."""
+"""Regularised contact, the paper's perturbed Lagrangian: springs, with friction in both directions."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
+from contact.friction.loop import approach
 from contact.newton.loop import Step, came_back, iterate, settle_set
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
@@ -23,21 +24,27 @@ class Regularised(NewtonAlgorithm):
     A set that comes back after another one is a cycle: the linearised problem is settled there, see semismooth.
     On a stiff foundation the rim moves by one row of elements an iteration: their number grows with the mesh
     (plate-contact: 97 on 64 elements, 1251 on 256, with load cuts); semismooth, lcp and qp do not have that.
+    With friction t = -w epsilon s is pulled back radially to the disc of radius mu f: of a slip s the part
+    -t/(w epsilon) is elastic, and an anchor of the next step is that much behind.
     Source: Grigolyuk et al. (2004), eqs 14-16; Simo, Wriggers, Taylor, Comput. Methods Appl. Mech. Eng. 50 (1985)
     163-180.
     """
 
     epsilon: float = 1e4
     name: ClassVar[str] = "regularised"
+    friction: ClassVar[bool] = True
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs a finite epsilon."""
         if np.isinf(self.epsilon):
             return "its law p = epsilon <-g> needs a finite epsilon: infinity is a constraint, not a spring"
-        return None
+        return super().supports(problem)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from the displacement of ``start``; its set and pressures follow from the gap."""
+        if problem.coulomb is not None:
+            run = self.rubbing(problem, start)
+            return run.finish(*approach(run, run.start(), 1.0, self.max_iterations))
         gap = problem.gap(start.u)
         sprung = replace(start, pressure=np.where(start.active, self.epsilon * np.maximum(-gap, 0.0), 0.0))
         return iterate(self.run(problem), sprung, _on_penetrated, self.max_iterations)

@@ -40,15 +40,13 @@ class OracleError(ArithmeticError):
 
 @dataclass(frozen=True, eq=False)
 class Confirmation:
-    """The oracle's du (n,) and pressure (m,), and how far an answer is from them.
+    """How far an answer is from the oracle's.
 
-    displacement_error: |difference| over the larger of du and the free response |K^-1 r| [-].  force_error: largest
-    difference of a nodal force over the largest of them [-].  differing: candidates that only one of the two presses
-    by more than the agreement; touching without pressure is in both.
+    displacement_error: size of the difference over that to be expected [-].  force_error: largest difference of a nodal
+    force, normal or friction, over the largest of them [-].  differing: candidates that only one of the two presses by
+    more than the agreement, touching without pressure is in both; with friction all that differ by more.
     """
 
-    du: np.ndarray
-    pressure: np.ndarray
     displacement_error: float
     force_error: float
     differing: np.ndarray
@@ -163,7 +161,10 @@ def _settle(step: FrozenStep, epsilon: float, factor: SuperLU, pressed: np.ndarr
 
 
 def confirm(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, epsilon: float = np.inf) -> Confirmation:
-    """Compare an answer of the step with the oracle's; raises OracleError where that has none."""
+    """Compare an answer of the step with the oracle's; raises OracleError where that has none.
+
+    Displacements over the larger of du and the free response |K^-1 r|.
+    """
     own, multipliers = minimise(step, epsilon)
     free = _superlu(step.K).solve(-step.r)
     size = float(max(np.linalg.norm(free), np.linalg.norm(own))) or 1.0
@@ -171,8 +172,6 @@ def confirm(step: FrozenStep, du: np.ndarray, pressure: np.ndarray, epsilon: flo
     largest = float(max(np.max(np.abs(f), initial=0.0), np.max(np.abs(found), initial=0.0))) or 1.0
     pressed, other = f > AGREEMENT * largest, found > AGREEMENT * largest
     return Confirmation(
-        own,
-        multipliers,
         float(np.linalg.norm(du - own)) / size,
         float(np.max(np.abs(f - found), initial=0.0)) / largest,
         np.flatnonzero((pressed != other) & (np.abs(f - found) > AGREEMENT * largest)),

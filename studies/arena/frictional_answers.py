@@ -1,21 +1,21 @@
 """What an answer from outside to a step with friction is worth, from the two files alone.
 
 An answer is ``du`` (n,) [mm], ``normal`` (m,) [N] and ``friction`` (m, 2) [N], in a .npz or as lists in a .json; no
-claims are made. The residuals and their bounds are those of :mod:`contact.friction.verify`. No algorithm is run here.
+claims are made. The residuals and their bounds are those of :mod:`contact.verify`. No algorithm is run here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.verify import FrictionVerdict, judge
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.interchange.untrusted import read_arrays, read_json
+from contact.verify import Verdict, judge
 from studies.request import UsageError
 
 PARTS = ("du", "normal", "friction")
@@ -34,7 +34,7 @@ class FrictionAnswer:
 class FrictionJudgement:
     """The residuals, and the names of those beyond their bounds."""
 
-    verdict: FrictionVerdict
+    verdict: Verdict
     failures: tuple[str, ...]
 
     @property
@@ -45,7 +45,8 @@ class FrictionJudgement:
     def lines(self) -> list[str]:
         """In words: each residual, the verdict last."""
         told = [f"{name}: {value:.2e}" for name, value in self.verdict.kkt.items()]
-        told.append(f"relative to {self.verdict.force:.6g} N and {self.verdict.length:.6g} mm")
+        scales = self.verdict.certificate["scales"]
+        told.append(f"relative to {scales['force_N']:.6g} N and {scales['length_mm']:.6g} mm")
         wrong = f"NOT certified: {', '.join(self.failures)}"
         return [*told, "certified: every residual within its bound" if self.sound else wrong]
 
@@ -67,10 +68,11 @@ def _given(told: Mapping[str, Any]) -> FrictionAnswer:
 
 def judge_friction_answer(step: FrozenFrictionalStep, given: FrictionAnswer) -> FrictionJudgement:
     """Every residual recomputed; raises UsageError for the wrong number of values."""
-    if given.du.shape != step.step.r.shape:
-        raise UsageError(f"du of the shape {given.du.shape} for {len(step.step.r)} unknowns")
+    if given.du.shape != step.r.shape:
+        raise UsageError(f"du of the shape {given.du.shape} for {len(step.r)} unknowns")
     try:
-        verdict = judge(step.problem(), given.du, given.normal, given.friction)
+        by_forces = replace(step.problem(), weights=np.ones(len(step.mu)))  # normal forces for pressures
+        verdict = judge(by_forces, given.du, given.normal, given.friction)
     except ValueError as error:
         raise UsageError(str(error)) from None
     return FrictionJudgement(verdict, tuple(verdict.failures()))

@@ -2,24 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from contact.friction import posed
-from contact.friction.algorithms import catalogue
-from contact.friction.posed import WithFriction
-from contact.friction.problem import State
-from contact.problem import ContactProblem, ContactSolution
-from studies import solving
+from contact.coulomb import State
+from contact.friction.run import FrictionalRun, Point
+from contact.friction.slip import Slip
+from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from studies import algorithm_settings, solving
 from studies.certificate import certificate
 from studies.experiments.planting import Fault, swapped
-from studies.friction.settings import DRAG
+from studies.friction.settings import DRAG, MU
 from studies.friction.stages import Stages
+from studies.fuzz import rubbed
 from studies.fuzz.cases import FRICTION
+from studies.request import Value
 
 Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 
@@ -27,13 +28,13 @@ Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 @contextmanager
 def _answers(change: Change) -> Iterator[None]:
     """Every converged answer with friction is changed; change(found, start)."""
-    sound = WithFriction.solve
+    sound = FrictionalRun.finish
 
-    def solve(self: WithFriction, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        found = sound(self, problem, start)
-        return found if found.friction is None or not found.outcome.converged else change(found, start)
+    def finish(self: FrictionalRun, at: Point, outcome: Outcome) -> ContactSolution:
+        found = sound(self, at, outcome)
+        return change(found, self.begun) if outcome.converged else found
 
-    with swapped(WithFriction, "solve", solve):
+    with swapped(FrictionalRun, "finish", finish):
         yield
 
 
@@ -91,12 +92,20 @@ def _drag_in_own_units() -> Iterator[None]:
 
 def _anchored(change: Callable[[np.ndarray], np.ndarray]) -> Any:
     """Where candidates are taken to have stuck is changed, for the algorithm and its judge alike."""
-    sound = posed._anchors
-    return swapped(posed, "_anchors", lambda slip, u, stretched: change(sound(slip, u, stretched)))
+    sound = Slip.left
+    return swapped(Slip, "left", lambda slip, u, stretched: change(sound(slip, u, stretched)))
 
 
-def _twin_without_settings() -> Any:
-    return swapped(catalogue, "twin", lambda algorithm: catalogue.FRICTIONAL[algorithm.name](epsilon=algorithm.epsilon))
+@contextmanager
+def _settings_dropped() -> Iterator[None]:
+    sound = algorithm_settings.configured
+
+    def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
+        found = sound(contact, settings)
+        return type(found)(epsilon=found.epsilon) if MU.key in settings else found
+
+    with swapped(solving, "configured", configured), swapped(rubbed, "configured", configured):
+        yield
 
 
 FAULTS = tuple(
@@ -108,6 +117,6 @@ FAULTS = tuple(
         ("what friction loses is gained", lambda: _answers(_gained)),
         ("a drag is taken in the unit of length of the problem", _drag_in_own_units),
         ("anchors are a thousandth off", lambda: _anchored(lambda places: 1.001 * places)),
-        ("settings of an algorithm are dropped with friction", _twin_without_settings),
+        ("settings of an algorithm are dropped with friction", _settings_dropped),
     )
 )

@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from contact.coulomb import Motion, Surface, with_friction
+from contact.coulomb import Motion, Surface
+from contact.friction.slip import with_friction
 from contact.problem import ContactProblem, ContactSolution
 from studies.friction.observed import FORCES, FRICTION, forces, nodal
 from studies.friction.settings import DRAG, MU, TURN, WAY

@@ -18,7 +18,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("formulations", "contact", "studies")
 CATALOGUE = ("studies.scenes",)
-FRICTION = ("contact.friction", "contact.friction.*", "studies.friction.certificate", "studies.friction.stages")
+FRICTION = ("contact.friction", "contact.friction.*", "studies.friction.stages")
 
 
 def sources_hash(modules: Iterable[str], root: Path = ROOT, *, without: tuple[str, ...] = ()) -> str:

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
 from studies.commands import FAILED, OK
 from studies.commands.options import positive, progress_bar
 from studies.door.columns import columns
@@ -146,11 +145,10 @@ def _say(wrong: list[str], count: int, directory: Path) -> int:
     return FAILED if wrong else OK
 
 
-def _step(path: Path) -> FrozenStep | FrozenFrictionalStep:
+def _step(path: Path) -> FrozenStep:
     """With friction where the file says so; raises UsageError."""
     try:
-        step = FrozenStep.read(path)
-        return FrozenFrictionalStep.read(path) if "friction" in step.meta else step
+        return FrozenStep.read(path)
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
 
@@ -162,7 +160,6 @@ def _export(options: argparse.Namespace) -> int:
     step = _step(options.problem)
     if isinstance(step, FrozenFrictionalStep):
         export_frictional(step, options.format, options.out)
-        step = step.step
     else:
         export(step, options.format, options.out)
     print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")

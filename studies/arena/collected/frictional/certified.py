@@ -12,12 +12,12 @@ from itertools import product
 
 import numpy as np
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.interchange.oracle import OracleAnswer, compared, minimise, on_its_states
-from contact.friction.interchange.oracle_states import Known
-from contact.friction.problem import FrictionalSolution, State
-from contact.friction.verify import judge
+from contact.interchange.friction_oracle import compared, minimise, on_its_states
+from contact.interchange.friction_states import Known
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.interchange.oracle import AGREEMENT, OracleError
+from contact.problem import ContactSolution
+from contact.verify import judge
 from studies.arena.collected.certified import ROUNDED, SAME, NotCertifiedError
 from studies.experiments.friction.public.public_problems import algorithms
 
@@ -40,8 +40,8 @@ def find(step: FrozenFrictionalStep) -> FrictionCertified:
     From rest, and where K leaves free what contacts hold, from all of them sticking.
     """
     problem, reasons = step.problem(), []
-    rest = FrictionalSolution.at_rest(len(step.step.r), len(step.mu))
-    starts = rest, replace(rest, state=np.full(len(step.mu), State.STICK, np.int8))
+    rest = ContactSolution.at_rest(len(step.r), len(step.mu))
+    starts = rest, replace(rest, active=np.ones(len(step.mu), bool))
     for (name, algorithm), start in product(algorithms().items(), starts):
         if np.isfinite(algorithm.epsilon):
             continue
@@ -50,9 +50,11 @@ def find(step: FrozenFrictionalStep) -> FrictionCertified:
         except (ValueError, ArithmeticError) as error:
             reasons.append(f"{name}: {error}")
             continue
-        wrong = judge(problem, found.u, found.normal, found.friction).failures() if found.outcome.converged else []
+        friction = found.rubbed
+        wrong = judge(problem, found.u, found.pressure, friction.force).failures() if found.outcome.converged else []
         if found.outcome.converged and not wrong:
-            return FrictionCertified(Known(found.u, found.normal, found.friction, found.state), name)
+            normal = problem.nodal_forces(found.pressure)
+            return FrictionCertified(Known(found.u, normal, friction.force, friction.state), name)
         reasons.append(f"{name}: {', '.join(wrong) or found.outcome.word}")
     raise NotCertifiedError("; ".join(dict.fromkeys(reasons)))
 
@@ -75,10 +77,11 @@ def confirm(step: FrozenFrictionalStep, answer: FrictionCertified, condition: fl
         return replace(answer, confirmed_by=(EQUATIONS,))
     if _apart(step, own, answer.known) <= same:
         return replace(answer, confirmed_by=(EQUATIONS, PROGRAMMES))
-    wrong = judge(step.problem(), own.du, own.normal, own.friction).failures()
+    pressure = np.divide(own.normal, step.weights, out=np.zeros_like(own.normal), where=step.weights > 0)
+    wrong = judge(step.problem(), own.du, pressure, own.friction).failures()
     return replace(answer, confirmed_by=(EQUATIONS,), several=not wrong)
 
 
-def _apart(step: FrozenFrictionalStep, own: OracleAnswer, known: Known) -> float:
+def _apart(step: FrozenFrictionalStep, own: Known, known: Known) -> float:
     found = compared(step, own, known.du, known.normal, known.friction)
     return max(found.displacement_error, found.force_error)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from scipy import io, sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from studies.arena.collected.exports import written
 from studies.request import UsageError
 from studies.store.atomic import write_json
@@ -22,17 +22,17 @@ SPACE = 3
 
 def matrix_market(path: Path, step: FrozenFrictionalStep) -> None:
     """Into a directory: M, H, f, w and mu as .mtx, and problem.json."""
-    for name, matrix in (("M", step.step.K), ("H", step.H)):
+    for name, matrix in (("M", step.K), ("H", step.H)):
         io.mmwrite(path / f"{name}.mtx", sparse.coo_matrix(matrix), precision=17, symmetry="general")
-    for name, vector in (("f", -step.step.r), ("w", step.w), ("mu", step.mu)):
+    for name, vector in (("f", -step.r), ("w", step.w), ("mu", step.mu)):
         io.mmwrite(path / f"{name}.mtx", vector[:, None], precision=17)
-    write_json(path / "problem.json", {**step.step.meta, "spacedim": SPACE, "form": "global problem of FCLib"})
+    write_json(path / "problem.json", {**step.meta, "spacedim": SPACE, "form": "global problem of FCLib"})
 
 
 def arrays(path: Path, step: FrozenFrictionalStep) -> None:
     """One .npz: M and H by compressed columns (x, i, p as CSparse has them), f, w, mu, spacedim."""
-    told = {"f": -step.step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
-    for name, matrix in (("M", sparse.csc_matrix(step.step.K)), ("H", step.H)):
+    told = {"f": -step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
+    for name, matrix in (("M", sparse.csc_matrix(step.K)), ("H", step.H)):
         told |= {f"{name}_x": matrix.data, f"{name}_i": matrix.indices, f"{name}_p": matrix.indptr}
     with path.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **told)

@@ -8,6 +8,7 @@ their reasons. The manifest stands beside that of the steps without friction, wh
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.problem import State
-from contact.interchange.linearised_step import FrozenStepError
+from contact.coulomb import State
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStepError
 from studies.arena.collected.frictional.certified import FrictionCertified, confirm, find
 from studies.arena.collected.frictional.steps import FAMILIES, FrictionalCandidate
 from studies.arena.collected.rule import SUMS, VERSION, differing, sums
@@ -50,10 +50,10 @@ def _kept(name: str) -> pd.DataFrame:
 def row(candidate: FrictionalCandidate) -> dict[str, Any]:
     """Of the manifest, but for the size of the file; raises NotCertifiedError."""
     step = candidate.step
-    stiff = condition(step.step.K)
+    stiff = condition(step.K)
     answer = confirm(step, find(step), stiff)
-    told = {"name": candidate.name, "family": candidate.family, "unknowns": len(step.step.r)}
-    told |= {"candidates": len(step.mu), "entries": step.step.K.nnz, "kind": kind(step.step), "condition": stiff}
+    told = {"name": candidate.name, "family": candidate.family, "unknowns": len(step.r)}
+    told |= {"candidates": len(step.mu), "entries": step.K.nnz, "kind": kind(step), "condition": stiff}
     told |= {"friction": "coulomb", "mu": float(np.max(step.mu)), **_states(answer)}
     told |= {"force_N": float(answer.known.normal.sum()), "friction_N": _size(answer.known.friction)}
     told |= {"displacement_mm": float(np.max(np.abs(answer.known.du), initial=0.0))}
@@ -76,7 +76,7 @@ def _size(friction: np.ndarray) -> float:
 def friction_sums(step: FrozenFrictionalStep) -> tuple[float, ...]:
     """Norms of K, r, G, gap, S, slip and mu: what a problem is recognised by on another machine."""
     more = (step.S.data, step.slip, step.mu)
-    return (*sums(step.step), *(float(np.linalg.norm(part)) for part in more))
+    return (*sums(step), *(float(np.linalg.norm(part)) for part in more))
 
 
 def choose_frictional(directory: Path, tell: Callable[[str], None] = _silent, only: str = "") -> pd.DataFrame:
@@ -106,8 +106,7 @@ def write(directory: Path, candidate: FrictionalCandidate) -> Path:
     path, step = directory / f"{candidate.name}.npz", candidate.step
     head = {"name": candidate.name, "family": candidate.family, "licence": candidate.licence, **candidate.origin}
     head |= {"collection_version": VERSION}
-    base = type(step.step)(**{**vars(step.step), "meta": head})
-    write_by(path, FrozenFrictionalStep(base, step.S, step.slip, step.mu).write)
+    write_by(path, replace(step, meta=head).write)
     return path
 
 
@@ -137,6 +136,6 @@ def unlike_frictional(directory: Path, kept: pd.DataFrame) -> list[str]:
             lines.append(f"{told['name']}: {error}")
             continue
         moved = float(told["displacement_mm"])
-        sizes = {"sum_r": step.step.scale, "sum_gap": moved, "sum_slip": moved}
-        lines += differing(told, step.step, dict(zip(FRICTION_SUMS, friction_sums(step), strict=True)), sizes)
+        sizes = {"sum_r": step.scale, "sum_gap": moved, "sum_slip": moved}
+        lines += differing(told, step, dict(zip(FRICTION_SUMS, friction_sums(step), strict=True)), sizes)
     return lines

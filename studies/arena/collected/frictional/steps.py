@@ -13,10 +13,11 @@ from typing import Any
 
 import numpy as np
 
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.interchange.frozen import FrozenFrictionalStep, frozen
-from contact.friction.interchange.own_ways import with_own_ways
+from contact.algorithms.semismooth import Semismooth
 from contact.friction.path import PathState, Stage, follow
+from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
+from contact.interchange.own_ways import with_own_ways
+from contact.problem import ContactProblem, ContactSolution
 from studies.arena.collected.candidates import LICENCE
 from studies.experiments.friction.closed_forms.bars import Bar
 from studies.experiments.friction.closed_forms.rigid_bodies import SOFT
@@ -60,10 +61,17 @@ def _on_path(
     before = rest
     for i, load in enumerate(loads, 1):
         stage, at = stage_at(load, before.anchors), before.solution
-        step = frozen(stage.problem, at.u, at.normal, {})
+        step = _frozen(stage.problem, at)
         yield FrictionalCandidate(family, f"{name}-s{i}", {"source": source, "target": load}, step)
         if i < len(loads):
             before = next(follow(stage_at, (load,), Semismooth(settle=0.0), before))
+
+
+def _frozen(problem: ContactProblem, at: ContactSolution) -> FrozenFrictionalStep:
+    """Of a problem with friction."""
+    step = freeze(problem, at.u, at.pressure, {})
+    assert isinstance(step, FrozenFrictionalStep)
+    return step
 
 
 def strips() -> Iterator[FrictionalCandidate]:
@@ -94,7 +102,7 @@ def plates() -> Iterator[FrictionalCandidate]:
     """The GRECO plate: open, sliding and sticking in one."""
     for element, n, mu in (("Q2", 8, 1.0), ("Q2", 16, 1.0), ("Q2", 16, 0.3), ("Q1", 16, 1.0), ("Q2", 32, 1.0)):
         plate = GrecoPlate(element, n)
-        step = frozen(frictional(plate, mu), np.zeros(len(plate.free)), np.zeros(len(plate.x)), {})
+        step = _frozen(frictional(plate, mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
         name = f"greco-{element}-{n}-mu{mu:g}"
         yield FrictionalCandidate("greco", name, {"source": "GRECO plate with friction, SSNV128"}, step)
 

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from contact.friction.algorithms.semismooth import Semismooth
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import Coulomb
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.problem import ContactProblem, linear_mechanics
+from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 
 EA = 1e4  # N
 STIFF = 1e9  # N/mm, of what drives an end
@@ -76,18 +76,18 @@ class Bar:
         def gap_jacobian(u: np.ndarray) -> sparse.csr_matrix:
             return across
 
-        contact = ContactProblem(linear_mechanics(K, load, largest), lambda u: across @ u, gap_jacobian, self.shares)
-        mu = np.full(n + 1, self.mu)
-        problem = FrictionalProblem(contact, mu, lambda u: (slips @ u - anchors).reshape(-1, 2), lambda u: slips)
+        law = Coulomb(np.full(n + 1, self.mu), lambda u: (slips @ u - anchors).reshape(-1, 2), lambda u: slips)
+        mechanics = linear_mechanics(K, load, largest)
+        problem = ContactProblem(mechanics, lambda u: across @ u, gap_jacobian, self.shares, coulomb=law)
         return Stage(problem, lambda u: np.asarray(slips @ u))
 
     @property
     def rest(self) -> PathState:
         """Pressed, sticking, under its tension."""
         size, m = 2 * (self.n + 1), self.n + 1
-        at = FrictionalSolution.at_rest(size, m)
-        pressed = (self.press + self.tension * self.curvature) * self.shares
-        return PathState(0.0, replace(at, normal=pressed, state=np.full(m, State.STICK, np.int8)), np.zeros(2 * m))
+        at = ContactSolution.at_rest(size, m)
+        pressed = np.full(m, self.press + self.tension * self.curvature)
+        return PathState(0.0, replace(at, pressure=pressed, active=np.ones(m, bool)), np.zeros(2 * m))
 
     def follow(self, pulls: Sequence[float]) -> list[PathState]:
         """The states at these pulls in turn, from rest; a front passes many nodes on one linearisation."""

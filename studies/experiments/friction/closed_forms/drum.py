@@ -19,7 +19,7 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
-from contact.friction.problem import State
+from contact.coulomb import State
 from studies.experiments.friction.closed_forms.bars import EA, STIFF, Bar, front
 from studies.experiments.friction.closed_forms.strip import MESHES
 
@@ -66,10 +66,10 @@ def capstan_table(
         sign = SIDES[side]
         bar = Bar(n, RADIUS * theta, mu, curvature=sign / RADIUS, tension=sign * N0, driven=True)
         found = bar.follow([sign * DRIVEN])[-1].solution
-        ratio = 1 - sign * float(np.sum(found.friction[:, 0])) / N0
+        ratio = 1 - sign * float(np.sum(found.rubbed.force[:, 0])) / N0
         rows.append(
             {"side": side, "mu": mu, "theta_rad": theta, "elements": n, "outcome": found.outcome.word}
-            | {"slipping": int(np.sum(found.state == State.SLIP)), "ratio": ratio}
+            | {"slipping": int(np.sum(found.rubbed.state == State.SLIP)), "ratio": ratio}
             | {"error": ratio / math.exp(mu * theta) - 1}
             | {"at_spring": 1 + STIFF * (DRIVEN - sign * float(found.u[-2])) / N0}
         )

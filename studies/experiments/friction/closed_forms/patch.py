@@ -22,8 +22,8 @@ import numpy as np
 import pandas as pd
 from numpy.polynomial import Polynomial
 
+from contact.coulomb import State
 from contact.friction.path import PathState
-from contact.friction.problem import State
 from studies.experiments.friction.closed_forms.brush import Brush, dragged, spun
 
 MU, STIFF, PRESSURE, DISC = 0.5, 50.0, 0.5, 50.0  # -, N/mm^3, MPa, mm
@@ -49,7 +49,10 @@ def sliding_table(angles: Sequence[float] = (0.0, 0.5, 1.2, 2.5, 4.0)) -> pd.Dat
     for angle in angles:
         brush = replace(uneven(), moved=dragged(np.array([math.cos(angle), math.sin(angle)])))
         state = brush.follow([FAR, 2 * FAR, 3 * FAR])[-1]
-        force, bound = float(np.linalg.norm(brush.friction(state).sum(axis=0))), MU * float(state.solution.normal.sum())
+        force, bound = (
+            float(np.linalg.norm(brush.friction(state).sum(axis=0))),
+            MU * float(brush.areas @ state.solution.pressure),
+        )
         rows.append(_told(state) | {"angle_rad": angle, "force_N": force, "bound_N": bound, "error": force / bound - 1})
     return pd.DataFrame(rows)
 
@@ -64,7 +67,7 @@ def spin_table(steps: Sequence[float] = (0.05, 0.1, 0.2, 0.4)) -> pd.DataFrame:
         brush = uneven()
         state = brush.follow([step * k for k in range(1, SETTLED + 1)])[-1]
         r = np.linalg.norm(brush.candidates.positions(state.solution.u)[:, :2], axis=1)
-        moment, bound = brush.moment(state), MU * float(state.solution.normal @ r)
+        moment, bound = brush.moment(state), MU * float((brush.areas * state.solution.pressure) @ r)
         told = _told(state) | {
             "step_rad": step,
             "moment_N_mm": moment,
@@ -135,7 +138,7 @@ def parking_table(
         states = brush.follow([disc.phi, -disc.phi, disc.phi])
         first, loop = states[0], sum(state.dissipation for state in states[1:])
         slip = np.linalg.norm((first.anchors[:, :2] - brush.places)[::SECTORS], axis=1)
-        read = _root(np.linalg.norm(brush.places, axis=1)[::SECTORS], slip, first.solution.state[::SECTORS])
+        read = _root(np.linalg.norm(brush.places, axis=1)[::SECTORS], slip, first.solution.rubbed.state[::SECTORS])
         moment = brush.moment(first)
         rows.append(
             {"pressure": pressure, "core": core, "rings": n, "outcome": states[-1].solution.outcome.word}
@@ -156,5 +159,5 @@ def _root(r: np.ndarray, slip: np.ndarray, state: np.ndarray) -> float:
 def _told(state: PathState) -> dict[str, object]:
     """Outcome, and how many points there are and slide."""
     found = state.solution
-    slides = int(np.sum(found.state == State.SLIP))
-    return {"outcome": found.outcome.word, "points": len(found.state), "sliding": slides}
+    slides = int(np.sum(found.rubbed.state == State.SLIP))
+    return {"outcome": found.outcome.word, "points": len(found.active), "sliding": slides}

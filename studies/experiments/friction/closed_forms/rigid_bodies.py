@@ -15,21 +15,21 @@ import math
 import numpy as np
 from scipy import sparse
 
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.problem import ContactProblem, linear_mechanics
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import Coulomb, State
+from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 
 SOFT = 1.0  # N/mm
 
 
-def block(slope: float, mu: float, push: float, weight: float = 1.0) -> FrictionalSolution:
+def block(slope: float, mu: float, push: float, weight: float = 1.0) -> ContactSolution:
     """The block on the slope [rad], its forces in N; slip is positive upwards."""
     up, off = np.array([math.cos(slope), math.sin(slope)]), np.array([-math.sin(slope), math.cos(slope)])
     G, S = sparse.csr_matrix(off[None]), sparse.csr_matrix(np.array([up, [0.0, 0.0]]))
     mechanics = linear_mechanics(sparse.csc_matrix(SOFT * np.eye(2)), np.array([push, -weight]))
-    contact = ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1))
-    problem = FrictionalProblem(contact, np.full(1, mu), lambda u: (S @ u).reshape(1, 2), lambda u: S)
-    return Semismooth().solve(problem, FrictionalSolution.at_rest(2, 1))
+    law = Coulomb(np.full(1, mu), lambda u: (S @ u).reshape(1, 2), lambda u: S)
+    problem = ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1), coulomb=law)
+    return Semismooth().solve(problem, ContactSolution.at_rest(2, 1))
 
 
 def pushed_up(slope: float = math.atan(0.1), mu: float = 0.3, digits: float = 1e-9) -> float:
@@ -37,6 +37,6 @@ def pushed_up(slope: float = math.atan(0.1), mu: float = 0.3, digits: float = 1e
     low, high = math.tan(slope), 2.0
     while high - low > digits:
         middle = (low + high) / 2
-        slides = block(slope, mu, middle).state[0] == State.SLIP
+        slides = block(slope, mu, middle).rubbed.state[0] == State.SLIP
         low, high = (low, middle) if slides else (middle, high)
     return high

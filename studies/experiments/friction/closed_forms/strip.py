@@ -26,7 +26,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from contact.friction.problem import State
+from contact.coulomb import State
 from studies.experiments.friction.closed_forms.bars import EA, Bar, front
 
 TAU, PULL, LENGTH = 0.5, 20.0, 100.0  # N/mm, N, mm
@@ -54,7 +54,7 @@ def strip_table(meshes: Sequence[int] = MESHES, steps: Sequence[int] = (1, 4)) -
             ends = [float(state.solution.u[-2]) for state in states]
             first = states[count - 1].solution
             loop = sum(state.dissipation for state in states[3 * count :])
-            read, counted = front(bar, first.u[::2]), float(np.sum((first.state == State.SLIP) * bar.shares))
+            read, counted = front(bar, first.u[::2]), float(np.sum((first.rubbed.state == State.SLIP) * bar.shares))
             rows.append(
                 {"elements": n, "steps": count, "offset": q - _slipping(q)}
                 | {"converged": len(states) == len(pulls) and all(s.solution.outcome.converged for s in states)}

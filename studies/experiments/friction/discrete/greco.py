@@ -7,16 +7,17 @@ quadrilaterals, 64x64 and 96x96 alike.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.problem import FrictionalProblem, FrictionalSolution
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import by_the_exact_law
+from contact.coulomb import Coulomb
 from contact.operations import SPENT
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.experiments.solids.greco_plate import GrecoPlate
 
 PLACES = (0.0, 1.25, 5.0, 7.5, 11.25)  # mm
@@ -25,23 +26,22 @@ FRICTION = -1405.3  # N/mm
 STIFF = 1e8  # MPa/mm, of regularised: penetrations of 1e-6 mm beside slips of 1e-2 mm
 
 
-def frictional(plate: GrecoPlate, mu: float = 1.0) -> FrictionalProblem:
+def frictional(plate: GrecoPlate, mu: float = 1.0) -> ContactProblem:
     """The plate on a plane with friction; its second slip is none."""
     slips = sparse.csr_matrix(sparse.kron(plate.along, [[1.0], [0.0]]))
-    return FrictionalProblem(
-        plate.problem, np.full(len(plate.x), mu), lambda u: (slips @ u).reshape(-1, 2), lambda u: slips
-    )
+    law = Coulomb(np.full(len(plate.x), mu), lambda u: (slips @ u).reshape(-1, 2), lambda u: slips)
+    return replace(plate.problem, coulomb=law)
 
 
-def solve(plate: GrecoPlate, algorithm: FrictionalAlgorithm | None = None, mu: float = 1.0) -> FrictionalSolution:
+def solve(plate: GrecoPlate, algorithm: ContactAlgorithm | None = None, mu: float = 1.0) -> ContactSolution:
     """From rest, by semismooth Newton unless another algorithm is given."""
-    rest = FrictionalSolution.at_rest(len(plate.free), len(plate.x))
+    rest = ContactSolution.at_rest(len(plate.free), len(plate.x))
     return (algorithm or Semismooth()).solve(frictional(plate, mu), rest)
 
 
-def algorithms() -> list[FrictionalAlgorithm]:
+def algorithms() -> list[ContactAlgorithm]:
     """All of the catalogue, on springs of STIFF where there are any."""
-    return [kind(epsilon=STIFF) if kind.name == "regularised" else kind() for kind in FRICTIONAL.values()]
+    return list(by_the_exact_law(STIFF).values())
 
 
 def friction_table(meshes: Sequence[int] = (16, 32)) -> pd.DataFrame:
@@ -61,5 +61,5 @@ def friction_table(meshes: Sequence[int] = (16, 32)) -> pd.DataFrame:
             row |= {key: found.counters[key] for key in ("newton_iterations", "factorisations")}
             row |= {"operations": spent, "error": np.max(np.abs(slips / SLIPS - 1))}
             row |= {f"slip_{place:g}": slip for place, slip in zip(PLACES, slips, strict=True)}
-            rows.append(row | {"friction_N": float(np.sum(found.friction[:, 0]))})
+            rows.append(row | {"friction_N": float(np.sum(found.rubbed.force[:, 0]))})
     return pd.DataFrame(rows)

@@ -19,10 +19,9 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.problem import ContactProblem, linear_mechanics
+from contact.catalogue import by_the_exact_law
+from contact.coulomb import Coulomb, State
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
 
 STIFF = 1e10  # MPa/mm, of regularised
 SAME = 1e-7  # of the answer: springs give way by the inverse of their stiffness
@@ -46,14 +45,14 @@ class Springs:
         return self.mu * abs(self.nt) / self.tt
 
     @property
-    def problem(self) -> FrictionalProblem:
+    def problem(self) -> ContactProblem:
         """The same for an algorithm; areas are 1."""
         K = sparse.csc_matrix([[self.tt, self.nt], [self.nt, self.nn]])
         G, S = sparse.csr_matrix([[0.0, 1.0]]), sparse.csr_matrix([[1.0, 0.0], [0.0, 0.0]])
         mechanics = linear_mechanics(K, np.array([self.along, self.off]))
-        contact = ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1))
         moved = np.array([[self.slip0, 0.0]])
-        return FrictionalProblem(contact, np.full(1, self.mu), lambda u: moved + (S @ u).reshape(1, 2), lambda u: S)
+        law = Coulomb(np.full(1, self.mu), lambda u: moved + (S @ u).reshape(1, 2), lambda u: S)
+        return ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1), coulomb=law)
 
 
 @dataclass(frozen=True)
@@ -106,9 +105,9 @@ CASES: dict[str, Springs] = {  # K_tt, K_nt, K_nn, mu, F_t, F_n, s0
 }
 
 
-def algorithms() -> list[FrictionalAlgorithm]:
+def algorithms() -> list[ContactAlgorithm]:
     """All of the catalogue, on springs as stiff as they need be where there are any."""
-    return [kind(epsilon=STIFF) if kind.name == "regularised" else kind() for kind in FRICTIONAL.values()]
+    return list(by_the_exact_law(STIFF).values())
 
 
 def klarbring_table(cases: Sequence[str] = tuple(CASES)) -> pd.DataFrame:
@@ -120,20 +119,20 @@ def klarbring_table(cases: Sequence[str] = tuple(CASES)) -> pd.DataFrame:
     for case in cases:
         springs, there_are = CASES[case], answers(CASES[case])
         for algorithm in algorithms():
-            solution = algorithm.solve(springs.problem, FrictionalSolution.at_rest(2, 1))
+            solution = algorithm.solve(springs.problem, ContactSolution.at_rest(2, 1))
             row = {"case": case, "mu_Knt_over_Ktt": springs.coupling, "answers": len(there_are)}
             row |= {"which": ", ".join(answer.word for answer in there_are), "algorithm": algorithm.name}
             rows.append(row | {"outcome": solution.outcome.word, "found": _found(solution, there_are)})
     return pd.DataFrame(rows)
 
 
-def _found(solution: FrictionalSolution, there_are: Sequence[Answer]) -> str:
+def _found(solution: ContactSolution, there_are: Sequence[Answer]) -> str:
     if not solution.outcome.converged:
         return ""
-    told = np.array([*solution.u, solution.normal[0], solution.friction[0, 0]])
+    told = np.array([*solution.u, solution.pressure[0], solution.rubbed.force[0, 0]])
     for answer in there_are:
         known = np.array([answer.u_t, answer.u_n, answer.f, answer.t])
         state = State[answer.word.split()[0].upper()]
-        if solution.state[0] == state and np.max(np.abs(told - known)) <= SAME * np.max(np.abs(known)):
+        if solution.rubbed.state[0] == state and np.max(np.abs(told - known)) <= SAME * np.max(np.abs(known)):
             return answer.word
     return "wrong"

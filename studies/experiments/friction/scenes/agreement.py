@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.problem import State
+from contact.catalogue import ALGORITHMS
+from contact.coulomb import State
 from studies.experiments.friction.scenes.rubbed_scenes import solved
 from studies.result import Result
 
@@ -39,7 +39,7 @@ CASES: dict[str, tuple[str, str, Mapping[str, object]]] = {
 }
 
 
-def agreement_table(cases: Sequence[str] = tuple(CASES), algorithms: Sequence[str] = tuple(FRICTIONAL)) -> pd.DataFrame:
+def agreement_table(cases: Sequence[str] = tuple(CASES), algorithms: Sequence[str] = tuple(ALGORITHMS)) -> pd.DataFrame:
     """A row a case and algorithm, compared with semismooth at all loads that both have reached.
 
     force_error: largest difference of a normal or tangential force of a candidate, over the largest force there.

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.friction.problem import State
+from contact.coulomb import State
 from studies.experiments.friction.discrete.greco import solve
 from studies.experiments.friction.discrete.limits import frictionless_table, tied, tied_table
 from studies.experiments.solids.greco_plate import GrecoPlate
 
 ROUNDING = 1e-12
-# friction_of in contact.friction.newton.laws multiplies an infinite bound by no slip, and drops what comes of it
+# friction_of in contact.friction.laws multiplies an infinite bound by no slip, and drops what comes of it
 UNBOUNDED = pytest.mark.filterwarnings("ignore:invalid value encountered in multiply:RuntimeWarning")
 
 
@@ -53,5 +53,5 @@ def test_a_large_coefficient_ties_the_same_nodes() -> None:
     plate = GrecoPlate("Q1", 6)
     ((u, holds),) = tied(plate)
     found = solve(plate, mu=1e6)
-    assert np.array_equal(found.state == State.STICK, holds)
+    assert np.array_equal(found.rubbed.state == State.STICK, holds)
     np.testing.assert_allclose(found.u, u, rtol=0, atol=1e-12 * np.max(np.abs(u)))

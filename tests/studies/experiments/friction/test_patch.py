@@ -36,7 +36,7 @@ def test_its_pressures_are_uneven_and_depend_on_friction() -> None:
     """Else the bound would be the same number in every direction, and known before."""
     bounds = sliding_table((0.0, 2.5))["bound_N"]
     assert abs(bounds[1] / bounds[0] - 1) > 0.05
-    pressed = uneven().follow([0.0])[-1].solution.normal
+    pressed = uneven().follow([0.0])[-1].solution.pressure
     assert pressed.max() / pressed.min() > 2
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from contact.friction.problem import State
+from contact.coulomb import State
 from studies.experiments.friction.closed_forms.rigid_bodies import block, pushed_up
 from studies.experiments.friction.discrete.greco import FRICTION, SLIPS, friction_table
 
@@ -37,4 +37,4 @@ def test_the_wedge_slides_at_the_limit_of_the_rigid_one() -> None:
 
 @pytest.mark.parametrize(("mu", "state"), [(0.49, State.SLIP), (0.5, State.STICK)])
 def test_the_block_on_the_slope(mu: float, state: State) -> None:
-    assert block(math.radians(26.565), mu, 0.0).state[0] == state
+    assert block(math.radians(26.565), mu, 0.0).rubbed.state[0] == state

@@ -14,8 +14,8 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import qr
 
-from contact.friction.newton.laws import Laws
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.laws import Laws
 from contact.newton.held import Held
 from contact.newton.pivots import largest
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction.problem import State
+from contact.coulomb import State
 
 STIFFEST = 1e6  # kappa over c
 

@@ -17,17 +17,17 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from contact.friction.newton.held import DEPENDENT, Directions
-from contact.friction.newton.laws import Laws
-from contact.friction.newton.step import Stepped
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.held import DEPENDENT, Directions
+from contact.friction.laws import Laws
+from contact.friction.step import Stepped
 from contact.newton.step import NewtonRun
 from contact.problem import Linearised
 from contact.solvers.sparse import added
 
 
 class SprungStep:
-    """The linearisation at u; arguments as :class:`contact.friction.newton.step.FrictionalStep`, k (m,) [N/mm]."""
+    """The linearisation at u; arguments as :class:`contact.friction.step.FrictionalStep`, k (m,) [N/mm]."""
 
     def __init__(
         self,

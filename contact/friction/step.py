@@ -19,9 +19,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.friction.newton.held import Directions, HeldStates
-from contact.friction.newton.laws import Laws
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.held import Directions, HeldStates
+from contact.friction.laws import Laws
 from contact.newton.step import NewtonRun
 from contact.operations import DENSE_PIVOTS, dense_solution, spend
 from contact.problem import Linearised
