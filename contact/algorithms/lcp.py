@@ -13,9 +13,8 @@ from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
 from contact.friction.loop import finished, unfinished
 from contact.friction.polygon import SIDES, by_pivots, no_polygon
-from contact.newton.condensed import Condensed
+from contact.newton.condensed import Condensed, closed
 from contact.newton.loop import Step, StepError, decide_set, iterate
-from contact.newton.pivots import holding
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
@@ -113,7 +112,7 @@ def _condensed(method: str, run: NewtonRun, at: Iterate) -> Step:
         events.append(found.event)
         return (found.z > 0) ^ back
 
-    return replace(decide_set(run, at, linear, decide), event=next(filter(None, reversed(events)), None))
+    return replace(decide_set(run, at, linear, decide)[0], event=next(filter(None, reversed(events)), None))
 
 
 def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
@@ -145,23 +144,8 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
             entering = np.flatnonzero(pushed_in)
     du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
     pressure, active = multiplier / per_pressure, multiplier > 0
-    return Step(_closed(run, at, G, du, pressure, active), pressure, active, event)
-
-
-def _closed(
-    run: NewtonRun, at: Iterate, G: sparse.csr_matrix, du: np.ndarray, pressure: np.ndarray, active: np.ndarray
-) -> np.ndarray:
-    """The du (n,) whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly.
-
-    Loads and contact forces cancel in du, and what they leave may be large beside gaps that hardly move.
-    """
-    nodes = np.flatnonzero(active)
-    if len(nodes) == 0:
-        return du
-    rows = G[nodes]
-    (pivot, slope), du = holding(run.problem.push(at.u)[nodes], nodes), du.copy()
-    du[pivot] -= (at.gap[nodes] + pressure[nodes] / run.epsilon + rows @ du) / slope
-    return du
+    exact = closed(du, at.gap, G, acting, pressure / run.epsilon, active) if active.any() else du
+    return Step(exact, pressure, active, event)
 
 
 def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> LcpSolution:

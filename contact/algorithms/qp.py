@@ -116,8 +116,9 @@ class Qp(NewtonAlgorithm):
                 words[f"{self.backend} says {answer.status!r}"] = None
             return (answer.x > programme.P @ answer.x + programme.q) ^ base
 
-        claimed = decide_set(run, at, linear, decide).active
-        return self._finished(settle_set(run, at, claimed, linear=linear), claimed, max(shifts), list(words))
+        step, linear = decide_set(run, at, linear, decide)
+        settled = settle_set(run, at, step.active, linear=linear)
+        return self._finished(settled, step.active, max(shifts), list(words))
 
     def _full(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:

@@ -57,55 +57,49 @@ class Directions:
         return unknowns, J
 
 
-@dataclass(frozen=True, eq=False)
-class HeldStates:
+def held_states(
+    ways: Directions, laws: Laws, mu: np.ndarray, K: sparse.csc_matrix
+) -> tuple[Held, sparse.csr_matrix, sparse.csr_matrix]:
     """K du - J^T F = -r under the laws, with v = (g, s) after the step where a candidate is not free along it.
 
-    held: the rows of unit slope that hold, and those that push.  to_slack (a, 3m): values of the held rows of unit v.
+    The rows of unit slope that hold, and those that push; to_slack (a, 3m): values of the held rows of unit v;
     multiplied (3m, a): forces F of unit multipliers; friction that follows a normal force is not among them.
+    K (n, n) has the springs across slips already. Raises NotHeldError.
     """
-
-    held: Held
-    to_slack: sparse.csr_matrix
-    multiplied: sparse.csr_matrix
-
-    @classmethod
-    def of(cls, ways: Directions, laws: Laws, mu: np.ndarray, K: sparse.csc_matrix) -> HeldStates:
-        """K (n, n) has the springs across slips already. Raises NotHeldError."""
-        m, n = len(mu), K.shape[0]
-        holds, pushes, slacks, forces, pivots = _Rows(), _Rows(), _Rows(), _Rows(), [np.zeros(0, int)]
-        own = ways.own
-        for i in np.flatnonzero(laws.closed).tolist():
-            unknowns, J = ways.block(i)
-            three = np.arange(3 * i, 3 * i + 3)
-            if laws.state[i] == State.STICK:
-                chosen = np.flatnonzero(own[i])
-                place = _independent(J[chosen], i)
-                inverse = np.linalg.inv(J[np.ix_(chosen, place)])
-                rows = acting = inverse @ J[chosen]
-                back, force = inverse, inverse.T
-            else:
-                chosen, pushed = np.zeros(1, int), J[0] - mu[i] * (laws.direction[i] @ J[1:])
-                place = np.array([np.argmax(J[0] * pushed)]) if own[i, 0] else np.zeros(0, int)
-                if not len(place) or J[0, place[0]] == 0:
-                    raise NotHeldError(f"contact candidate {i} has no unknown: its supports hold it")
-                k = place[0]
-                rows, acting = J[:1] / J[0, k], (pushed / pushed[k])[None]
-                back, force = np.array([[1 / J[0, k]]]), np.array([[1 / pushed[k]]])
-            holds.add(rows, unknowns)
-            pushes.add(acting, unknowns)
-            slacks.add(back, three[chosen])
-            forces.add(force.T, three[chosen])
-            pivots.append(unknowns[place])
-        pivot = np.concatenate(pivots).astype(np.intp)
-        rows, acting = holds.matrix(n), pushes.matrix(n)
-        if len(pivot) and np.max(np.bincount(np.concatenate(holds.each))) > 1:
-            raise NotHeldError(SHARED)
-        size = largest(sparse.csc_matrix(K[:, pivot]))
-        size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
-        ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
-        held = Held(K, rows, acting, pivot, ones, zeros, zeros, size)
-        return cls(held, slacks.matrix(3 * m), sparse.csr_matrix(forces.matrix(3 * m).T))
+    m, n = len(mu), K.shape[0]
+    holds, pushes, slacks, forces, pivots = _Rows(), _Rows(), _Rows(), _Rows(), [np.zeros(0, int)]
+    own = ways.own
+    for i in np.flatnonzero(laws.closed).tolist():
+        unknowns, J = ways.block(i)
+        three = np.arange(3 * i, 3 * i + 3)
+        if laws.state[i] == State.STICK:
+            chosen = np.flatnonzero(own[i])
+            place = _independent(J[chosen], i)
+            inverse = np.linalg.inv(J[np.ix_(chosen, place)])
+            rows = acting = inverse @ J[chosen]
+            back, force = inverse, inverse.T
+        else:
+            chosen, pushed = np.zeros(1, int), J[0] - mu[i] * (laws.direction[i] @ J[1:])
+            place = np.array([np.argmax(J[0] * pushed)]) if own[i, 0] else np.zeros(0, int)
+            if not len(place) or J[0, place[0]] == 0:
+                raise NotHeldError(f"contact candidate {i} has no unknown: its supports hold it")
+            k = place[0]
+            rows, acting = J[:1] / J[0, k], (pushed / pushed[k])[None]
+            back, force = np.array([[1 / J[0, k]]]), np.array([[1 / pushed[k]]])
+        holds.add(rows, unknowns)
+        pushes.add(acting, unknowns)
+        slacks.add(back, three[chosen])
+        forces.add(force.T, three[chosen])
+        pivots.append(unknowns[place])
+    pivot = np.concatenate(pivots).astype(np.intp)
+    rows, acting = holds.matrix(n), pushes.matrix(n)
+    if len(pivot) and np.max(np.bincount(np.concatenate(holds.each))) > 1:
+        raise NotHeldError(SHARED)
+    size = largest(sparse.csc_matrix(K[:, pivot]))
+    size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
+    ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
+    held = Held(K, rows, acting, pivot, ones, zeros, zeros, size)
+    return held, slacks.matrix(3 * m), sparse.csr_matrix(forces.matrix(3 * m).T)
 
 
 class _Rows:

@@ -64,8 +64,7 @@ def approach(run: FrictionalRun, at: Point, settle: float, most: int) -> tuple[P
     def step(at: Point, laws: Laws) -> tuple[Stepped, Laws, Event | None]:
         again = laws.key in begun and laws.key != at.laws.key
         begun.add(laws.key)
-        linear = run.linear(at, laws)
-        laws, event = settled(run, at, linear, laws, 0.0 if again else settle, last=again)
+        linear, laws, event = settled(run, at, run.linear(at, laws), laws, 0.0 if again else settle, last=again)
         return linear.step(laws), laws, event
 
     return newton(run, at, step, most)
@@ -89,7 +88,7 @@ def finished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], mo
         except SingularMatrixError as error:
             told.append(f"on its states {error}; those expected before it were settled instead")
             claimed, linear = laws, run.linear(at, laws)
-        laws, cycle = settled(run, at, linear, claimed)
+        linear, laws, cycle = settled(run, at, linear, claimed)
         wrong = int(np.sum(laws.state != claimed.state))
         told += [f"states of {wrong} candidates corrected by exact steps"] if wrong else []
         asked = True
@@ -116,33 +115,37 @@ def unfinished(run: FrictionalRun, at: Point, choose: Choose, words: list[str], 
 
 def settled(
     run: FrictionalRun, at: Point, linear: LinearStep, laws: Laws, settle: float = 0.0, *, last: bool = True
-) -> tuple[Laws, Event | None]:
-    """The laws that the linearised problem keeps, up to the fraction ``settle`` of those that touch.
+) -> tuple[LinearStep, Laws, Event | None]:
+    """The laws that the linearised problem keeps, up to the fraction ``settle`` of those that touch, and who steps.
 
     Where states come back and it is the ``last`` linearisation to decide, they are changed one at a time; else the laws
     are left as they are. Raises StepError, SingularMatrixError, NotHeldError.
     """
     seen = set[bytes]()
     for _ in range(MOST_UPDATES if last else FEW_UPDATES):
+        linear = linear.near(laws)
         after = run.foreseen(at, linear.foreseen(laws), laws)
         seen.add(laws.key)
         if np.sum(after.state != laws.state) <= settle * laws.closed.sum():
-            return laws, None
+            return linear, laws, None
         if after.key in seen:
             break
         laws = after
-    return (_one_at_a_time(run, at, linear, laws), SINGLY) if last else (laws, None)
+    if not last:
+        return linear.near(laws), laws, None
+    return *_one_at_a_time(run, at, linear, laws), SINGLY
 
 
-def _one_at_a_time(run: FrictionalRun, at: Point, linear: LinearStep, laws: Laws) -> Laws:
+def _one_at_a_time(run: FrictionalRun, at: Point, linear: LinearStep, laws: Laws) -> tuple[LinearStep, Laws]:
     """By changes of the first wrong one; raises StepError."""
     seen = set[bytes]()
     while laws.key not in seen and len(seen) < MOST_UPDATES:
         seen.add(laws.key)
+        linear = linear.near(laws)
         after = run.foreseen(at, linear.foreseen(laws), laws)
         wrong = np.flatnonzero(after.state != laws.state)
         if not len(wrong):
-            return laws
+            return linear, laws
         laws = laws.changed(after, wrong[:1])
     raise StepError(Outcome.CYCLING, ENDLESS)
 

@@ -17,7 +17,7 @@ from contact.friction.held import Directions, NotHeldError
 from contact.friction.laws import Laws, Local, Margins, expected, friction_of
 from contact.friction.slip import stretched
 from contact.friction.springs import SprungStep
-from contact.friction.step import FrictionalStep, Stepped
+from contact.friction.step import FrictionalStep, Linear, Stepped
 from contact.newton.loop import StepError
 from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, NewtonRun
@@ -32,6 +32,9 @@ FAILURES = (SingularMatrixError, NotHeldError, StepError)  # why there is no ste
 
 class LinearStep(Protocol):
     """A linearised problem that knows its step under any states."""
+
+    def near(self, laws: Laws) -> LinearStep:
+        """The one to ask for the step under the laws: this one, or one that is factorised anew; raises NotHeldError."""
 
     def step(self, laws: Laws) -> Stepped:
         """The step under the laws; raises SingularMatrixError, NotHeldError."""
@@ -194,10 +197,11 @@ class FrictionalRun:
         K = contact.stiffness(at.lin, u, at.newton.pressure)
         ways = Directions.of(contact.gap_jacobian(u), law.slip_jacobian(u))
         now = np.column_stack([contact.gap(u), law.slip(u)]).ravel()
+        linear = Linear(K, at.lin.residual, ways, now, law.mu)
         if np.isfinite(self.newton.epsilon):
             k = self.newton.epsilon * contact.weights
-            return SprungStep(self.newton, at.lin, K, ways, now, law.mu, k)
-        return FrictionalStep(self.newton, at.lin, K, ways, now, law.mu, laws)
+            return SprungStep(self.newton, linear, k)
+        return FrictionalStep(self.newton, linear, laws)
 
     def by_law(self, at: Point) -> Point:
         """The same point with the friction of the law."""

@@ -12,7 +12,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from contact.newton.condensed import Condensed
+from contact.newton.condensed import Condensed, Linear
 from contact.newton.held import holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
@@ -34,6 +34,9 @@ def gap_rounding(problem: ContactProblem, large: float) -> float:
 
 class LinearStep(Protocol):
     """A linearised problem that knows its step on any set."""
+
+    def near(self, active: np.ndarray) -> LinearStep:
+        """The one to ask for the step on a set (m,): this one, or one that is factorised anew."""
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
@@ -159,7 +162,7 @@ class NewtonRun:
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
         """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
         if holdable(self.problem):
-            return Condensed(self, lin, u, pressure, active)
+            return Condensed(self, Linear.at(self, lin, u, pressure), active)
         return Substituted(self, lin, u, pressure)
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
@@ -219,6 +222,10 @@ class Substituted:
     u: np.ndarray
     pressure: np.ndarray
     found: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+    def near(self, active: np.ndarray) -> Substituted:
+        """The same for every set."""
+        return self
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""

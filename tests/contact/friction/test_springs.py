@@ -10,6 +10,7 @@ from contact.coulomb import State
 from contact.friction.held import Directions
 from contact.friction.laws import Local, directed
 from contact.friction.springs import SprungStep
+from contact.friction.step import Linear
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.verify import judge
@@ -82,8 +83,8 @@ def test_the_step_is_newtons_on_the_residual() -> None:
     laws = directed(local, state, problem.coulomb.mu * f)
     lin, now = problem.linearise(u, None), np.column_stack([problem.gap(u), problem.coulomb.slip(u)]).ravel()
     ways = Directions.of(G, problem.coulomb.slip_jacobian(u))
-    step = SprungStep(NewtonRun(problem, k), lin, lin.tangent, ways, now, problem.coulomb.mu, np.full(5, k))
-    du = step.step(laws).du
+    linear = Linear(lin.tangent, lin.residual, ways, now, problem.coulomb.mu)
+    du = SprungStep(NewtonRun(problem, k), linear, np.full(5, k)).step(laws).du
 
     def residual(h: float) -> np.ndarray:
         at = u + h * du

@@ -9,7 +9,7 @@ from scipy import sparse
 from contact.coulomb import State
 from contact.friction.held import Directions
 from contact.friction.laws import Laws
-from contact.friction.step import FrictionalStep, Stepped
+from contact.friction.step import FrictionalStep, Linear, Stepped
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem
 from tests.support.problems.planted_friction import planted
@@ -60,7 +60,8 @@ def linear_step(problem: ContactProblem, u: np.ndarray, base: Laws) -> Frictiona
     ways = Directions.of(problem.gap_jacobian(u), problem.coulomb.slip_jacobian(u))
     now = np.column_stack([problem.gap(u), problem.coulomb.slip(u)]).ravel()
     lin = problem.linearise(u, None)
-    return FrictionalStep(NewtonRun(problem), lin, sparse.csc_matrix(lin.tangent), ways, now, problem.coulomb.mu, base)
+    linear = Linear(sparse.csc_matrix(lin.tangent), lin.residual, ways, now, problem.coulomb.mu)
+    return FrictionalStep(NewtonRun(problem), linear, base)
 
 
 @pytest.mark.parametrize("anew", [True, False])
@@ -77,7 +78,9 @@ def test_a_step_is_that_of_the_saddle_point_system_on_any_states(
     base = random_laws(rng, m, flat=components == 1)
     step = linear_step(problem, u, base)
     for laws in (base, *(random_laws(rng, m, flat=components == 1) for _ in range(4))):
+        step = step.near(laws)
         wanted, foreseen, found = saddle_point(problem, u, laws), step.foreseen(laws), step.step(laws)
+        assert (step.base is laws) == (anew or laws is base)
         assert np.max(np.abs(found.du - wanted.du)) < 1e-11
         for told in (foreseen, found):
             for name in ("gap", "slip", "normal", "friction"):
