@@ -10,11 +10,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from contact.friction.verify import LawResiduals, residuals_of_law, under
 from contact.problem import ContactProblem, Linearised
-from contact.rounding import ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
+from contact.rounding import ROUNDING_ALONE, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
 _INNER = float(np.sqrt(3 / 7)) / 2
@@ -168,7 +170,7 @@ def judge(
         complementarity=gaps["complementarity"],
         tension=float(np.max(-pressure, initial=0.0)),
         rounding=rounding,
-        correction=correction(problem, lin, u, pressure, epsilon) if decides(equilibrium, rounding) else np.inf,
+        correction=_correction(problem, lin, u, pressure, epsilon) if decides(equilibrium, rounding) else np.inf,
         energy=energy,
         force=force,
         energy_rounding=energy_rounding,
@@ -211,6 +213,31 @@ def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, 
         "penetration": float(np.max(-gap, initial=0.0)),
         "complementarity": float(np.max(np.abs(pressure * gap), initial=0.0)),
     }
+
+
+def _correction(
+    problem: ContactProblem,
+    lin: Linearised,
+    u: np.ndarray,
+    pressure: np.ndarray,
+    epsilon: float,
+) -> float:
+    """|du|/|u|: the displacement that the imbalance still asks for, on the pressed nodes held at their gaps.
+
+    K du - G^T W dp = -(r - G^T W p),   G du + dp/epsilon = 0 on the nodes with p > 0;  ``lin``: at u, without memory.
+    Infinite when that is singular.
+    """
+    nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
+    K = problem.stiffness(lin, u, pressure)
+    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ problem.weight_matrix)[:, nodes]])
+    below = sparse.hstack([G[nodes], sparse.diags_array(np.full(len(nodes), 1 / epsilon), format="csr")])
+    A = sparse.csc_matrix(sparse.vstack([above, below]))
+    b = np.append(problem.contact_force(u, pressure) - lin.residual, np.zeros(len(nodes)))
+    try:
+        du = checked_solve(factorise(A), A, b)[: len(u)]
+    except SingularMatrixError:
+        return float("inf")
+    return float(np.linalg.norm(du) / np.linalg.norm(u))
 
 
 def _energy_balance(

@@ -11,7 +11,7 @@ interior-point solver knows forces to 1e-6 and no closer, so it is asked for sta
 pass has those of the one before, or nearly its bounds. The exact answer on them
 (:mod:`contact.interchange.friction_states`) then has to obey every condition. That it is the only one nobody
 says: at large mu it need not be, and where contacts are redundant forces are not. Its linear systems are
-solved by the direct solver that our algorithms use, too, which checks every residual.
+solved by SciPy's SuperLU, without our fronts and checks.
 
 Lengths and forces are scaled first: a unit diagonal of K, unit rows, displacements of about one.
 """
@@ -34,8 +34,8 @@ from contact.interchange.oracle import (
     OracleError,
     positive_definite,
     solve_tightly,
+    solved,
 )
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 PASSES = 100
 NEAR = 1e-3  # change of bounds from pass to pass, of the largest, below which states are tried
@@ -64,7 +64,7 @@ def minimise(step: FrozenFrictionalStep) -> Known:
     try:
         scaled = Scaled.of(step)
         known, passes = _fixed_point(scaled.step)
-    except (SingularMatrixError, RuntimeError, np.linalg.LinAlgError) as error:
+    except (RuntimeError, np.linalg.LinAlgError) as error:
         raise OracleError(f"the oracle failed: {error}") from None
     return scaled.back(known, passes)
 
@@ -105,7 +105,7 @@ def on_its_states(step: FrozenFrictionalStep, known: Known) -> Known:
     try:
         scaled = Scaled.of(step)
         found = on_states(scaled.step, scaled.forth(known))
-    except SingularMatrixError as error:
+    except RuntimeError as error:
         raise OracleError(f"the equations on the states are singular: {error}") from None
     if found is None:
         raise OracleError("the equations on the states have no answer near that one")
@@ -150,7 +150,7 @@ class Scaled:
 
     @classmethod
     def of(cls, step: FrozenFrictionalStep) -> Scaled:
-        """In unknowns with a unit diagonal of K; raises SingularMatrixError."""
+        """In unknowns with a unit diagonal of K; raises RuntimeError."""
         m = len(step.mu)
         unit = 1 / np.sqrt(_positive(step.K.diagonal()))
         D = sparse.diags_array(unit)
@@ -160,7 +160,7 @@ class Scaled:
         G, S = (sparse.csr_matrix(sparse.diags_array(1 / by) @ A) for by, A in ((across, G), (np.repeat(along, 2), S)))
         every = sparse.csc_matrix(K + G.T @ G + S.T @ S)  # definite wherever contacts hold what K leaves free
         reach = [
-            np.abs(checked_solve(factorise(every), every, -unit * step.r)),
+            np.abs(solved(every, -unit * step.r)),
             np.abs(step.gap / across),
             np.linalg.norm(step.slip, axis=1) / along,
         ]

@@ -19,8 +19,7 @@ from scipy.linalg import lstsq
 
 from contact.coulomb import State
 from contact.interchange.linearised_step import FrozenFrictionalStep
-from contact.interchange.oracle import EXACT, SETTLINGS
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from contact.interchange.oracle import EXACT, SETTLINGS, solved
 
 ITERATIONS = 40
 LAST_DIGITS = 1e-13
@@ -164,10 +163,10 @@ class _Equations:
 def _increment(jacobian: sparse.csc_matrix, residual: np.ndarray, known: float) -> np.ndarray | None:
     """-jacobian^-1 residual, that of least size where it is singular; None where it is too large for that."""
     try:
-        change = checked_solve(factorise(jacobian), jacobian, -residual)
+        change = solved(jacobian, -residual)
         if float(np.max(np.abs(change), initial=0.0)) <= ASTRAY * known:
             return change
-    except SingularMatrixError:
+    except RuntimeError:
         pass
     if len(residual) > DENSE:
         return None

@@ -31,6 +31,7 @@ from contact.solvers.sparse import (
 TOLERANCES = (1e-12, 1e-10, 1e-8)  # of the interior-point solver, on the scaled problem: the first that it reaches
 EXACT = 1e-9  # relative size of a force or gap on the wrong side that is rounding
 SETTLINGS = 10
+LEFT, LOST = 1e-8, 0.1  # residual over the terms in it, and over the load, of a solution that is one
 AGREEMENT = 1e-7  # of forces and displacements, relative to the largest
 
 
@@ -91,6 +92,18 @@ def minimise(step: FrozenStep, epsilon: float = np.inf) -> tuple[np.ndarray, np.
 def _superlu(K: sparse.csc_matrix) -> SuperLU:
     """Of a definite matrix; raises RuntimeError where it is singular."""
     return splu(K, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+
+def solved(A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
+    """x with A x = b by SciPy's SuperLU alone, refined once; raises RuntimeError where A is singular, all but."""
+    factor = splu(A)
+    x = factor.solve(b)
+    x = x + factor.solve(b - A @ x)
+    left, load = np.max(np.abs(b - A @ x), initial=0.0), np.max(np.abs(b), initial=0.0)
+    size = np.max(abs(A) @ np.abs(x), initial=0.0) + load
+    if not (np.isfinite(size) and left <= LEFT * size and left <= LOST * load):
+        raise RuntimeError(f"the matrix is singular to working precision: {left:.1e} is left of {load:.1e}")
+    return np.asarray(x)
 
 
 def _interior(step: FrozenStep, epsilon: float, free: np.ndarray) -> np.ndarray:

@@ -92,6 +92,17 @@ def test_a_setting_of_an_algorithm_that_has_none_of_it_with_friction_is_refused(
     assert key not in rubbed.settings
 
 
+def test_walks_of_the_same_stages_know_nothing_of_each_other() -> None:
+    scene, request = complete("panel", {"shape": "plate", "mu": 0.2, "drag_mm": 0.2}, "4x4")
+    stages = Stages(list(scene.build(request).stages()), request.settings)
+    other = iter(stages)
+    next(other)
+    *_, last = walk(stages, configured(request.contact, request.settings))
+    assert last.stage.name == "drag"
+    with pytest.raises(UsageError, match="no rigid surface"):  # its own press has not begun
+        list(other)
+
+
 def test_a_part_of_a_tyre_is_not_dragged() -> None:
     with pytest.raises(UsageError, match="full"):
         complete("tyre", {"mu": 0.5, "drag_mm": 1.0}, MESH, model="half")
