@@ -8,6 +8,7 @@ and no zero on the diagonal; it is symmetric unless a candidate slips.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,7 @@ from contact.newton.held import Held
 from contact.newton.pivots import largest
 
 SHARED = "two contact candidates share an unknown: friction needs node-to-obstacle contact"
+Block = tuple[np.ndarray, np.ndarray]  # rows (r, k), and the columns (k,) that they are on
 DEPENDENT = 1e-9  # of the largest pivot: below, a direction of a candidate is none of its own
 
 
@@ -67,7 +69,8 @@ def held_states(
     K (n, n) has the springs across slips already. Raises NotHeldError.
     """
     m, n = len(mu), K.shape[0]
-    holds, pushes, slacks, forces, pivots = _Rows(), _Rows(), _Rows(), _Rows(), [np.zeros(0, int)]
+    holds, pushes, slacks, forces = (list[Block]() for _ in range(4))
+    pivots = [np.zeros(0, int)]
     own = ways.own
     for i in np.flatnonzero(laws.closed).tolist():
         unknowns, J = ways.block(i)
@@ -86,41 +89,29 @@ def held_states(
             k = place[0]
             rows, acting = J[:1] / J[0, k], (pushed / pushed[k])[None]
             back, force = np.array([[1 / J[0, k]]]), np.array([[1 / pushed[k]]])
-        holds.add(rows, unknowns)
-        pushes.add(acting, unknowns)
-        slacks.add(back, three[chosen])
-        forces.add(force.T, three[chosen])
+        holds.append((rows, unknowns))
+        pushes.append((acting, unknowns))
+        slacks.append((back, three[chosen]))
+        forces.append((force.T, three[chosen]))
         pivots.append(unknowns[place])
     pivot = np.concatenate(pivots).astype(np.intp)
-    rows, acting = holds.matrix(n), pushes.matrix(n)
-    if len(pivot) and np.max(np.bincount(np.concatenate(holds.each))) > 1:
+    rows, acting = _stacked(holds, n), _stacked(pushes, n)
+    if len(pivot) and np.max(np.bincount(np.concatenate([unknowns for _, unknowns in holds]))) > 1:
         raise NotHeldError(SHARED)
     size = largest(sparse.csc_matrix(K[:, pivot]))
     size[size == 0] = np.max(np.abs(K.data), initial=0.0) or 1.0
     ones, zeros = np.ones(len(pivot)), np.zeros(len(pivot))
     held = Held(K, rows, acting, pivot, ones, zeros, zeros, size)
-    return held, slacks.matrix(3 * m), sparse.csr_matrix(forces.matrix(3 * m).T)
+    return held, _stacked(slacks, 3 * m), sparse.csr_matrix(_stacked(forces, 3 * m).T)
 
 
-class _Rows:
-    """Rows of a sparse matrix in the making, a dense block at a time."""
-
-    def __init__(self) -> None:
-        self._data: list[np.ndarray] = [np.zeros(0)]
-        self._columns: list[np.ndarray] = [np.zeros(0, int)]
-        self._lengths: list[int] = []
-        self.each: list[np.ndarray] = []
-
-    def add(self, block: np.ndarray, columns: np.ndarray) -> None:
-        self.each.append(columns)
-        self._data.append(block.ravel())
-        self._columns.append(np.tile(columns, len(block)))
-        self._lengths += [block.shape[1]] * len(block)
-
-    def matrix(self, n: int) -> sparse.csr_matrix:
-        starts = np.concatenate([[0], np.cumsum(self._lengths)]).astype(int)
-        data = np.concatenate(self._data), np.concatenate(self._columns), starts
-        return sparse.csr_matrix(data, shape=(len(self._lengths), n))
+def _stacked(blocks: Sequence[Block], n: int) -> sparse.csr_matrix:
+    """Dense blocks of rows one below the other, each on its columns of n."""
+    columns = [np.tile(unknowns, len(block)) for block, unknowns in blocks]
+    lengths = [block.shape[1] for block, _ in blocks for _ in range(len(block))]
+    data = np.concatenate([np.zeros(0), *(block.ravel() for block, _ in blocks)])
+    places = np.concatenate([np.zeros(0, int), *columns]), np.cumsum([0, *lengths])
+    return sparse.csr_matrix((data, *places), shape=(len(lengths), n))
 
 
 def _independent(J: np.ndarray, i: int) -> np.ndarray:
