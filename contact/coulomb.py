@@ -103,15 +103,20 @@ class Coulomb:
             raise ValueError(f"mu must be {len(self.mu)} numbers in [0, inf]")
 
     def bound(self, normal: np.ndarray) -> np.ndarray:
-        """mu f (m,) [N]: the radii of the discs; infinite where mu is and the candidate is pressed."""
-        pressed = normal > 0
-        return np.where(pressed, self.mu, 0.0) * np.where(pressed, normal, 0.0)
+        """mu f (m,) [N]: the radii of the discs."""
+        return radii(self.mu, normal)
 
     def since(self, anchors: np.ndarray) -> Coulomb:
         """The law with slips from other anchors (m, 3) on its foundation."""
         assert self.sliding is not None
         slip = replace(self.sliding, anchors=anchors)
         return replace(self, slip=slip, slip_jacobian=slip.jacobian, sliding=slip)
+
+
+def radii(mu: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """mu f (m,) [N], 0 where a candidate is not pressed; infinite where mu is and it is."""
+    pressed = normal > 0
+    return np.where(pressed, mu, 0.0) * np.where(pressed, normal, 0.0)
 
 
 NO_PLACES = np.zeros((0, 3))

@@ -68,7 +68,7 @@ class Verdict:
     def kkt(self) -> dict[str, float]:
         """The four residuals by name, and those of friction."""
         found = {name: getattr(self, name) for name in KKT}
-        return found if self.law is None else found | self.law.by_name
+        return found if self.law is None else {**found, **self.law.by_name}
 
     @property
     def balances(self) -> dict[str, float]:

@@ -18,6 +18,7 @@ is of g + f/(w epsilon) and s + t/(w epsilon) instead of g and s. No algorithm m
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,17 +32,13 @@ CHORD = 1e-6  # by which friction may miss the direction against the slip [-]
 
 @dataclass(frozen=True)
 class LawResiduals:
-    """The five residuals of friction above, each relative.
+    """The five residuals of friction above by name, each relative.
 
     length [mm]: a large slip.  force [N]: the largest of a candidate.  slip_bound: size of a slip that is none, of the
     length: what contact allows a gap, and the rounding of a slip.
     """
 
-    cone: float
-    open: float
-    stick: float
-    direction: float
-    generated: float
+    by_name: Mapping[str, float]
     length: float
     force: float
     slip_bound: float
@@ -51,11 +48,6 @@ class LawResiduals:
         """What each may be, by name."""
         none = self.slip_bound
         return {"cone": CONE, "open": CONE, "stick": none, "direction": CHORD, "generated": none}
-
-    @property
-    def by_name(self) -> dict[str, float]:
-        """The residuals by name."""
-        return {name: getattr(self, name) for name in self.bounds}
 
 
 def residuals_of_law(
@@ -81,16 +73,14 @@ def residuals_of_law(
     shortest = none[0] + none[1] * law.slip_size / L
     held = bound - t > CONE * F
     turns = ~(held | opened)
-    return LawResiduals(
-        cone=float(np.max(t - bound, initial=0.0)) / F,
-        open=float(np.max(t[opened], initial=0.0)) / F,
-        stick=float(np.max(_size(slip)[held], initial=0.0)) / L,
-        direction=float(np.max(_chord(slip[turns], friction[turns], shortest * L, CONE * F), initial=0.0)),
-        generated=max(0.0, float(np.sum(friction * slip))) / (float(np.sum(t)) * L or 1.0),
-        length=length,
-        force=force,
-        slip_bound=shortest,
-    )
+    found = {
+        "cone": float(np.max(t - bound, initial=0.0)) / F,
+        "open": float(np.max(t[opened], initial=0.0)) / F,
+        "stick": float(np.max(_size(slip)[held], initial=0.0)) / L,
+        "direction": float(np.max(_chord(slip[turns], friction[turns], shortest * L, CONE * F), initial=0.0)),
+        "generated": max(0.0, float(np.sum(friction * slip))) / (float(np.sum(t)) * L or 1.0),
+    }
+    return LawResiduals(found, length, force, shortest)
 
 
 def under(contact: ContactProblem, law: Coulomb, friction: np.ndarray) -> ContactProblem:

@@ -17,7 +17,7 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import lstsq
 
-from contact.coulomb import State
+from contact.coulomb import State, radii
 from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.interchange.oracle import EXACT, SETTLINGS, solved
 
@@ -179,7 +179,7 @@ def _put_right(step: FrozenFrictionalStep, found: Known) -> np.ndarray:
     small = EXACT * float(max(np.max(np.abs(f), initial=0.0), np.max(t, initial=0.0)))
     moved = step.G @ found.du
     near = EXACT * float(np.max(np.abs(step.gap) + np.abs(moved), initial=1.0))
-    bound = np.where(f > 0, step.mu, 0.0) * np.where(f > 0, f, 0.0)
+    bound = radii(step.mu, f)
     slip = step.slip + (step.S @ found.du).reshape(-1, 2)
     slips = np.linalg.norm(slip, axis=1)
     far = EXACT * float(np.max(np.abs(step.slip) + np.abs(slip), initial=1.0))
