@@ -1,4 +1,9 @@
-"""Augmented Lagrangian: Newton on springs beside known forces, updated until the springs carry nothing."""
+"""Augmented Lagrangian: Newton on springs beside a known pressure, updated until the springs carry nothing.
+
+With friction t <- t - k s, pulled back to the disc of radius mu f, beside f <- <f - k g> with springs k = w c. The
+outer loop ends where an exact algorithm would, without springs: the forces are exact. That friction follows the normal
+force makes it no minimum, and no proof of convergence is known.
+"""
 
 from __future__ import annotations
 
@@ -36,9 +41,6 @@ class AugmentedLagrangian(NewtonAlgorithm):
     rounding: the multiplier is exact, epsilon is infinite.
     The inner Newton stops at a tenth of the last relative change of the pressure, between 1e-3 and ``tolerance``, which
     the last one keeps.
-    With friction t <- t - k s, pulled back to the disc of radius mu f, beside f <- <f - k g> with springs k = w c. The
-    outer loop ends where an exact algorithm would, without springs: the forces are exact. That friction follows the
-    normal force makes it no minimum, and no proof of convergence is known.
     Sources: Hestenes, J. Optim. Theory Appl. 4 (1969) 303-320; Simo, Laursen, Comput. Struct. 42 (1992) 97-116.
     """
 

@@ -25,7 +25,8 @@ class NewtonAlgorithm:
     Of its fields a user sets those in ``parameters``. The others (max_iterations and its like) only say when a solve is
     given up, how fast a penalty grows or whether a backend polishes: no answer depends on them, and a test that wants a
     failure sets them in Python.
-    friction: whether ``solve`` takes problems that have some.
+    friction: whether ``solve`` takes problems that have some. With an infinite epsilon candidates are held by unknowns
+    of their own then: where they have none the outcome is REFUSED.
     """
 
     epsilon: float = np.inf
@@ -37,11 +38,7 @@ class NewtonAlgorithm:
     friction: ClassVar[bool] = False
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Applies to every problem without friction, and to those with it as far as is known before a linearisation.
-
-        With friction and an infinite epsilon candidates are held by unknowns of their own: where they have none the
-        outcome is REFUSED.
-        """
+        """Applies to every problem."""
         return None if problem.coulomb is None else problem.unfit_for_friction
 
     def run(self, problem: ContactProblem) -> NewtonRun:

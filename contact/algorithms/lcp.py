@@ -1,4 +1,11 @@
-"""The linearised problem condensed on the candidates: a dense linear complementarity problem, solved exactly."""
+"""The linearised problem condensed on the candidates: a dense linear complementarity problem, solved exactly.
+
+With friction the problem is that on a polygon in the disc (:mod:`contact.friction.polygon`), by Lemke's pivots; where
+they find no end states are settled by exact steps alone, as the history says. Candidates that slip along a line have no
+polygon. ``sides``: of the polygon; friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact steps on the
+states of the answer put friction on the disc itself; without, a step ends with the forces of the polygon, which the
+judge refuses.
+"""
 
 from __future__ import annotations
 
@@ -46,11 +53,6 @@ class Lcp(NewtonAlgorithm):
     definite, which excludes follower loads without a potential, non-symmetric sections and consistent coupling; where
     the travel of the foundation is an unknown, in arc length, the active set takes its place).
     Consistent coupling is solved in full.
-    With friction the problem is that on a polygon in the disc (:mod:`contact.friction.polygon`), by Lemke's pivots;
-    where they find no end states are settled by exact steps alone, as the history says. Candidates that slip along a
-    line have no polygon.
-    sides: of the polygon; friction is up to 1 - cos(pi/sides) short.  finish: whether exact steps on the states of the
-    answer put friction on the disc itself; else a step ends with the forces of the polygon, which the judge refuses.
     Source: Delassus, Ann. Sci. Éc. Norm. Supér. 34 (1917) 95-179; Cottle, Pang, Stone (1992).
     """
 
@@ -73,7 +75,7 @@ class Lcp(NewtonAlgorithm):
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """All problems but consistent coupling with nnls; with friction, finite coefficients and a proper polygon."""
+        """All problems but consistent coupling with nnls."""
         if problem.coulomb is not None:
             refused = no_polygon(self.sides, problem.coulomb.mu, "is no row of a complementarity problem")
             return refused or super().supports(problem)

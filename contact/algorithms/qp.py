@@ -1,4 +1,10 @@
-"""A quadratic programme at each Newton step, solved by a public solver and finished by one exact step on its set."""
+"""A quadratic programme at each Newton step, solved by a public solver and finished by one exact step on its set.
+
+With friction it is that of Tresca's friction in the forces (:mod:`contact.friction.tresca`), with bounds from pass to
+pass. Clarabel has the disc |t| <= b as a second-order cone, the others a polygon in it of so many ``sides``, on which
+friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact steps on the states of the answer follow, so that
+no digit comes from a backend; without, a step ends with the forces of the programme, which the judge refuses.
+"""
 
 from __future__ import annotations
 
@@ -48,9 +54,6 @@ class Qp(NewtonAlgorithm):
     A tangent that is not convex is shifted until it is, for finding the set only; the history says that, too.
     A tangent that is not symmetric has no energy: refused. So has a body with the travel of its foundation for an
     unknown (arc length), though it is symmetric: there the set is found by exact steps alone, and the history says so.
-    With friction the programme is that of Tresca's friction in the forces (:mod:`contact.friction.tresca`), with bounds
-    from pass to pass: clarabel has the disc |t| <= b as a second-order cone, the others a polygon in it of so many
-    ``sides``, on which friction is up to 1 - cos(pi/sides) short.  finish: as for lcp.
     Source: Stellato et al., Math. Program. Comput. 12 (2020) 637-672; its false "solved": osqp#790, osqp#273.
     """
 
@@ -70,7 +73,7 @@ class Qp(NewtonAlgorithm):
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
-        """Needs its backend and lumped coupling; with friction, finite coefficients and a proper polygon."""
+        """Needs its backend and lumped coupling."""
         if problem.coulomb is not None:
             refused = no_polygon(self.sides, problem.coulomb.mu, "gives no bound of friction")
             return refused or super().supports(problem) or missing(self.backend)

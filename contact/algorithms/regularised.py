@@ -1,4 +1,8 @@
-"""Regularised contact, the paper's perturbed Lagrangian: springs, with friction in both directions."""
+"""Regularised contact, the paper's perturbed Lagrangian: a foundation of springs, p = epsilon <-g>.
+
+With friction t = -w epsilon s is pulled back radially to the disc of radius mu f: of a slip s the part -t/(w epsilon)
+is elastic, and an anchor of the next step is that much behind.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +28,6 @@ class Regularised(NewtonAlgorithm):
     A set that comes back after another one is a cycle: the linearised problem is settled there, see semismooth.
     On a stiff foundation the rim moves by one row of elements an iteration: their number grows with the mesh
     (plate-contact: 97 on 64 elements, 1251 on 256, with load cuts); semismooth, lcp and qp do not have that.
-    With friction t = -w epsilon s is pulled back radially to the disc of radius mu f: of a slip s the part
-    -t/(w epsilon) is elastic, and an anchor of the next step is that much behind.
     Source: Grigolyuk et al. (2004), eqs 14-16; Simo, Wriggers, Taylor, Comput. Methods Appl. Mech. Eng. 50 (1985)
     163-180.
     """

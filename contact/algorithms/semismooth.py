@@ -1,4 +1,13 @@
-"""Semismooth Newton: an active set, with friction states, that settles before the next linearisation."""
+"""Semismooth Newton: a primal-dual active set that settles before the next linearisation.
+
+With friction the states are those that Alart and Curnier's function asks for; who slips on keeps the direction of the
+linearisation. States that come back are a cycle: that linearisation is left as it is, and where Newton has been before
+the states are changed one at a time there. Where that comes back, too, they are those of the complementarity problem on
+a polygon (:mod:`contact.friction.polygon`), as far as it applies, and the history says so. No rule ends for every
+problem: else, or where there is no answer, the outcome is CYCLING, or what Newton's iteration ends with. mu = 0 gives
+the iterates of contact alone but for its answer to cycles.
+Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
+"""
 
 from __future__ import annotations
 
@@ -33,13 +42,7 @@ class Semismooth(NewtonAlgorithm):
     plate and ring of 64 to 1024 elements: within a factor of two). They do at settle = 1, on an indefinite tangent,
     which is never settled to the end, and in trial-and-error and regularised; not in lcp and qp.
     max_iterations: those that only release nodes do not count; there are no more of them than candidates.
-    With friction the states are those that Alart and Curnier's function asks for; who slips on keeps the direction of
-    the linearisation. States that come back are a cycle: that linearisation is left as it is, and where Newton has been
-    before the states are changed one at a time there. Where that comes back, too, they are those of the complementarity
-    problem on a polygon (:mod:`contact.friction.polygon`), as far as it applies, and the history says so. No rule ends
-    for every problem: else, or where there is no answer, the outcome is CYCLING, or what Newton's iteration ends with.
-    Sources: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888; Alart, Curnier, Comput. Methods Appl. Mech.
-    Eng. 92 (1991) 353-375.
+    Source: Hintermüller, Ito, Kunisch, SIAM J. Optim. 13 (2002) 865-888.
     """
 
     c: float = 1.0

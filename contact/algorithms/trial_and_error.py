@@ -1,4 +1,11 @@
-"""Trial and error, the paper's method: Newton to convergence on a fixed set, then swap every violating node."""
+"""Trial and error, the paper's method: Newton to convergence on a fixed set, then swap every violating node.
+
+With friction who is open, sticks and slips, and where to, is guessed; who slips does so in the direction of the last
+equilibrium, against its friction where it has stuck there; who comes back to the foundation sticks. Nothing answers a
+cycle there: it ends the solve, as CYCLING, and the history shows it. The GRECO plate with mu = 1 makes it cycle on
+every mesh (studies.experiments.friction); it is the rule for those who come back that does: where they stick or slip as
+Alart and Curnier's function says, the same sets end.
+"""
 
 from __future__ import annotations
 
@@ -33,11 +40,6 @@ class TrialAndError(NewtonAlgorithm):
     swapped (Murty's least index), until one comes back to that, too. The history says so.
     At the rim of a beam, plate or membrane one row of elements is let go at a time: the number of sets grows with the
     mesh (plate-contact: 209 iterations on 64 elements, 551 on 256); semismooth, lcp and qp do not have that.
-    With friction who is open, sticks and slips, and where to, is guessed; who slips does so in the direction of the
-    last equilibrium, against its friction where it has stuck there; who comes back to the foundation sticks. Nothing
-    answers a cycle there: it ends the solve, as CYCLING, and the history shows it. The GRECO plate with mu = 1 makes it
-    cycle on every mesh (studies.experiments.friction); it is the rule for those who come back that does: where they
-    stick or slip as Alart and Curnier's function says, the same sets end.
     max_sets: those that only release nodes do not count; between two others there are no more of them than candidates.
     Sources: Grigolyuk et al. (2004), eqs 14-16; Murty, Linear Algebra Appl. 5 (1972) 65-108.
     """
