@@ -1,4 +1,4 @@
-"""Rigid frictionless foundations: the signed distance of an obstacle from points in space, and who may touch it.
+"""Rigid foundations: the signed distance of an obstacle from points in space, and who may touch it.
 
 A foundation sees positions only; how they depend on the unknowns comes as a sparse matrix. This file has the plane and
 the contact problem against any foundation; drum and sphere are in :mod:`contact.obstacles.drum_sphere`, cleats
