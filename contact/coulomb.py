@@ -24,6 +24,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy import sparse
 
+from contact.swept import Standing
+
 if TYPE_CHECKING:
     from contact.friction.slip import Slip
 
@@ -69,18 +71,14 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(Standing):
     """The surface of a rigid foundation and the candidates before it, in a frame that is shifted with the foundation.
 
-    positions(u) -> y (m, 3) [mm] of the candidates there;  operator (3m, n): dy/du, rows 3i to 3i + 2 of candidate i.
-    gap(y) -> (m,) [mm], gradient(y) -> (m, 3): signed distance and unit normal.  size [mm]: of what y is a difference.
+    operator (3m, n): d positions/du, rows 3i to 3i + 2 of candidate i.  size [mm]: of what a position is a difference.
     """
 
-    positions: Callable[[np.ndarray], np.ndarray]
-    operator: sparse.csr_matrix
-    gap: Callable[[np.ndarray], np.ndarray]
-    gradient: Callable[[np.ndarray], np.ndarray]
-    size: float
+    operator: sparse.csr_matrix = field(kw_only=True)
+    size: float = field(kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
