@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
 from studies.analysis.advice.held_out import held_out, summary
 from studies.analysis.advice.shipped import shipped_tables
-from studies.analysis.cells.answers import Answers
 from studies.analysis.cells.collect import collect
 from studies.analysis.cells.machines import machines
 from studies.analysis.cells.published import published
@@ -19,22 +19,19 @@ from studies.analysis.comparisons.disagreements import disagreements
 from studies.analysis.comparisons.element_choice import ENOUGH, EQUAL, element_choice
 from studies.analysis.comparisons.error_budget import axial_states, error_budget, input_effects
 from studies.analysis.comparisons.error_statements import TIMES, error_statements, statements
-from studies.analysis.comparisons.friction import COST_BARS, FULL, GRECO, friction_tables
+from studies.analysis.comparisons.friction import COST_BARS, FULL, GRECO, all_orders, by_algorithm, ends, step_orders
 from studies.analysis.comparisons.ladders import convergence
 from studies.analysis.comparisons.ladders import summary as summary_of_ladders
-from studies.analysis.comparisons.law_strain import law_rules
 from studies.analysis.comparisons.manufactured_orders import BELOW, NEAR, THEORY, contact_orders, manufactured_orders
-from studies.analysis.comparisons.peer_factors import peer_factors
-from studies.analysis.comparisons.program_agreement import program_tables
+from studies.analysis.comparisons.programs import agreement, peer_factors
 from studies.analysis.comparisons.thickness_share import FARTHER, thickness_share
 from studies.analysis.comparisons.tyre.budget import tyre_budget
 from studies.analysis.comparisons.tyre.models import BEHIND, SAME, grids_reaching, tyre_models
-from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison
-from studies.analysis.comparisons.tyre.readings import tyre_readings
+from studies.analysis.comparisons.tyre.printed_pressures import DEPTH, tyre_comparison, tyre_readings
 from studies.analysis.comparisons.tyre.solid_shell import solid_shell
-from studies.analysis.findings.contact_summary import contact_summary
-from studies.analysis.findings.outcomes import outcomes
-from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, rigid_body_powers
+from studies.analysis.evidence import Evidence, Tables
+from studies.analysis.outcomes import contact_summary, outcomes
+from studies.analysis.powers import NOTHING_LEFT, epsilon_laws, law_rules, rigid_body_powers
 from studies.analysis.richardson import FORMAL, SAFE, SAME_ORDER, SAME_VALUE, UNSAFE
 from studies.analysis.shell_limits.boundaries import boundaries
 from studies.analysis.statements.tables import statement_tables
@@ -60,16 +57,33 @@ FITTED: Mapping[str, tuple[str, Callable[[pd.DataFrame], pd.DataFrame]]] = {  # 
     "manufactured_orders": ("manufactured", manufactured_orders),
     "manufactured_contact_orders": ("manufactured_contact", contact_orders),
     "shell_boundaries": ("shell_limits", boundaries),
+    "friction_drag_ends": ("friction_dragged", partial(ends, key="drag_mm")),
+    "friction_turn_ends": ("friction_turned", partial(ends, key="turn_deg")),
+    "friction_step_orders": ("friction_steps", step_orders),
+    "friction_algorithms": ("friction_agreement", by_algorithm),
 }
 
 RULES = {  # thresholds that the pages state
-    **{"formal_order": FORMAL, "same_order": SAME_ORDER, "same_value": SAME_VALUE, "safe": SAFE, "unsafe": UNSAFE},
-    **{"enough": ENOUGH, "equal": EQUAL, "farther": FARTHER, "same_model": SAME, "behind": BEHIND},
-    **{"core_depth": DEPTH, "strain_rounding": NOTHING_LEFT},
-    **{"near_order": NEAR, "coarse_below": BELOW},
-    **{**{name.replace("error_", "theory_"): order for name, order in THEORY.items()}},
-    **{"expensive": TIMES, "patience": PATIENCE},
-    **{"friction_full": FULL, "friction_greco": GRECO, **COST_BARS},
+    "formal_order": FORMAL,
+    "same_order": SAME_ORDER,
+    "same_value": SAME_VALUE,
+    "safe": SAFE,
+    "unsafe": UNSAFE,
+    "enough": ENOUGH,
+    "equal": EQUAL,
+    "farther": FARTHER,
+    "same_model": SAME,
+    "behind": BEHIND,
+    "core_depth": DEPTH,
+    "strain_rounding": NOTHING_LEFT,
+    "near_order": NEAR,
+    "coarse_below": BELOW,
+    **{name.replace("error_", "theory_"): order for name, order in THEORY.items()},
+    "expensive": TIMES,
+    "patience": PATIENCE,
+    "friction_full": FULL,
+    "friction_greco": GRECO,
+    **COST_BARS,
 }
 
 
@@ -95,11 +109,11 @@ def written(store: Path, campaign: str, tables: Mapping[str, pd.DataFrame]) -> l
 
 def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.DataFrame]:
     """The tables that hold answers beside other answers, and what is fitted to the tables of experiments."""
-    answers = Answers.of(store, campaign)
+    evidence = Evidence(store, campaign)
+    answers = evidence.answers
     sequences, errors = convergence(answers, table)
     solids = solid_shell(answers)
     every = pd.concat([table, collect(store, campaign, apart=True)], ignore_index=True)
-    made = {name: (store / "tables" / f"{source}.csv", fit) for name, (source, fit) in FITTED.items()}
     return {
         "rules": pd.DataFrame([RULES]),
         "machines": machines(every),
@@ -112,12 +126,21 @@ def compared(store: Path, campaign: str, table: pd.DataFrame) -> dict[str, pd.Da
         **tyre_comparison(answers),
         "tyre_readings": tyre_readings(answers),
         "solid_shell": solids,
-        "tyre_budget": tyre_budget(answers, store / "tables", solids),
+        "tyre_budget": tyre_budget(answers, evidence.table, solids),
         "tyre_models": tyre_models(answers),
-        **program_tables(store / "tables"),
-        **friction_tables(store / "tables"),
-        **{name: fit(pd.read_csv(path)) for name, (path, fit) in made.items() if path.exists()},
+        **fitted(evidence.table),
     }
+
+
+def fitted(tables: Tables) -> dict[str, pd.DataFrame]:
+    """What is fitted to the tables of experiments that are there."""
+    found = {name: (tables(source), fit) for name, (source, fit) in FITTED.items()}
+    made = {name: fit(table) for name, (table, fit) in found.items() if table is not None}
+    if (programs := tables("programs")) is not None:
+        made["program_agreement"] = agreement(programs, tables("peers"))
+    if (orders := all_orders(tables)) is not None:
+        made["friction_orders"] = orders
+    return made
 
 
 def analysed(table: pd.DataFrame) -> dict[str, pd.DataFrame]:

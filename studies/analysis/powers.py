@@ -1,4 +1,9 @@
-"""Powers fitted to what grows or falls as one: strains over small motions, errors over epsilon, times over unknowns."""
+"""Powers of what grows or falls as one: strains over small motions, errors over epsilon, laws over the largest strain.
+
+A law that is linear in Green's strain has to first order S = E (e - k e^2): the strain of a membrane under a given load
+differs by k e of itself, k = 3 between St. Venant-Kirchhoff and Hencky (:mod:`formulations.solid.laws`). In bending the
+two sides of the wall cancel that.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +13,16 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from studies.analysis.richardson import power_of
 from studies.experiments.epsilon import CASES, wall
 
 NOTHING_LEFT = 1e-12  # a strain below this is rounding
 STRAIGHT = 0.05  # local slopes this close to -1 belong to the law
 LEVEL = 1e-12  # error of the force below which nothing but rounding is left
 TEN = 10.0  # times E/h
+REFERENCE, OTHERS = "svk", {"hencky": "off_hencky", "neo-hooke": "off_neo_hooke"}
+ONE_PERCENT = 0.01
+SPAN = 2.0  # largest over least strain from which on a power is fitted
 MOTION = ("measure", "surface", "motion")
 STRAINS = ("strain", "declared", "largest")
 POWER_COLUMNS = (*MOTION, *(f"{name}_{part}" for name in STRAINS for part in ("rate", "coefficient")), "told")
@@ -72,7 +81,7 @@ def _laws(own: pd.DataFrame, modulus: float, thickness: float, side: float) -> t
     fails_at = displacement.loc[displacement["outcome"] != "converged", "epsilon"].min() / stiff
     error = _between(displacement, displacement["force_error"].abs(), stiff)
     growths = (_between(displacement, displacement["condition"], at * stiff) / exact.iloc[0] for at in (1.0, TEN))
-    slope, _, _ = fitted_law(multiplier["epsilon"], multiplier["force_error"])
+    slope = fitted_law(multiplier["epsilon"], multiplier["force_error"])
     return (stiff, side / thickness, slope, error, *growths, float(fails_at))
 
 
@@ -81,8 +90,8 @@ def _between(own: pd.DataFrame, value: pd.Series, at: float) -> float:
     return float(np.exp(np.interp(math.log(at), np.log(own["epsilon"]), np.log(value))))
 
 
-def fitted_law(epsilon: pd.Series, value: pd.Series) -> tuple[float, float, float]:
-    """Least-squares slope, and between which epsilons: the longest run over which the local slope is -1; NaN without.
+def fitted_law(epsilon: pd.Series, value: pd.Series) -> float:
+    """Least-squares slope over the longest run of epsilons over which the local slope is -1; NaN without one.
 
     Values that rounding makes, LEVEL and less, do not count.
     """
@@ -96,6 +105,39 @@ def fitted_law(epsilon: pd.Series, value: pd.Series) -> tuple[float, float, floa
         best = max(best, (run, i + 1))
     length, last = best
     if length == 0:
-        return math.nan, math.nan, math.nan
+        return math.nan
     own = slice(last - length, last + 1)
-    return float(np.polyfit(x[own], np.log10(y[own]), 1)[0]), float(10 ** x[own][0]), float(10 ** x[own][-1])
+    return float(np.polyfit(x[own], np.log10(y[own]), 1)[0])
+
+
+def law_offsets(study: pd.DataFrame) -> pd.DataFrame:
+    """A row for each specimen and load: value and strain with svk, off_hencky, off_neo_hooke and factor.
+
+    off: of the value with svk over that with the other law, less 1; factor: |off_hencky| over the strain.
+    """
+    own = study[study["law"] == REFERENCE].drop(columns="law").reset_index(drop=True)
+    for law, column in OTHERS.items():
+        other = study[study["law"] == law].reset_index(drop=True)
+        if not other[["specimen", "load"]].equals(own[["specimen", "load"]]):
+            raise ValueError(f"the loads with {law} are not those with {REFERENCE}")
+        own[column] = own["value"] / other["value"] - 1
+    return own.assign(factor=own["off_hencky"].abs() / own["strain"])
+
+
+def law_rules(study: pd.DataFrame) -> pd.DataFrame:
+    """A row for each specimen: factor, its largest; percent_at, the strain at which that makes 1 %; power, fitted.
+
+    percent_at: NaN beyond the strains that were reached.  power: of |off_hencky| over the strain, by least squares; NaN
+    where strains span less than a factor of two.
+    """
+    rows = []
+    for _, own in law_offsets(study).groupby("specimen", sort=False):
+        factor = float(own["factor"].max())
+        row = {name: own[name].iloc[0] for name in ("specimen", "carries", "quantity")}
+        least, largest = float(own["strain"].min()), float(own["strain"].max())
+        at = ONE_PERCENT / factor if ONE_PERCENT / factor <= largest else math.nan
+        row |= {"least_strain": least, "largest_strain": largest, "factor": factor, "percent_at": at}
+        rows.append(
+            {**row, "power": power_of(own["strain"], own["off_hencky"]) if largest >= SPAN * least else math.nan}
+        )
+    return pd.DataFrame(rows)

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import pandas as pd
 from scipy.optimize import brentq
 
 LOWEST, HIGHEST = 0.3, 12.0  # of an order that is extrapolated with
@@ -103,6 +104,17 @@ def correction(sizes: Sequence[float], values: Sequence[float], order: float = F
     """Limit less finest value, from the last two meshes and the order: (f2 - f1)/((h1/h2)^p - 1)."""
     (h1, h2), (f1, f2) = sizes[-2:], values[-2:]
     return float((f2 - f1) / ((h1 / h2) ** order - 1))
+
+
+def formal_limit(sizes: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
+    """The limit by the formal order from the two finer of three meshes, and how far it has moved since the coarser."""
+    before, limit = (values[k] + correction(sizes[: k + 1], values[: k + 1]) for k in (1, 2))
+    return limit, abs(limit - before)
+
+
+def power_of(x: Sequence[float] | np.ndarray | pd.Series, y: Sequence[float] | np.ndarray | pd.Series) -> float:
+    """The p of |y| ~ x^p, by least squares of the logarithms."""
+    return float(np.polyfit(np.log(np.asarray(x, float)), np.log(np.abs(np.asarray(y, float))), 1)[0])
 
 
 def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:

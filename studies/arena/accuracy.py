@@ -77,6 +77,7 @@ class Accuracy:
         return max(asdict(self).values())
 
 
+RESIDUALS = tuple(Accuracy.__dataclass_fields__)
 NONE = Accuracy(np.inf, np.inf, np.inf, np.inf)
 
 

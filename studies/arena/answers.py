@@ -1,31 +1,31 @@
 """What an answer from outside is worth: every claim recomputed from the file of the problem and that of the answer.
 
-No algorithm is run and no answer of ours is looked at here.
+An answer is a .npz or a .json with ``du`` (n,) [mm], and ``pressure`` (m,) [MPa] with the ``claims`` it makes; to a
+problem with friction ``normal`` (m,) [N] and ``friction`` (m, 2) [N], without claims. The residuals and bounds of
+friction are those of :mod:`contact.verify`. No algorithm is run and no answer of ours is looked at here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.untrusted import parsed_object, read_arrays, read_json, text_of
-from studies.arena.accuracy import Accuracy, Scales, accuracy
+from contact.verify import judge
+from studies.arena.accuracy import RESIDUALS, Accuracy, Scales, accuracy
 from studies.request import UsageError
 
 CERTIFIED = 1e-8  # accuracy that is asked for unless said otherwise
 SAME = 1e-9  # relative, of a claimed force
-RESIDUALS = tuple(Accuracy.__dataclass_fields__)
 CLAIMS = ("accuracy", *RESIDUALS, "force", "pressed")
-
-OFF = {
-    "force": "of the larger of it and F",
-    "pressed": "candidates",
-}  # what a false claim is off by; residuals: a factor
+RUBBED = ("du", "normal", "friction")
+OFF = {"force": "of the larger of it and F", "pressed": "candidates"}  # a false claim; residuals: by a factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,18 +50,14 @@ class Claim:
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
-    """The residuals, the force and the length that they are relative to, the accuracy asked for, and the claims."""
+    """The residuals by name, the force and the length that they are relative to, the verdict, and the claims."""
 
-    worth: Accuracy
+    residuals: Mapping[str, float]
     force_N: float
     length_mm: float
-    asked: float
-    claims: tuple[Claim, ...]
-
-    @property
-    def certified(self) -> bool:
-        """Whether the accuracy is what was asked for, or better."""
-        return self.worth.worst <= self.asked
+    certified: bool
+    verdict: str
+    claims: tuple[Claim, ...] = ()
 
     @property
     def sound(self) -> bool:
@@ -70,48 +66,50 @@ class Judgement:
 
     def lines(self) -> list[str]:
         """In words: each residual, each claim, the verdict last."""
-        told = [f"{name}: {value:.2e}" for name, value in asdict(self.worth).items()]
+        told = [f"{name}: {value:.2e}" for name, value in self.residuals.items()]
         told.append(f"relative to {self.force_N:.6g} N and {self.length_mm:.6g} mm")
         for claim in self.claims:
             how = f"FALSE by {claim.off:.3g} {OFF.get(claim.what, 'times')}" if claim.false else "true"
             told.append(f"claim {claim.what} = {claim.claimed}: {how}, it is {claim.found}")
-        verdict = "certified" if self.certified else "NOT certified"
-        return [*told, f"{verdict}: accuracy {self.worth.worst:.2e}, asked {self.asked:.0e}"]
+        return [*told, self.verdict]
 
 
 def read_answer(path: Path) -> Given:
     """From a .npz or a .json; raises UsageError with the fault, OSError when there is no file."""
-    try:
-        found = _from_json(path) if path.suffix == ".json" else _from_npz(path)
-    except (ValueError, KeyError, TypeError) as error:
-        why = f"{error} is missing" if isinstance(error, KeyError) else str(error).splitlines()[0]
-        raise UsageError(f"{path} is no answer: {why}") from None
-    unknown = [name for name in found.claims if name not in CLAIMS]
+    with _in_one_line(path, "no answer"):
+        told = _values(path, ("du", "pressure"), ("claims",))
+        claims = told.get("claims", {})
+        if isinstance(claims, np.ndarray):  # of a .npz, as text
+            claims = parsed_object(text_of(claims, "claims"), "claims")
+        if not isinstance(claims, dict):
+            raise ValueError("claims must be a JSON object")
+        du, pressure = (np.asarray(told[name], dtype=float) for name in ("du", "pressure"))
+        if du.ndim != 1 or pressure.ndim != 1:
+            raise ValueError("du and pressure must each be a list of numbers")
+    unknown = [name for name in claims if name not in CLAIMS]
     if unknown:
         raise UsageError(f"{path}: claim {unknown[0]!r} must be one of {', '.join(CLAIMS)}")
-    return found
+    return Given(du, pressure, claims)
 
 
-def _from_json(path: Path) -> Given:
+@contextmanager
+def _in_one_line(path: Path, what: str) -> Iterator[None]:
+    """Whatever is wrong with a file, as UsageError."""
+    try:
+        yield
+    except (ValueError, KeyError, TypeError) as error:
+        why = f"{error} is missing" if isinstance(error, KeyError) else str(error).splitlines()[0]
+        raise UsageError(f"{path} is {what}: {why}") from None
+
+
+def _values(path: Path, wanted: Sequence[str], optional: Sequence[str] = ()) -> Mapping[str, Any]:
+    """Arrays of a .npz, or what a .json holds; raises ValueError, and OSError when there is no file."""
+    if path.suffix != ".json":
+        return read_arrays(path, wanted, optional)
     told = read_json(path)
     if not isinstance(told, dict):
         raise ValueError("it must be a JSON object")
-    return _given(told["du"], told["pressure"], told.get("claims", {}))
-
-
-def _from_npz(path: Path) -> Given:
-    arrays = read_arrays(path, ("du", "pressure"), ("claims",))
-    claims = parsed_object(text_of(arrays["claims"], "claims"), "claims") if "claims" in arrays else {}
-    return _given(arrays["du"], arrays["pressure"], claims)
-
-
-def _given(du: Any, pressure: Any, claims: Any) -> Given:
-    if not isinstance(claims, dict):
-        raise ValueError("claims must be a JSON object")
-    u, p = (np.asarray(values, dtype=float) for values in (du, pressure))
-    if u.ndim != 1 or p.ndim != 1:
-        raise ValueError("du and pressure must each be a list of numbers")
-    return Given(u, p, claims)
+    return told
 
 
 def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Judgement:
@@ -124,7 +122,9 @@ def judge_answer(step: FrozenStep, given: Given, asked: float = CERTIFIED) -> Ju
     finite = bool(np.all(np.isfinite(given.du)))
     length = scales.gap(step.G @ given.du) if finite else scales.length
     claims = tuple(_claim(step, given, worth, scales, *item) for item in given.claims.items())
-    return Judgement(worth, scales.force, length, asked, claims)
+    certified = worth.worst <= asked
+    verdict = f"{'certified' if certified else 'NOT certified'}: accuracy {worth.worst:.2e}, asked {asked:.0e}"
+    return Judgement(asdict(worth), scales.force, length, certified, verdict, claims)
 
 
 def _claim(step: FrozenStep, given: Given, worth: Accuracy, scales: Scales, what: str, said: Any) -> Claim:
@@ -132,8 +132,7 @@ def _claim(step: FrozenStep, given: Given, worth: Accuracy, scales: Scales, what
         return _pressed(given, said)
     claimed = _number(what, said)
     if what == "force":
-        weighed = step.weights * given.pressure if step.coupling is None else step.coupling @ given.pressure
-        found = float(np.sum(weighed))
+        found = float(np.sum(step.problem().nodal_forces(given.pressure)))
         off = abs(found - claimed) / max(abs(found), scales.force)
         return Claim(what, f"{claimed:.9g}", f"{found:.9g}", off, not off <= SAME)
     found = worth.worst if what == "accuracy" else float(getattr(worth, what))
@@ -154,3 +153,21 @@ def _number(what: str, said: Any) -> float:
     if isinstance(said, bool) or not isinstance(said, int | float) or not (said >= 0 or what == "force"):
         raise UsageError(f"claim {what} = {said!r} must be a number in [0, inf)")
     return float(said)
+
+
+def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> Judgement:
+    """Every residual of the answer in a file recomputed; raises UsageError for what is none, or of another size."""
+    with _in_one_line(path, "no answer to a problem with friction"):
+        told = _values(path, (), RUBBED)
+        du, normal, friction = (np.asarray(told[name], dtype=float) for name in RUBBED)
+    if du.shape != step.r.shape:
+        raise UsageError(f"du of the shape {du.shape} for {len(step.r)} unknowns")
+    try:
+        by_forces = replace(step.problem(), weights=np.ones(len(step.mu)))  # normal forces for pressures
+        verdict = judge(by_forces, du, normal, friction)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+    failures = verdict.failures()
+    word = f"NOT certified: {', '.join(failures)}" if failures else "certified: every residual within its bound"
+    scales = verdict.certificate["scales"]
+    return Judgement(verdict.kkt, scales["force_N"], scales["length_mm"], not failures, word)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -60,23 +60,7 @@ def of_a_part(meta: Mapping[str, Any]) -> list[str]:
     return [] if model == FULL else [f"of the model {model} alone: forces and nodes are those of that part"]
 
 
-class Confirming(Protocol):
-    """What an oracle says, with or without friction."""
-
-    @property
-    def agrees(self) -> bool:
-        """Whether the answers are one."""
-
-    @property
-    def force_error(self) -> float:
-        """Largest difference of a force over the largest of them [-]."""
-
-    @property
-    def differing(self) -> np.ndarray:
-        """Candidates at which they differ."""
-
-
-def said_by(oracle: Confirming | str | None) -> list[str]:
+def said_by(oracle: Confirmation | str | None) -> list[str]:
     """What a user reads of the oracle: nothing where it was not asked."""
     if oracle is None:
         return []

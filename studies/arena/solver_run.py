@@ -109,17 +109,15 @@ def conditions(limit_s: float) -> dict[str, str]:
     """The limit of a solve, the machine, and the versions of what solves."""
     told = provenance()
     machine = {key: str(told["machine"][key]) for key in ("cpu", "cores", "memory_GiB", "system", "python")}
-    return {"limit_s": repr(float(limit_s)), "commit": str(told["commit"]), **machine, **_versions()}
+    versions = {name: _version(name) for name in ("numpy", "scipy", *PACKAGES)}
+    return {"limit_s": repr(float(limit_s)), "commit": str(told["commit"]), **machine, **versions}
 
 
-def _versions() -> dict[str, str]:
-    found = {}
-    for name in ("numpy", "scipy", *PACKAGES):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"
 
 
 def listing(problems: Mapping[str, FrozenStep]) -> pd.DataFrame:

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from studies.analysis.ranking.profiles import within
+from studies.analysis.profiles import within
 from studies.arena.solver_table import KILLED
 
 SHIFT_S = 0.01  # what a small problem takes: times far below it, mostly calls of Python, count as equal
@@ -41,9 +41,12 @@ def summary(table: pd.DataFrame, limit_s: float) -> pd.DataFrame:
     criterion.  worst_claim: accuracy of the worst claim over the tolerance.  mean_s: see :func:`shifted_mean`, with the
     limit for each of ``failed_at_limit``.  memory_MB, iterations: medians of what was asked.
     """
-    return pd.DataFrame(
-        [(*place, *_summed(own, limit_s)) for place, own in _groups(table)], columns=list(SUMMARY_COLUMNS)
-    )
+    rows = [
+        (*place, solver, *_summed(own, limit_s))
+        for place, every in _sized(table)
+        for solver, own in every.groupby("solver", sort=False)
+    ]
+    return pd.DataFrame(rows, columns=list(SUMMARY_COLUMNS))
 
 
 def _summed(own: pd.DataFrame, limit_s: float) -> tuple[object, ...]:
@@ -95,7 +98,7 @@ def _profiles(table: pd.DataFrame, of: str, shares: Shares, points: Sequence[flo
     """Of times (problems, solvers), infinite for failures: problems that nobody solves count, for everybody alike."""
     priced_rows = table.assign(cost=table["seconds"].astype(float).where(solves(table), np.inf))
     rows: list[tuple[object, ...]] = []
-    for place, own in _groups(priced_rows, by_solver=False):
+    for place, own in _sized(priced_rows):
         times = own.pivot_table(index="problem", columns="solver", values="cost", sort=False)
         unit = own.groupby("problem")["factorisation_s"].first()
         found = shares(times, unit)
@@ -107,16 +110,14 @@ def _profiles(table: pd.DataFrame, of: str, shares: Shares, points: Sequence[flo
     return pd.DataFrame(rows, columns=list(PROFILE_COLUMNS))
 
 
-def _groups(table: pd.DataFrame, *, by_solver: bool = True) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
-    """Rows by tolerance, kind and size, and solver: all sizes of a kind, then each; solvers in their order."""
+def _sized(table: pd.DataFrame) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
+    """Rows by tolerance, kind and size: all sizes of a kind, then each that there is."""
     for (tolerance, kind), rows in table.groupby(["tolerance", "kind"], sort=False):
-        sizes = {name: rows[(rows["unknowns"] >= low) & (rows["unknowns"] < up)] for name, (low, up) in SIZES.items()}
-        for size, own in {ALL: rows, **sizes}.items():
-            if not by_solver and len(own):
+        yield (tolerance, kind, ALL), rows
+        for size, (low, up) in SIZES.items():
+            own = rows[(rows["unknowns"] >= low) & (rows["unknowns"] < up)]
+            if len(own):
                 yield (tolerance, kind, size), own
-            elif by_solver:
-                for solver, mine in own.groupby("solver", sort=False):
-                    yield (tolerance, kind, size, solver), mine
 
 
 def ranking(table: pd.DataFrame, limit_s: float) -> pd.Series:

@@ -25,17 +25,16 @@ import pandas as pd
 from contact.interchange.linearised_step import FrozenStep
 from contact.interchange.oracle import positive_definite
 from contact.solvers.sparse import factorise, symmetric
-from studies.arena.accuracy import NONE, Scales, accuracy
+from studies.arena.accuracy import NONE, RESIDUALS, Scales, accuracy
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.child import Child
+from studies.arena.solvers.process import Child
 
 TOLERANCES = (1e-4, 1e-6, 1e-8)
 LIMIT_S = 20.0  # of a solve
 ROUNDS = 3
 KEY = ("solver", "problem", "tolerance")
 ABOUT = ("kind", "unknowns", "candidates", "asked", "claimed", "accuracy")
-RESIDUALS = ("equilibrium", "penetration", "tension", "complementarity")
 SAMPLE_COLUMNS = (
     *("round", *KEY, *ABOUT, *RESIDUALS, "false", "kept", "seconds", "iterations", "memory_MB", "factorisation_s"),
     "reason",
@@ -54,7 +53,7 @@ def solver_table(samples: pd.DataFrame) -> pd.DataFrame:
     round.  false: claimed, and less accurate than asked, in any round.  kept: whether a claim keeps the tolerance by
     the solver's own criterion, where it has one.
     seconds: of the processor, median of so many ``samples``; NaN where it was killed.  memory_MB: the largest peak, see
-    :mod:`studies.arena.solvers.served`.  factorisation_s: of K, median, the unit of data profiles.
+    :mod:`studies.arena.solvers.process`.  factorisation_s: of K, median, the unit of data profiles.
     """
     worst = samples.sort_values("accuracy", kind="stable", ascending=False).drop_duplicates(list(KEY))
     groups = samples.groupby(list(KEY), sort=False)

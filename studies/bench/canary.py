@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import time
-
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
+
+from studies.stopwatch import timed
 
 LOOKS = 100  # other programs disturb some of them, a slower machine all
 
@@ -21,11 +21,10 @@ def canary() -> float:
     line = sparse.diags_array([-1.0, 2.0, -1.0], offsets=(-1, 0, 1), shape=(n, n))
     A = sparse.csc_matrix(sparse.kron(line, sparse.eye_array(n)) + sparse.kron(sparse.eye_array(n), line))
     batch, block = np.ones((1000, 24, 24)), np.ones((300, 300))
-    found = []
-    for _ in range(LOOKS):
-        start = time.process_time()
+
+    def work() -> None:
         splu(A, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
         np.einsum("eij,ejk->eik", batch, batch, optimize=True)
         block @ block
-        found.append(time.process_time() - start)
-    return min(found)
+
+    return min(timed(work)[0] for _ in range(LOOKS))

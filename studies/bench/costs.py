@@ -1,13 +1,18 @@
 """``footprint bench``: what a factorisation, a solve, the whole command and an assembly cost, in units of one work.
 
 The unit is one factorisation of the tangent of the whole tyre on 42x40 elements, 9840 unknowns, by SuperLU. Each line
-says what is done, and its bars.
+says what is done, and its bars. Tangents of the whole tyre are factorised as they are, definite; shifted, indefinite
+with a known inertia; and with another section, not symmetric.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -16,14 +21,18 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, eigsh
 
-from contact.solvers.sparse import factorise
+from contact.solvers.multifrontal.factor import Multifrontal
+from contact.solvers.sparse import BACKWARD_ERROR, Factor, backward_error, factorise
+from formulations.shell import ShellModel
+from studies.bench.newton import asked, tyre
 from studies.bench.rounds import NO_BAR, PART, Group, Line, in_rounds
-from studies.bench.start import FLOOR, REFUSED, child
-from studies.bench.tangents import at_rest, factorisations, shell_of
 from studies.complete import complete
+from studies.pool.process import ONE_THREAD
 from studies.result import Result
 from studies.solving import solve
+from studies.store.source_hash import ROOT
 
 MESH = "42x40"
 SIZES, LARGEST = (MESH, "102x100"), "210x200"  # 10, 60 and 250 thousand unknowns
@@ -35,8 +44,14 @@ START, IMPORTS = "command imported, request read", "numpy and scipy imported"
 PARTS = ("build", "assembly", "factorisation", "solve", "contact")  # of timing_s
 # what a step of an exact set may spend, and where all that enforce contact exactly must end
 BEYOND, FORCE_OFF, NODES_OFF = "factorisations beyond iterations", "force off semismooth", "nodes off semismooth"
+FLOOR = ("-c", "import numpy, scipy.linalg, scipy.sparse.linalg")  # nothing is solved without
+REFUSED = ("-m", "studies.cli", "solve", "tyre", "--mesh", "0x0", "--out", "unused")  # once all that solves is loaded
 ONE_AN_ITERATION = {BEYOND: 2.0}
 SAME_END = {FORCE_OFF: 1e-10, NODES_OFF: 0.0}
+OVER_SPLU, OVER_PARDISO = 0.35, 2.2
+LOWEST = 12  # eigenvalues that are found to shift between two of them
+AT_LEAST = 3  # of them negative then
+DEFINITE, INDEFINITE, GENERAL = "definite", "indefinite", "not symmetric"
 
 
 def costs(
@@ -78,6 +93,63 @@ def groups(K: sparse.csc_matrix, mesh: str, sizes: tuple[str, ...], folder: Path
 
 def _ms(_: Any, seconds: float) -> dict[str, float]:
     return {"ms": 1e3 * seconds}
+
+
+def shell_of(mesh: str, **settings: str) -> ShellModel:
+    """The whole tyre of the paper; raises UsageError."""
+    return tyre(asked(mesh, **settings)).shell
+
+
+def at_rest(shell: ShellModel) -> sparse.csc_matrix:
+    """The tangent (n, n) at u = 0, definite where it is symmetric; its unknowns are in an order of elimination."""
+    return sparse.csc_matrix(shell.linearise(np.zeros(shell.discretisation.n_free)).tangent)
+
+
+def shifted(K: sparse.csc_matrix) -> tuple[sparse.csc_matrix, int]:
+    """K - s with s in the widest relative gap between low eigenvalues of the definite K, and how many are below it.
+
+    They are found by Lanczos's method on K^-1 by SuperLU: fronts have no part in it.
+    """
+    inverse = LinearOperator(K.shape, matvec=factorise(K, "splu", ordered=True).solve, dtype=float)
+    low = np.sort(eigsh(K, k=LOWEST, sigma=0.0, OPinv=inverse, return_eigenvectors=False))
+    below = AT_LEAST + int(np.argmax(low[AT_LEAST:] / low[AT_LEAST - 1 : -1]))
+    found = K.copy()  # a difference would lose the zeros of its pattern
+    found.setdiag(K.diagonal() - np.sqrt(low[below - 1] * low[below]))
+    return found, below
+
+
+def factorisations(mesh: str) -> Iterator[Group]:
+    """The tangents of a mesh, a group each, by fronts, SuperLU and, where it is installed, PARDISO."""
+    K = at_rest(shell_of(mesh))
+    yield _of_kind(DEFINITE, K)
+    yield _of_kind(INDEFINITE, *shifted(K))
+    yield _of_kind(GENERAL, at_rest(shell_of(mesh, section="nonsymmetric")))
+
+
+def _of_kind(kind: str, A: sparse.csc_matrix, negative: int = 0) -> Group:
+    b = np.random.default_rng(12).normal(size=A.shape[0])
+
+    def see(factor: Factor, seconds: float) -> dict[str, float]:
+        found = {"backward error": backward_error(A, factor.solve(b), b)}
+        if isinstance(factor, Multifrontal) and kind != GENERAL:
+            found |= {"negative": factor.negative, "wrong inertia": abs(factor.negative - negative)}
+        return found
+
+    over, most = {"splu": OVER_SPLU}, {"backward error": BACKWARD_ERROR, "wrong inertia": 0.0}
+    lines = [Line("splu", partial(factorise, A, "splu", ordered=True), see, cold=True)]
+    if with_pardiso():
+        from studies.bench.pardiso import Numeric
+
+        over["PARDISO"] = OVER_PARDISO
+        numeric = Numeric(A, definite=kind == DEFINITE, symmetric=kind != GENERAL)
+        lines.append(Line("PARDISO", numeric.factorised, see, cold=True))
+    fronts = Line("fronts", partial(factorise, A, "multifrontal", ordered=True), see, over, most)
+    return Group(f"factorisation of {A.shape[0]} unknowns, {kind}", [fronts, *lines])
+
+
+def with_pardiso() -> bool:
+    """Whether the extra mkl is installed."""
+    return importlib.util.find_spec("pypardiso") is not None
 
 
 def solves(mesh: str) -> Group:
@@ -152,3 +224,12 @@ def _command(mesh: str, folder: Path) -> dict[str, float]:
 
 def _parts_of_command(timing: Mapping[str, float], seconds: float) -> dict[str, float]:
     return {f"{PART}start and files_s": seconds - timing["cpu"], **_parts(timing)}
+
+
+def child(words: Sequence[str], compiled: Path, code: int = 0) -> None:
+    """Run Python on one thread to the end, with this exit code; what it compiles is kept, as on installation."""
+    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path, "PYTHONPYCACHEPREFIX": str(compiled / "compiled")}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
+    done = subprocess.run([sys.executable, "-P", *words], env=environment, capture_output=True, check=False)
+    assert done.returncode == code, done.stderr

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import statistics
 import tempfile
-import time
 from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from studies.analysis.cells.collect import collect
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
-from studies.campaigns.plan import Row, identity, plan
+from studies.campaigns.plan import identity, plan
 from studies.door.columns import columns
 from studies.pool.process import Children
 from studies.pool.task import Limits, Task
+from studies.stopwatch import WALL, timed
 from studies.store.atomic import SCHEMA, as_text, write_json
 from studies.store.layout import Archive
 
@@ -61,9 +62,7 @@ def _cells(children: Children, root: Path, repeats: int) -> Iterator[Cost]:
         spent, inside = [], []
         for _ in range(1 + times):
             task = Task("cell", identity(cell), cell)
-            start = time.perf_counter()
-            children.perform(task, str(root), Limits())
-            spent.append(time.perf_counter() - start)
+            spent.append(timed(partial(children.perform, task, str(root), Limits()), WALL)[0])
             record = Archive(root).record(task.id)
             assert record is not None
             inside.append(record["timing_s"]["total"])
@@ -80,18 +79,19 @@ def _store(children: Children, root: Path, count: int) -> Iterator[Cost]:
     archive = Archive(root)
     record = archive.record(task.id)
     assert record is not None
-    start = time.perf_counter()
     fractions = [{"load_fraction": f"{1e-6 * (i + 1):.9g}"} for i in range(count)]
     cells = tuple(replace(TRIVIAL, label=f"cell {i}", settings=settings) for i, settings in enumerate(fractions))
-    rows: list[Row] = plan(Campaign("large", "large", cells))
-    yield Cost(f"{count} cells planned", time.perf_counter() - start, None, "", True)
+    spent, rows = timed(lambda: plan(Campaign("large", "large", cells)), WALL)
+    yield Cost(f"{count} cells planned", spent, None, "", True)
     for row in rows:
         archive.record_path(str(row.id)).write_text(as_text({**record, "id": row.id}), encoding="utf-8")
     told = {"schema": SCHEMA, "campaign": "large", "title": "large", "pages": "", "tables": []}
     write_json(archive.index_path("large"), {**told, "cells": [row.as_json() for row in rows]})
-    start = time.perf_counter()
-    table = collect(root, "large")
-    found = table[(table["outcome"] == "converged") & (table["c.dofs"] > 0)]
-    assert len(found) == count
-    spent = time.perf_counter() - start
+
+    def filtered() -> int:
+        table = collect(root, "large")
+        return len(table[(table["outcome"] == "converged") & (table["c.dofs"] > 0)])
+
+    spent, found = timed(filtered, WALL)
+    assert found == count
     yield Cost(f"{count} cells listed, collected and filtered", spent, None, "under 5 s", spent < 5.0)

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import resource
 import statistics
-import time
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -14,6 +13,7 @@ from typing import Any
 import pandas as pd
 
 from studies.door.columns import columns
+from studies.stopwatch import CPU, Clock, timed
 
 COLUMNS = ("group", "line", "what", "median", "low", "high", "at_most", "holds")
 NO_BAR = float("nan")
@@ -24,7 +24,7 @@ PART = "part "  # of the time of a line, by its name
 def cpu() -> float:
     """Processor time [s], user and system, of this process and of its children that have ended."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
+    return CPU() + children.ru_utime + children.ru_stime
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def in_rounds(
     unit: Callable[[], object],
     rounds: int,
     progress: Callable[[int, int, str], None] = lambda done, planned, label: None,
-    clock: Callable[[], float] = cpu,
+    clock: Clock = cpu,
 ) -> pd.DataFrame:
     """One row a number: group, line, what it is, median, low and high over the rounds, its bar, and whether it holds.
 
@@ -74,7 +74,7 @@ def _readings(
     unit: Callable[[], object],
     rounds: int,
     progress: Callable[[int, int, str], None],
-    clock: Callable[[], float],
+    clock: Clock,
 ) -> Iterator[tuple[object, ...]]:
     spent: dict[str, list[float]] = {line.name: [] for line in group.lines}
     seen: dict[str, list[Mapping[str, float]]] = {line.name: [] for line in group.lines}
@@ -86,7 +86,7 @@ def _readings(
         beside = []
         for place, line in enumerate(group.lines):
             progress(turn * len(group.lines) + place, rounds * len(group.lines), f"{group.name}: {line.name}")
-            beside.append(_timed(unit, clock)[0])
+            beside.append(timed(unit, clock)[0])
             seconds, numbers = _seen(line, clock)
             spent[line.name].append(seconds)
             seen[line.name].append(numbers)
@@ -110,16 +110,10 @@ def _verdict(values: Sequence[float], median: float, bar: float) -> str:
     return HOLDS if median <= bar else VARIES if any(value <= bar for value in values) else BROKEN
 
 
-def _seen(line: Line, clock: Callable[[], float]) -> tuple[float, Mapping[str, float]]:
+def _seen(line: Line, clock: Clock) -> tuple[float, Mapping[str, float]]:
     """Seconds and numbers; what the work has made, large factors, is gone then."""
-    seconds, done = _timed(line.work, clock)
+    seconds, done = timed(line.work, clock)
     return seconds, line.see(done, seconds)
-
-
-def _timed(work: Callable[[], Any], clock: Callable[[], float]) -> tuple[float, Any]:
-    start = clock()
-    done = work()
-    return clock() - start, done
 
 
 def _ratios(seconds: Sequence[float], of: Sequence[float]) -> list[float]:

@@ -27,15 +27,14 @@ from contact.problem import ContactProblem, ContactSolution
 from contact.solvers.multifrontal.analysis import analysed, clear
 from contact.solvers.sparse import Factor, backward_error, factor_flops, factorise
 from formulations.geometry.grid import TensorGrid
+from formulations.geometry.transfer import Transfer
 from formulations.shell import ShellModel
-from studies.bench.newton import iterate, pressed
-from studies.bench.newton import timed as timed_by
-from studies.complete import complete
+from studies.bench.newton import asked, parts, pressed, tyre
 from studies.door.columns import columns
 from studies.request import Request
 from studies.scene import UsageError
 from studies.scenes.tyre.model import TyreModel
-from studies.scenes.tyre.scene import Tyre
+from studies.stopwatch import CPU, timed
 
 MESHES = ("20x18", "42x40", "84x80", "132x128", "210x200", "416x410")  # 2, 10, 40, 100, 250, 1000 thousand unknowns
 COARSE = "42x40"
@@ -48,20 +47,31 @@ TIMES = ("elements", "scatter", "assembly", "factorisation", "solve", "contact",
 FLOORS = dict.fromkeys(TIMES, "copy") | {"elements": "gemm"} | dict.fromkeys(("factorisation", "total"), "core")
 BY_SUPERLU = 300_000  # unknowns up to which SuperLU factorises the same matrix, too: a million take minutes
 GEMM, COPIED = 1000, 100_000_000  # rows and columns of the matrices multiplied; bytes
-CLOCK = time.process_time  # of one thread: long work always meets other programs, short work may slip between them
-timed = partial(timed_by, clock=CLOCK)
 P = ParamSpec("P")
 T = TypeVar("T")
+LINEAR = 1  # degree that carries pressures without overshooting
 
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """The pressed tyre: grid lines psi (n1 + 1,) and phi (n2 + 1,), v (n1 + 1, n2, 6) [mm], pressure (n1 + 1, n2)."""
+    """The pressed tyre on a grid: v (N, 6) [mm] and pressure (N,) [MPa] at its nodes."""
 
-    psi: np.ndarray
-    phi: np.ndarray
+    grid: TensorGrid
     v: np.ndarray
     pressure: np.ndarray
+
+    @classmethod
+    def of(cls, model: TyreModel) -> Pressed:
+        """Solved, off its unknowns."""
+        state, grid = pressed(model)[1], model.part.grid
+        assert isinstance(grid, TensorGrid)
+        return cls(grid, model.shell.displacements(state.u).reshape(grid.n_nodes, -1), model.outer_pressure(state))
+
+    def on(self, model: TyreModel) -> tuple[np.ndarray, np.ndarray]:
+        """Unknowns (n,) and pressures (m,) of the state on another grid, bilinear in psi and phi."""
+        transfer = Transfer(self.grid, model.part.grid)
+        v, pressure = (transfer.nodal(values, LINEAR) for values in (self.v, self.pressure))
+        return model.shell.discretisation.map.restrict(v), pressure[model.nodes]
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,52 +167,19 @@ def _alone(work: Callable[P, T], *arguments: P.args, **named: P.kwargs) -> T:
 
 def request_of(mesh: str) -> Request:
     """The tyre that is measured; raises UsageError for a mesh that it cannot have."""
-    request = complete("tyre", {"element": "paper", "delta_mm": "20"}, mesh, model="full")[1]
+    request = asked(mesh, element="paper")
     if min(request.mesh) < 6 or request.mesh[0] % 2 or request.mesh[1] % 2:
         raise UsageError(f"mesh {mesh}: both numbers must be even and at least 6")
     return request
 
 
-def _model(mesh: str) -> TyreModel:
-    request = request_of(mesh)
-    return TyreModel.on(request, *Tyre().lines(request))
-
-
 def _pressed(mesh: str) -> Pressed:
-    """The solution on a coarse mesh, off its unknowns."""
-    model = _model(mesh)
-    _, state = pressed(model)
-    assert isinstance(model.part.grid, TensorGrid)
-    shape = model.part.grid.node_shape
-    psi, phi = _lines(model)
-    v = model.shell.displacements(state.u).reshape(*shape, -1)
-    return Pressed(psi, phi, v, model.outer_pressure(state).reshape(shape))
-
-
-def _lines(model: TyreModel) -> tuple[np.ndarray, np.ndarray]:
-    """Grid lines psi (n1 + 1,) and, around the axis and back to the first, phi (n2 + 1,)."""
-    nodes = model.part.grid.nodes
-    phi = np.unique(nodes[:, 1])
-    return np.unique(nodes[:, 0]), np.append(phi, phi[0] + 2 * np.pi)
-
-
-def _interpolated(model: TyreModel, coarse: Pressed) -> tuple[np.ndarray, np.ndarray]:
-    """Unknowns (n,) and pressures (m,) of the state on another grid, bilinear in psi and phi."""
-    psi, phi = _lines(model)
-    along, around = _hats(coarse.psi, psi), _hats(coarse.phi, phi[:-1])
-    closed = [np.concatenate([x, x[:, :1]], axis=1) for x in (coarse.v, coarse.pressure[..., None])]
-    v, pressure = (np.einsum("ac,bd,cdk->abk", along, around, x, optimize=True) for x in closed)
-    return model.shell.discretisation.map.restrict(v), pressure.ravel()[model.nodes]
-
-
-def _hats(lines: np.ndarray, at: np.ndarray) -> np.ndarray:
-    """Values (a, n) of the piecewise linear function of each of n lines at the points (a,)."""
-    return np.column_stack([np.interp(at, lines, unit) for unit in np.eye(len(lines))])
+    return Pressed.of(tyre(request_of(mesh)))
 
 
 def _cost(mesh: str, coarse: Pressed, seconds: float) -> dict[str, Any]:
-    model = _model(mesh)
-    u, pressure = _interpolated(model, coarse)
+    model = tyre(request_of(mesh))
+    u, pressure = coarse.on(model)
     *_, stage = model.stages()
     rest = ContactSolution.at_rest(model.n_unknowns, 0)
     state = ContactSolution(u, pressure, pressure > 0, rest.outcome)
@@ -225,17 +202,13 @@ def _sample(
     shell: ShellModel, problem: ContactProblem, state: ContactSolution, memory: object
 ) -> tuple[dict[str, float], _Kept]:
     """One Newton step, whole and by its parts [s], and what it has factorised and solved."""
-    run = _Kept(problem, tally=Tally(clock=CLOCK))
+    run = _Kept(problem, tally=Tally(clock=CPU))
     tangent = problem.linearise(state.u, memory).tangent
     clear()
-    analysis = timed(partial(analysed, tangent))
-    total = timed(partial(iterate, run, state, memory))
-    elements = timed(partial(shell.element_contributions, state.u, memory))
-    tangents = shell.element_contributions(state.u, memory)[2]
-    scatter = timed(partial(shell.discretisation.assemble, tangents))
-    counted = {part: run.tally.counters[f"{part}_s"] for part in ("factorisation", "solve", "contact")}
-    times = {"elements": elements, "scatter": scatter, "assembly": elements + scatter, **counted, "total": total}
-    return {**times, "analysis": analysis}, run
+    analysis, _ = timed(partial(analysed, tangent))
+    spent = parts(shell, run, state, memory, CPU)
+    spent["assembly"] = spent["elements"] + spent["scatter"]
+    return {**{part: spent[part] for part in TIMES}, "analysis": analysis}, run
 
 
 def _floors(run: _Kept, problem: ContactProblem) -> dict[str, float]:
@@ -244,13 +217,13 @@ def _floors(run: _Kept, problem: ContactProblem) -> dict[str, float]:
     target = np.zeros_like(memory)  # touched: the first touch of fresh memory costs more than the copy
     matrix, flops = run.matrices[-1], factor_flops(run.factors[-1])
     run.factors.clear()  # room for the other factors
-    gemm = timed(partial(np.matmul, square, square))
+    gemm, _ = timed(partial(np.matmul, square, square))
     small = matrix.shape[0] <= BY_SUPERLU
     return {
-        "superlu": timed(partial(factorise, matrix, "splu", ordered=problem.ordered)) if small else float("nan"),
+        "superlu": timed(partial(factorise, matrix, "splu", ordered=problem.ordered))[0] if small else float("nan"),
         "gemm": gemm,
         "core": gemm * flops / (2 * GEMM**3),
-        "copy": timed(partial(np.copyto, target, memory)),
+        "copy": timed(partial(np.copyto, target, memory))[0],
     }
 
 

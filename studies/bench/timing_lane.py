@@ -18,11 +18,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
-from scipy.stats import bootstrap
 
-from contact.interchange.untrusted import read_json
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import plan, solved_rows
 from studies.door.plugins import used
@@ -33,13 +30,11 @@ from studies.scene import UsageError
 from studies.store.atomic import SCHEMA, write_json
 from studies.store.layout import Archive
 from studies.store.provenance import provenance
-from studies.store.schema import TIMES, fault
+from studies.store.times import DRIFT, interval, read_times, times_path
 
-DRIFT = 0.05  # of the canary, within a block and against the quickest one so far
 REPEATS = 3  # of a block that was discarded
 SHARE = 10.0  # seconds of the solves that share a block, which takes five to ten times as long
 BLOCKS, ROUNDS = 2, 4  # eight samples of each cell: the first number that a rank test over many cells can use
-CONFIDENCE = 0.95
 COUNTERS = ("dofs", "newton_iterations", "factorisations", "assemblies", "operations")
 
 
@@ -111,17 +106,6 @@ def sample(
     return found
 
 
-def interval(samples: Sequence[float]) -> tuple[float, float, float]:
-    """Median and its bootstrap interval; of fewer than two samples there is none."""
-    if len(samples) < 2:
-        return (samples[0] if samples else float("nan")), float("nan"), float("nan")
-    if min(samples) == max(samples):
-        return samples[0], samples[0], samples[0]
-    found = bootstrap((np.array(samples),), np.median, confidence_level=CONFIDENCE, method="percentile", rng=2004)
-    low, high = found.confidence_interval
-    return statistics.median(samples), float(low), float(high)
-
-
 def time_campaign(
     campaign: Campaign,
     store: Path,
@@ -182,27 +166,6 @@ def _keep(archive: Archive, name: str, ids: dict[str, str], found: Samples, roun
         for label, cell_id in ids.items()
     ]
     write_json(times_path(archive.root, name), {**told, "cells": cells})
-
-
-def times_path(store: Path, campaign: str) -> Path:
-    """Where the samples of a campaign are kept."""
-    return store / "timing" / f"{campaign}.json"
-
-
-def read_times(store: Path, campaign: str) -> dict[str, Any]:
-    """What was kept of a campaign: canaries, rounds of a block, samples, provenance; raises UsageError."""
-    path = times_path(store, campaign)
-    try:
-        found = read_json(path)
-        told = {key: found[key] for key in ("canaries", "rounds", "cells")}
-        told["provenance"] = found.get("provenance") or {}
-    except FileNotFoundError:
-        raise UsageError(f"{store} has no times of {campaign!r}: footprint time makes them") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
-        raise UsageError(f"{path} cannot be read: {' '.join(str(error).split())}") from None
-    if wrong := fault(told, TIMES):
-        raise UsageError(f"{path} cannot be read: {wrong}")
-    return told
 
 
 def summary(store: Path, campaign: str) -> pd.DataFrame:

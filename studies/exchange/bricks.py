@@ -1,7 +1,7 @@
 """Quadratic bricks of 20 nodes between the two faces of a shell-like body, as Abaqus, CalculiX and VTK number them.
 
 They are the triquadratic hexahedra of :mod:`formulations.solid_mesh` without the nodes in the middle of faces and
-bodies. No material, no support and no load may enter here.
+bodies. No material and no support may enter here.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from formulations.solid_mesh import CUBE, SolidMesh
+from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
 
 # places of the nodes of a C3D20 along its axes, 0, 1 or 2: corners, edges below, edges above, edges between
 PLACES = np.array(
@@ -84,13 +84,6 @@ class Bricks:
         )
 
     @cached_property
-    def volume(self) -> float:
-        """Of the body [mm^3], by 27 Gauss points of the bricks' own shape functions."""
-        slope = _slope(2 * CUBE.points - 1)
-        jacobian = np.einsum("gnd,enx->egdx", slope, self.x[self.elements])
-        return float(8 * np.sum(np.linalg.det(jacobian) @ CUBE.weights))
-
-    @cached_property
     def turning(self) -> float:
         """Largest angle [rad] between the axes e1, e2, e3 at a Gauss point of a brick and those at its centre."""
         cosines = np.einsum("egix,eix->egi", self.mesh.frame, self.frame)
@@ -121,28 +114,16 @@ class Bricks:
             raise ValueError(f"forces on {len(lost)} nodes inside the body have no place on its bricks")
         return found
 
-
-def _slope(points: np.ndarray) -> np.ndarray:
-    """Derivatives (g, 20, 3) of the shape functions of a brick at points (g, 3) of [-1, 1]^3.
-
-    Corners: prod(1 + x_i r_i)(x.r - 2)/8; edges along i, r_i = 0: (1 - x_i^2) prod_{j != i}(1 + x_j r_j)/4.
-    """
-    r = PLACES - 1.0
-    factor = 1 + points[:, None, :] * r
-    sum_of = np.einsum("gi,ni->gn", points, r)
-    corner = np.all(r != 0, axis=1)
-    found = np.empty((len(points), len(r), 3))
-    for i in range(3):
-        j, k = (each for each in range(3) if each != i)
-        others = factor[..., j] * factor[..., k]
-        found[..., i] = np.where(corner, r[:, i] * others * (sum_of - 2 + factor[..., i]) / 8, 0.0)
-        for edge in range(3):
-            along = r[:, edge] == 0
-            bubble = 1 - points[:, None, edge] ** 2
-            if edge == i:
-                value = -2 * points[:, None, i] * others / 4
-            else:
-                third = 3 - i - edge
-                value = bubble * r[:, i] * factor[..., third] / 4
-            found[..., i] = np.where(along, value, found[..., i])
-    return found
+    def pressure_forces(self, pressure: np.ndarray, u: np.ndarray | None = None) -> np.ndarray:
+        """Forces (N, 3) [N]: int N_r p n dA of pressures p (F,) [MPa] over the inner faces, displaced by u (N, 3)."""
+        face = self.mesh.elements[self.inner][:, 0::3]
+        ring = self.of_mesh[face[:, RING]]
+        x = self.mesh.x.copy()
+        if u is not None:
+            x[face[:, RING]] += u[ring]
+        x[face[:, len(RING) // 2]] = np.einsum("r,frx->fx", CENTRE, x[face[:, RING]])
+        _, area = self.mesh.area_vectors(x, face)
+        value = serendipity(*(2 * SQUARE.points - 1).T)
+        forces = np.zeros_like(self.x)
+        np.add.at(forces, ring, np.einsum("f,g,gr,fgx->frx", pressure, SQUARE.weights, value, area))
+        return forces

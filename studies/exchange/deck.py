@@ -30,18 +30,13 @@ INCREMENTS = 10_000
 def deck(problem: Problem, integration: str = AUTO, stiffness: float | None = None) -> Iterator[str]:
     """Its lines; raises UsageError for options out of their range.
 
-    integration: of the bricks; reduced unless they stand in a single row, which without a neighbour in two directions
-    keeps its hourglass modes.  stiffness [MPa/mm]: contact pressure over penetration, positive.
+    integration: of the bricks, see :func:`element`.  stiffness [MPa/mm]: contact pressure over penetration, positive.
     """
-    if integration not in INTEGRATIONS:
-        raise UsageError(f"integration {integration!r} must be one of {', '.join(INTEGRATIONS)}")
-    if integration == AUTO:
-        integration = "full" if single_row(problem) else "reduced"
-    slope = contact_stiffness(problem) if stiffness is None else stiffness
+    kind, slope = element(problem, integration), contact_stiffness(problem) if stiffness is None else stiffness
     if not 0 < slope < float("inf"):
         raise UsageError(f"stiffness = {slope} must be a number in (0, inf)")
     yield from _heading(problem)
-    yield from _mesh(problem, ELEMENTS[integration])
+    yield from _mesh(problem, kind)
     yield from _sections(problem)
     yield from _supports(problem.supports)
     if problem.plane is not None:
@@ -53,11 +48,17 @@ def deck(problem: Problem, integration: str = AUTO, stiffness: float | None = No
         yield from _step(problem, step, [(n, i, force[n, i]) for n, i in loaded])
 
 
-def single_row(problem: Problem) -> bool:
-    """Whether the body has one brick alone in two of its three directions."""
+def element(problem: Problem, integration: str = AUTO) -> str:
+    """Its name; raises UsageError for an integration that is none.
+
+    Reduced unless bricks stand in a single row: without a neighbour in two directions it keeps its hourglass modes.
+    """
+    if integration not in INTEGRATIONS:
+        raise UsageError(f"integration {integration!r} must be one of {', '.join(INTEGRATIONS)}")
     bricks = problem.bricks
     across = len(bricks.elements) // len(bricks.inner)
-    return sorted((*problem.request.mesh, across))[1] == 1
+    single_row = sorted((*problem.request.mesh, across))[1] == 1
+    return ELEMENTS[("full" if single_row else "reduced") if integration == AUTO else integration]
 
 
 def contact_stiffness(problem: Problem) -> float:

@@ -1,4 +1,5 @@
-"""What another program has found, held against our solution, the references of the scene, and the balances.
+"""What another program has found, held against our solution, the references of the scene, and the balances of forces
+and energy that it must keep by itself.
 
 Quantities are read from a field as the scene reads its own: the displacements of both faces at the nodes of the shell
 are put into the shell. Our solution is found at the very loads that come from outside.
@@ -15,9 +16,8 @@ import numpy as np
 from formulations.shell import ShellModel
 from studies.analysis.cells.rows import holding
 from studies.complete import complete
-from studies.exchange.balances import energy_balance, force_balance
-from studies.exchange.problem import Problem
-from studies.exchange.results import GROWTH, PLANE_FORCE, STRAIN_ENERGY, Found
+from studies.exchange.problem import LoadStep, Problem
+from studies.exchange.results import GROWTH, PLANE_FORCE, REACTION, STRAIN_ENERGY, Found
 from studies.result import Result
 from studies.scenes import SCENES
 from studies.scenes.statics import StaticModel
@@ -120,6 +120,37 @@ def _balances(problem: Problem, found: Found, tolerance: float) -> Iterator[Comp
     energies = energy_balance(problem, step, found)
     if energies is not None:
         yield Comparison(found.load, STRAIN_ENERGY, energies[0], WORK, energies[1], tolerance)
+
+
+def force_balance(problem: Problem, step: LoadStep, found: Found) -> tuple[float, float] | None:
+    """What supports, plane and loads leave over, and the largest of the three [N]; None where one is not told.
+
+    R + sum F + int p n dA - F_n n = 0 with the reactions R of the supports and the force F_n of the body on the plane.
+    """
+    told = found.quantities
+    pressure = problem.pressure_forces(step, found.u)
+    if pressure is None or not set(REACTION) <= told.keys():
+        return None
+    parts = [np.array([told[name] for name in REACTION]), step.forces.sum(axis=0), pressure.sum(axis=0)]
+    if problem.plane is not None:
+        if PLANE_FORCE not in told:
+            return None
+        parts.append(-told[PLANE_FORCE] * problem.plane.normal)
+    size = max(np.linalg.norm(step.forces, axis=1).max(initial=0.0), *(float(np.linalg.norm(each)) for each in parts))
+    return float(np.linalg.norm(np.sum(parts, axis=0))), float(size)
+
+
+def energy_balance(problem: Problem, step: LoadStep, found: Found) -> tuple[float, float] | None:
+    """Strain energy and half of the work of the loads on the final displacements [N mm]: equal where all is linear.
+
+    None for large displacements, with a plane or a pressure, and where the displacement of a loaded node is not told.
+    """
+    if problem.nonlinear or problem.plane is not None or step.pressure.any() or STRAIN_ENERGY not in found.quantities:
+        return None
+    loaded = step.forces.any(axis=1)
+    if found.u is None or not np.all(np.isfinite(found.u[loaded])):
+        return None
+    return found.quantities[STRAIN_ENERGY], 0.5 * float(np.sum(step.forces[loaded] * found.u[loaded]))
 
 
 def _energy(problem: Problem, found: Found, ours: Result, tolerance: float) -> Iterator[Comparison]:

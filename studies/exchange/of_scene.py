@@ -6,21 +6,18 @@ of one of these kinds needs nothing here.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
-from formulations.section.laminate import Laminate
 from formulations.shell import ShellModel
-from formulations.solid import SolidModel
 from studies.algorithm_settings import configured
 from studies.complete import complete
-from studies.exchange import of_shell, of_solid
-from studies.exchange.bricks import Bricks
-from studies.exchange.problem import LoadStep, Plane, Problem, Supports, doubled, materials
+from studies.exchange.of_body import Body, of_shell, of_solid
+from studies.exchange.problem import LoadStep, Plane, Problem, materials
 from studies.friction.settings import rubbing
 from studies.request import Request, UsageError
 from studies.scene import Scene, SceneModel
@@ -39,16 +36,6 @@ CLEARANCE = 0.1  # of the growth of a tyre: how far the plane stays off while it
 INFLATED = 4
 MOST_THROUGH = 16
 TURNED = ("half", "mirror", "sector")  # models of a part of a tyre with a seam that is no plane of symmetry
-
-
-@dataclass(frozen=True, eq=False)
-class Body:
-    """Bricks and their supports, and what makes loads of a model of the same scene."""
-
-    bricks: Bricks
-    supports: Supports
-    laminate: Laminate
-    shell: np.ndarray | None
 
 
 def problem_of(
@@ -83,13 +70,11 @@ def problem_of(
     raise UsageError(f"scene {name!r} cannot be exported: its loads or its model are none that a deck has")
 
 
-def _of_shell(scene: Scene, request: Request, shell: ShellModel, through: int) -> tuple[Body, SceneModel]:
+def _of_shell(scene: Scene, request: Request, shell: ShellModel, through: int) -> tuple[Body[ShellModel], SceneModel]:
     """The body, and the model on the mesh twice as fine that loads are read from."""
-    finer = scene.build(doubled(request))
-    fine, body = _shell(finer).discretisation, shell.discretisation
-    bricks = of_shell.bricks_of(body, through)
-    supports = of_shell.supports_of(fine, body, bricks)
-    return Body(bricks, supports, body.laminate, of_shell.shell_nodes(body, bricks)), finer
+    n1, n2 = request.mesh
+    finer = scene.build(replace(request, mesh=(2 * n1, 2 * n2)))
+    return of_shell(shell.discretisation, _shell(finer).discretisation, through), finer
 
 
 def _shell(model: SceneModel) -> ShellModel:
@@ -99,24 +84,21 @@ def _shell(model: SceneModel) -> ShellModel:
 
 def _under_loads(scene: Scene, request: Request, model: StaticModel, through: int) -> Problem:
     body, finer = _of_shell(scene, request, model.shell, through)
-    steps = []
-    for fraction in model.fractions:
-        loads = of_shell.loads_of(_shell(finer).scaled(fraction), model.shell.discretisation, body.bricks)
-        steps.append(LoadStep(f"load {fraction:g}", fraction, *loads))
-    return _problem(scene, request, "load_fraction", body, tuple(steps))
+    shell = _shell(finer)
+    steps = [LoadStep(f"load {t:g}", t, *body.loads(shell.scaled(t))) for t in model.fractions]
+    return _problem(scene, request, "load_fraction", body, steps)
 
 
 def _before_plane(scene: Scene, request: Request, model: ContactModel, through: int) -> Problem:
     body, finer = _of_shell(scene, request, model.shell, through)
     assert isinstance(finer, ContactModel)
-    start, steps = _plane(model.plane_at(0.0)), []
+    start, steps, fine = _plane(model.plane_at(0.0)), [], finer.body_at or finer.shell.scaled
     for t in model.targets:
         plane = _plane(model.plane_at(t))
         if not np.allclose(plane.normal, start.normal, atol=0, rtol=1e-12):
             raise UsageError(f"a plane that turns cannot be exported: that of {request.scene} does")
-        loads = of_shell.loads_of((finer.body_at or finer.shell.scaled)(t), model.shell.discretisation, body.bricks)
-        steps.append(LoadStep(f"{model.key} {t:g}", t, *loads, plane.offset))
-    return _problem(scene, request, model.key, body, tuple(steps), Plane(start.normal, start.offset))
+        steps.append(LoadStep(f"{model.key} {t:g}", t, *body.loads(fine(t)), plane.offset))
+    return _problem(scene, request, model.key, body, steps, Plane(start.normal, start.offset))
 
 
 def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, through: int) -> Problem:
@@ -124,51 +106,47 @@ def _tyre(scene: Scene, request: Request, model: TyreModel | SolidTyreModel, thr
 
     No travel at all is inflation alone, without a plane.
     """
+    body: Body[Any]
     if isinstance(model, TyreModel):
         body, finer = _of_shell(scene, request, model.shell, through)
-        loads = of_shell.loads_of(_shell(finer), model.shell.discretisation, body.bricks)
+        loads = body.loads(_shell(finer))
     else:
-        body = _of_solid(model.body, checked_wall(request.settings)[0])
-        loads = of_solid.loads_of(model.body, body.bricks)
+        body = of_solid(model.body.discretisation, checked_wall(request.settings)[0])
+        loads = body.loads(model.body)
     normal = _plane(model.foundation).normal
-    crown, copies = int(np.argmax(body.bricks.x @ normal)), model.wall.part.copies
+    told: dict[str, Any] = {"crown": int(np.argmax(body.bricks.x @ normal)), "copies": model.wall.part.copies}
     if tuple(model.deltas) == (0.0,):
-        alone = (LoadStep("inflation", 0.0, *loads),)
-        return _problem(scene, request, "delta_mm", body, alone, crown=crown, copies=copies)
+        return _problem(scene, request, "delta_mm", body, [LoadStep("inflation", 0.0, *loads)], **told)
     rest, touched = _first_touch(scene, request, model, normal)
     start = max(rest, touched) + CLEARANCE * abs(touched - rest)
     steps = [LoadStep("inflation", None, *loads, start)]
     steps += [LoadStep(f"delta_mm {delta:g}", delta, *loads, touched - delta) for delta in model.deltas]
-    told = {"touched": touched, "crown": crown, "copies": copies}
-    return _problem(scene, request, "delta_mm", body, tuple(steps), Plane(normal, start), **told)
+    return _problem(scene, request, "delta_mm", body, steps, Plane(normal, start), touched=touched, **told)
 
 
 def _ring(scene: Scene, request: Request, model: SolidRingModel) -> Problem:
-    body = _of_solid(model.body, crushed_ring.ring(request)[1])
-    loads, plane = of_solid.loads_of(model.body, body.bricks), crushed_ring.plate(request, 0.0)
+    body = of_solid(model.body.discretisation, crushed_ring.ring(request)[1])
+    loads, plane = body.loads(model.body), crushed_ring.plate(request, 0.0)
     steps = [
         LoadStep(f"delta_mm {delta:g}", delta, *loads, crushed_ring.plate(request, delta).offset)
         for delta in request.numbers("delta_mm")
     ]
-    return _problem(scene, request, "delta_mm", body, tuple(steps), Plane(plane.normal, plane.offset))
-
-
-def _of_solid(body: SolidModel, laminate: Laminate) -> Body:
-    bricks = of_solid.bricks_of(body.discretisation)
-    return Body(bricks, of_solid.supports_of(body.discretisation, bricks), laminate, None)
+    return _problem(scene, request, "delta_mm", body, steps, Plane(plane.normal, plane.offset))
 
 
 def _problem(
     scene: Scene,
     request: Request,
     key: str,
-    body: Body,
-    steps: tuple[LoadStep, ...],
+    body: Body[Any],
+    steps: Sequence[LoadStep],
     plane: Plane | None = None,
     **told: Any,
 ) -> Problem:
     plies = materials(body.laminate)
-    return Problem(request, scene.title, key, body.bricks, plies, body.supports, steps, plane, body.shell, **told)
+    return Problem(
+        request, scene.title, key, body.bricks, plies, body.supports, tuple(steps), plane, body.shell, **told
+    )
 
 
 def _plane(foundation: object) -> RigidPlane:

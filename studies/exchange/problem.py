@@ -1,19 +1,18 @@
 """A scene in neutral terms: what any other program needs to solve the same body under the same loads.
 
-Units are mm, N and MPa. How a scene comes to be one is in :mod:`.of_shell` and :mod:`.of_solid`; no syntax of a file
+Units are mm, N and MPa. How a scene comes to be one is in :mod:`.of_scene` and :mod:`.of_body`; no syntax of a file
 and no solution may enter here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from formulations.section.laminate import Laminate, Ply
-from studies.exchange.bricks import Bricks
+from studies.exchange.bricks import INNER, Bricks
 from studies.request import Request, UsageError
 
 ALONG = 1e-12  # what rounding takes off a unit vector along an axis
@@ -144,22 +143,13 @@ class Problem:
         """The step that ends at a load, if any does."""
         return next((step for step in self.steps if step.load is not None and np.isclose(step.load, load)), None)
 
+    def pressure_forces(self, step: LoadStep, u: np.ndarray | None) -> np.ndarray | None:
+        """Forces (N, 3) [N] of the pressure of a step, on the area displaced by u (N, 3) where displacements are large.
 
-def doubled(request: Request) -> Request:
-    """The same on a mesh twice as fine in both directions."""
-    n1, n2 = request.mesh
-    return replace(request, mesh=(2 * n1, 2 * n2))
-
-
-def lattice(lines: np.ndarray) -> np.ndarray:
-    """Lines with those midway between them: where the nodes of quadratic elements are."""
-    both = np.empty(2 * len(lines) - 1)
-    both[0::2], both[1::2] = lines, 0.5 * (lines[1:] + lines[:-1])
-    return both
-
-
-def nearest(values: np.ndarray, levels: Sequence[float] | np.ndarray) -> np.ndarray:
-    """Index of the nearest of the increasing levels."""
-    levels = np.asarray(levels)
-    after = np.clip(np.searchsorted(levels, values), 1, len(levels) - 1)
-    return after - (values - levels[after - 1] < levels[after] - values)
+        None where u is wanted and not known at all nodes of the inner faces.
+        """
+        if not self.nonlinear or not step.pressure.any():
+            return self.bricks.pressure_forces(step.pressure)
+        if u is None or not np.all(np.isfinite(u[self.bricks.face_nodes(INNER)])):
+            return None
+        return self.bricks.pressure_forces(step.pressure, u)

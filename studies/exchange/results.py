@@ -22,7 +22,6 @@ import numpy as np
 import pandas as pd
 
 from contact.interchange.untrusted import MOST, read_bytes
-from studies.exchange.pressure import pressure_forces
 from studies.exchange.problem import Problem
 from studies.request import UsageError
 
@@ -144,7 +143,7 @@ def _of_step(problem: Problem, i: int, told: Mapping[str, np.ndarray], touched: 
     u = _displacements(told, problem)
     if "total internal energy BODY" in told and not problem.nonlinear and problem.plane is None:
         quantities[STRAIN_ENERGY] = float(told["total internal energy BODY"][0, 0])
-    pressure = pressure_forces(problem, step, u)
+    pressure = problem.pressure_forces(step, u)
     if "total force HELD" in told and pressure is not None:
         standing = (step.forces + pressure)[problem.supports.nodes].sum(axis=0)
         quantities |= dict(zip(REACTION, map(float, told["total force HELD"][0] - standing), strict=True))

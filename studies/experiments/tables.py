@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from studies.arena.collected.rule import left_out, manifest
+from studies.arena.collected.rule import STEPS
 from studies.door.plugins import modules
 from studies.experiments.accuracy.choices import choices
 from studies.experiments.accuracy.error_coverage import error_coverage
@@ -96,8 +96,8 @@ TABLES: dict[str, Callable[[], pd.DataFrame]] = {
     "friction_joint_motion": joint_motion_table,
     "friction_tied": tied_table,
     "friction_public": public_table,
-    "problems": manifest,
-    "problems_left_out": left_out,
+    "problems": STEPS.manifest,
+    "problems_left_out": STEPS.left_out,
 }
 
 

@@ -12,7 +12,6 @@ from statistics import median
 import pandas as pd
 
 from studies.analysis.cells.collect import collect
-from studies.bench.timing_lane import DRIFT, read_times
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.guard.baseline import HERE, TOLERANCES, read_baseline, read_bounds
@@ -20,6 +19,7 @@ from studies.guard.compare import NothingComparedError, check, failures, lines, 
 from studies.guard.review import Shown, comment
 from studies.guard.times import compare_times, time_lines
 from studies.scene import UsageError
+from studies.store.times import DRIFT, read_times
 
 
 def check_baseline(campaign: str, store: Path | None, baseline: Path | None, engine: str) -> bool:

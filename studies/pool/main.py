@@ -8,11 +8,9 @@ limited by the kernel, for each task anew: beyond that, allocations fail.
 from __future__ import annotations
 
 import errno
-import fcntl
 import json
 import os
 import queue
-import resource
 import signal
 import sys
 import threading
@@ -22,17 +20,16 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
+from studies.pool.limits import READY, end_with, limit
 from studies.pool.task import Limits, Order, Task
 from studies.request import PartError
 
-READY = "ready"
-LATE = 10  # s after its limit, when the other side has not killed this process: the kernel does
 NO_SPACE = (errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO)  # they come without the name of a file, too
 
 
 def main() -> None:
     """Answer until the other side is gone."""
-    _end_with(int(sys.argv[2]))
+    end_with(int(sys.argv[2]))
     pipe, orders = Connection(int(sys.argv[1])), queue.SimpleQueue[Order]()
     threading.Thread(target=_listen, args=(pipe, orders), daemon=True).start()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the other side decides
@@ -43,17 +40,6 @@ def main() -> None:
         pipe.send(answer)
         if answer["class"] == "memory":
             os._exit(0)  # what is left of the memory is in pieces
-
-
-def _end_with(alive: int) -> None:
-    """Have the kernel end this process and its group when a pipe closes, even in the middle of compiled code.
-
-    A thread that waits for it needs the lock of the interpreter, which a factorisation may hold for hours. Without
-    signals of input (O_ASYNC), and where nobody heeds them by default (macOS), that thread is all there is.
-    """
-    if sys.platform == "linux":
-        fcntl.fcntl(alive, fcntl.F_SETOWN, -os.getpgrp())
-        fcntl.fcntl(alive, fcntl.F_SETFL, fcntl.fcntl(alive, fcntl.F_GETFL) | os.O_ASYNC)
 
 
 def _warm() -> None:
@@ -77,7 +63,7 @@ def _listen(pipe: Connection[Any, Order], orders: queue.SimpleQueue[Order]) -> N
 
 def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
     """{"class", "reason"} of a task that failed, {"class": "", "text": the record} of one that did not."""
-    _limit(limits.time_s, limits.memory_MB)
+    limit(limits.time_s, limits.memory_MB)
     try:
         return {"class": "", "text": DO[task.kind](task, folder)}
     except Exception as error:
@@ -92,7 +78,7 @@ def _answer(task: Task, limits: Limits, folder: Path | None) -> dict[str, Any]:
         place = f"{Path(where.filename).name}:{where.lineno}"
         return {"class": "crash", "reason": f"{type(error).__name__} at {place}: {' '.join(str(error).split())}"}
     finally:
-        _limit(None, None)
+        limit(None, None)
 
 
 def _is_of_memory(error: BaseException | None) -> bool:
@@ -112,25 +98,6 @@ def _is_of_store(error: OSError, folder: Path | None) -> bool:
         return True
     name = Path(str(error.filename))
     return folder is not None and (folder.is_relative_to(name) or name.is_relative_to(folder))
-
-
-def _limit(time_s: float | None, memory_MB: float | None) -> None:
-    """Limit private memory beyond what there is, and the time in case no other side does; None takes a limit away."""
-    signal.alarm(0 if time_s is None else int(time_s) + LATE)
-    # of data, where the kernel counts what numpy allocates there: address space has the libraries in it, twice as much
-    kind = resource.RLIMIT_DATA if sys.platform == "linux" else resource.RLIMIT_AS
-    hard = resource.getrlimit(kind)[1]
-    soft = hard if memory_MB is None else int(_data_MB() + memory_MB) * 2**20
-    resource.setrlimit(kind, (soft if hard == resource.RLIM_INFINITY else min(soft, hard), hard))
-
-
-def _data_MB() -> float:
-    """Private memory of this process."""
-    try:
-        told = Path("/proc/self/status").read_text(encoding="ascii")
-    except OSError:
-        return 0.0
-    return float(told.partition("VmData:")[2].split()[0]) / 1024
 
 
 def _record(task: Task, folder: Path | None) -> str:

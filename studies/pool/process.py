@@ -12,14 +12,15 @@ import sys
 import tempfile
 import threading
 import weakref
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import IO, Any
 
-from studies.pool.main import READY
-from studies.pool.task import KEPT, Limits, Order, Task
+from studies.pool.limits import READY
+from studies.pool.task import KEPT, Limits, Task
 from studies.store.layout import Archive
 from studies.store.schema import as_line
 from studies.store.source_hash import ROOT
@@ -38,40 +39,42 @@ class StoreFullError(OSError):
 
 
 @dataclass(frozen=True, eq=False)
-class _Running:
-    """A process of :mod:`studies.pool.main`; ``alive`` closes with this side, which ends the process, too."""
+class Running:
+    """A process that answers on a pipe; ``alive`` closes with this side, which ends the process, too."""
 
     process: subprocess.Popen[bytes]
-    pipe: Connection[Order, Any]
+    pipe: Connection[Any, Any]
     alive: IO[bytes]
     printed: IO[bytes]
 
     @classmethod
-    def begun(cls) -> _Running:
-        path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    def begun(cls, module: str, *words: str, path: Iterable[str] = ()) -> Running:
+        """A module with the number of its end of the pipe, that of ``alive``, and words; path: where it finds more."""
+        places = [str(ROOT), *(path or filter(None, [os.environ.get("PYTHONPATH")]))]
         environment = {name: value for name, value in os.environ.items() if name not in NOT_PASSED_ON}
         (pipe, theirs), (ends, alive), printed = Pipe(), os.pipe(), tempfile.TemporaryFile()  # noqa: SIM115  kept
         process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "studies.pool.main", str(theirs.fileno()), str(ends)],
+            [sys.executable, "-P", "-m", module, str(theirs.fileno()), str(ends), *words],
             pass_fds=[theirs.fileno(), ends],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=printed,
-            env={**environment, **ONE_THREAD, "PYTHONPATH": path},
+            env={**environment, **ONE_THREAD, "PYTHONPATH": os.pathsep.join(places)},
             process_group=0,
         )
         theirs.close()
         os.close(ends)
         return cls(process, pipe, os.fdopen(alive, "wb"), printed)
 
-    def ready(self) -> bool:
+    def ready(self, within_s: float = STARTUP_S) -> bool:
+        """Whether it has begun to listen."""
         try:
-            return self.pipe.poll(STARTUP_S) and self.pipe.recv() == READY
+            return self.pipe.poll(within_s) and self.pipe.recv() == READY
         except (EOFError, OSError):
             return False
 
-    def send(self, order: Order) -> None:
-        """Hand on a task; what was printed before it is forgotten."""
+    def send(self, order: object) -> None:
+        """Hand on an order; what was printed before it is forgotten."""
         self.printed.seek(0)
         self.printed.truncate()
         self.pipe.send(order)
@@ -81,6 +84,11 @@ class _Running:
         self.printed.seek(0)
         lines = self.printed.read().decode(errors="replace").split("\n")
         return next((" ".join(line.split())[:LAST_WORDS] for line in reversed(lines) if line.strip()), "")
+
+    def kill(self) -> None:
+        """Kill it, and whatever it has started; from any thread."""
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.process.pid, signal.SIGKILL)
 
     def buried(self) -> None:
         """Wait for the end of a process that was killed."""
@@ -93,7 +101,7 @@ class Child:
     """One warm process of :mod:`studies.pool.main`, started when it is needed and again after it was killed."""
 
     def __init__(self, stopped: threading.Event | None = None) -> None:
-        self._running: _Running | None = None
+        self._running: Running | None = None
         self._stopped = stopped or threading.Event()  # nothing is begun any more
 
     def ask(self, task: Task, limits: Limits, folder: Path | None = None) -> dict[str, Any]:
@@ -115,8 +123,7 @@ class Child:
     def kill(self) -> None:
         """Kill the process, and whatever it has started; from any thread. Who waits for its answer sees its end."""
         if self._running is not None:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self._running.process.pid, signal.SIGKILL)
+            self._running.kill()
 
     def end(self) -> None:
         """Kill the process and forget it."""
@@ -125,14 +132,14 @@ class Child:
             running, self._running = self._running, None
             running.buried()
 
-    def _start(self) -> _Running:
+    def _start(self) -> Running:
         """A new process, kept once it is ready."""
-        running = self._running = _Running.begun()
+        running = self._running = Running.begun("studies.pool.main")
         if not running.ready():
             self.end()
         return running
 
-    def _death(self, running: _Running, limits: Limits) -> dict[str, str]:
+    def _death(self, running: Running, limits: Limits) -> dict[str, str]:
         """How a process has died; it is forgotten. Compiled code that aborts may have said that it was for memory."""
         try:
             code = running.process.wait(10)

@@ -32,7 +32,7 @@ from studies.refinement.nested import (
 )
 from studies.refinement.point_loads import HALVINGS, growth
 from studies.refinement.records import record_estimate, record_grids, record_loads
-from studies.refinement.trees import Family
+from studies.refinement.trees import Family, parts_of
 from studies.request import Request
 from studies.result import Result
 from studies.scene import RefinedScene, Scene, UsageError
@@ -280,6 +280,8 @@ def _more(widths: Sequence[tuple[float, float]], error: float, ways: int) -> flo
 
 def _longer(scene: Scene, result: Result, request: Request) -> Request | None:
     """The coarsest request with more elements where those of the result are too long and have modes by themselves."""
+    if max(parts_of(result)) == 1:
+        return None
     family = Family.of(scene, result.request)
     shorter = family.shortened(scene, result)
     if shorter is family:

@@ -75,7 +75,7 @@ class Family:
 
         result: on this grid, or on that with all elements cut. It stays where the scene takes no such mesh.
         """
-        parts = _parts(result)
+        parts = parts_of(result)
         if max(parts) == 1:
             return self
         n1, n2 = self.request.mesh
@@ -132,7 +132,7 @@ class Family:
         return np.any((bent > FLAT) & np.array(tree.cut) & (np.sum(tree.cut) > 1), axis=1)
 
 
-def _parts(result: Result) -> tuple[int, int]:
+def parts_of(result: Result) -> tuple[int, int]:
     """In how many parts elements are to be cut along a1 and a2; (1, 1) where cuts do not help.
 
     So that the stress of the last state drives none, and none have modes of their own at any load.

@@ -14,8 +14,7 @@ import studies.analysis
 from reports.chapters.overview.solved import summary_table
 from reports.store.tables import Store
 from studies.analysis.everything import written
-from studies.analysis.findings.contact_summary import SUMMARY_COLUMNS, contact_summary
-from studies.analysis.findings.outcomes import outcomes
+from studies.analysis.outcomes import SUMMARY_COLUMNS, contact_summary, outcomes
 from support.pages.medians import bare_columns, unfounded
 from support.stores.sweeps import cells
 

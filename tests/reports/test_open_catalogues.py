@@ -18,8 +18,7 @@ from reports.html.document import REPORT
 from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import analysed
-from studies.analysis.findings.contact_summary import contact_summary
-from studies.analysis.findings.outcomes import outcomes
+from studies.analysis.outcomes import contact_summary, outcomes
 from studies.store.atomic import write_json, write_table
 from support.stores.sweeps import cells
 

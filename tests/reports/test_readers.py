@@ -18,8 +18,9 @@ from reports.compare import NUMBER
 from reports.contents import CHAPTERS
 from reports.store.statements import Said, statements
 from reports.store.tables import load_store
-from studies.analysis.statements.questions import ASKS, READERS
+from studies.analysis.statements.tables import read_questions
 
+QUESTIONS = read_questions()
 TRIAL = r"does not converge on \d+ of \d+ problems, on \w+|converges on all \d+"
 TEN = {  # question: words that its answer must have
     "Which strain measure do I need for 20 mm of tyre at 5 %?": r"20 mm of travel of the tyre within 5 %",
@@ -50,12 +51,12 @@ def one_click(files: dict[str, str]) -> list[str]:
 
 
 def test_the_ten_questions_are_those_of_the_page() -> None:
-    assert list(TEN) == [question for question, _, _ in READERS]
+    assert list(TEN) == [each["question"] for each in QUESTIONS["reader"]]
 
 
 @pytest.mark.parametrize("question", TEN)
 def test_a_reader_finds_the_answer_with_one_click(files: dict[str, str], said: dict[str, Said], question: str) -> None:
-    names = next(names for asked, names, _ in READERS if asked == question)
+    names = next(each["answers"] for each in QUESTIONS["reader"] if each["question"] == question)
     texts = [said[name].text for name in names if name in said]
     assert texts, f"nothing made up says {names}"
     assert re.search(TEN[question], " ".join(texts))
@@ -116,12 +117,13 @@ def test_a_number_that_differs_is_found() -> None:
 
 
 def test_asks_say_what_answers_them_or_what_is_missing(said: dict[str, Said]) -> None:
-    for ask in ASKS:
-        assert ask.answers or ask.missing, ask.question
-        assert all(re.fullmatch(r"[\w.-]+/[\w.-]+#\d+", each) or "#" not in each for each in ask.threads.split(", "))
-        assert not ask.answers or ask.command
-    assert sum(bool(ask.answers) for ask in ASKS) >= 12
-    known = {name for ask in ASKS for name in ask.answers} | {name for _, names, _ in READERS for name in names}
+    asks = QUESTIONS["ask"]
+    for ask in asks:
+        assert ask.get("answers") or ask.get("missing"), ask["question"]
+        assert all(re.fullmatch(r"[\w.-]+/[\w.-]+#\d+", each) or "#" not in each for each in ask["threads"].split(", "))
+        assert "answers" not in ask or ask["command"]
+    assert sum("answers" in ask for ask in asks) >= 12
+    known = {name for each in [*asks, *QUESTIONS["reader"]] for name in each.get("answers", [])}
     assert known - set(said) <= ELSEWHERE
 
 

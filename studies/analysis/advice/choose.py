@@ -13,8 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from studies.analysis.advice.questions import CONFIGURATION, Question
-from studies.analysis.ranking.costs import TIE
+from studies.analysis.advice.questions import CONFIGURATION, TIE, Question, cheapest_of
 
 STEPS = (0.5, 0.2, 0.1, 0.05, 0.02, 0.01, 0.005, 0.002, 0.001, 0.0005, 0.0002, 0.0001)
 
@@ -54,7 +53,7 @@ def advise(question: Question, tolerance: float) -> Advice:
         next_best = cheapest(cells, step)
     counted = cells.reindex(columns=[*cells.columns[cells.columns != "cost.operations"], "cost.operations"])
     by_operations = cheapest(counted.dropna(subset="cost.operations"), tolerance, "cost.operations")
-    nearest = _row(cells.sort_values("bound", kind="stable"))
+    nearest = _row(cells.sort_values("bound", kind="stable").iloc[0])
     return Advice(question, tolerance, best, runner_up, step, next_best, by_operations, nearest)
 
 
@@ -63,12 +62,11 @@ def cheapest(cells: pd.DataFrame, tolerance: float, price: str = "price") -> dic
     good = cells[cells["bound"] <= tolerance]
     if good.empty:
         return None
-    tied = good[good[price] <= (1 + TIE) * good[price].min()]
-    return _row(tied.sort_values(["bound", price], kind="stable"))
+    return _row(cheapest_of(good, "bound", price))
 
 
-def _row(cells: pd.DataFrame) -> dict[str, Any]:
-    return {str(key): value for key, value in cells.iloc[0].to_dict().items()}
+def _row(cell: pd.Series) -> dict[str, Any]:
+    return {str(key): value for key, value in cell.to_dict().items()}
 
 
 PRICED = ("cost.seconds", "t.seconds_low", "t.seconds_high", "cost.operations", "cost.dofs")

@@ -23,9 +23,8 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from studies.analysis.advice.questions import COST, Question, questions
+from studies.analysis.advice.questions import COST, Question, cheapest_of, questions
 from studies.analysis.cells.rows import keys, sizes
-from studies.analysis.ranking.costs import TIE
 from studies.analysis.richardson import FORMAL, UNSAFE, correction, order_of
 from studies.analysis.verify import EXACT, headline, judged
 
@@ -121,8 +120,7 @@ def _advised(cells: pd.DataFrame) -> Iterator[list[object]]:
         if offered.empty:
             yield [target, math.nan, "", best, math.nan, math.nan, math.nan, math.nan]
             continue
-        tied = offered[offered["price"] <= (1 + TIE) * offered["price"].min()]
-        advised = tied.sort_values(["estimate", "price"], kind="stable").iloc[0]
+        advised = cheapest_of(offered, "estimate")
         regret = math.nan if good.empty else advised["price"] / good["price"].iloc[0]
         met = float(advised["error"] <= target)
         yield [target, advised["factor"], advised["label"], best, met, regret, advised["error"], advised["estimate"]]

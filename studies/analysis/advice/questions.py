@@ -13,8 +13,7 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from studies.analysis.cells.rows import keys
-from studies.analysis.ranking.costs import COSTS, WRONG, beyond_reference, priced
+from studies.analysis.cells.rows import PRICES, keys
 from studies.analysis.verify import REFERENCE, choices, headline, judged
 from studies.complete import complete
 from studies.request import Value, text_of
@@ -23,6 +22,9 @@ from studies.scenes import SCENES
 
 CONFIGURATION = ("measure", "contact", "newton", "element")  # two cells that differ in one of them are two ways
 COST = "seconds"  # what a user pays
+COSTS = {"dofs": "c.dofs", **PRICES}
+TIE = 0.05  # of a price: two that differ by less are equal
+WRONG = 0.1  # relative error from which an answer is none
 
 
 @dataclass(frozen=True)
@@ -62,10 +64,12 @@ def questions(table: pd.DataFrame, verified: pd.DataFrame, scene: str, quantity:
     Cells with a reference come before cells with a limit: where some have one, the others have solved another problem.
     """
     own = verified[(verified["scene"] == scene) & (verified["quantity"] == quantity) & verified["error"].notna()]
-    own = own[~(own["label"].map(beyond_reference(verified)) > WRONG)]
+    beyond = verified.groupby("label")["formulation_error"].max()  # in any quantity of the scene
+    own = own[~(own["label"].map(beyond) > WRONG)]
     own = own.assign(error=own[["error", "formulation_error"]].max(axis=1))
     facts = own[["label", "value", "error", "uncertainty", "against", "reference", "formulation_error"]]
-    cells = priced(table[(table["scene"] == scene) & (table["outcome"] == "converged")]).merge(facts, on="label")
+    cells = table[(table["scene"] == scene) & (table["outcome"] == "converged")].merge(facts, on="label")
+    cells = cells.rename(columns={column: f"cost.{name}" for name, column in COSTS.items()})
     if cells.empty:
         return []
     cells = cells.assign(error=_lasting(cells), price=cells[f"cost.{cost}"])
@@ -86,6 +90,12 @@ def _lasting(cells: pd.DataFrame) -> pd.Series:
     elements = cells["n1"].astype(float) * cells["n2"].astype(float)
     fine_first = cells.assign(elements=-elements, way=keys(cells, "mesh")).sort_values("elements", kind="stable")
     return fine_first.groupby(["way", "against"], sort=False)["error"].cummax().reindex(cells.index)
+
+
+def cheapest_of(good: pd.DataFrame, error: str, price: str = "price") -> pd.Series:
+    """Of cells that are good enough the one with the least price; of a tie the one with the least ``error``."""
+    tied = good[good[price] <= (1 + TIE) * good[price].min()]
+    return tied.sort_values([error, price], kind="stable").iloc[0]
 
 
 def all_questions(table: pd.DataFrame, verified: pd.DataFrame, cost: str = COST) -> Iterator[Question]:

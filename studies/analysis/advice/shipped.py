@@ -15,13 +15,13 @@ import pandas as pd
 from studies.analysis.advice.questions import (
     CONFIGURATION,
     COST,
+    COSTS,
     Question,
     all_questions,
     known_quantity,
     known_scene,
     meant,
 )
-from studies.analysis.ranking.costs import COSTS
 from studies.scene import UsageError
 
 HERE = Path(__file__).parent

@@ -16,12 +16,12 @@ import pandas as pd
 
 from studies.analysis.cells.answers import Answers, number
 from studies.analysis.cells.machines import UNKNOWN, home_of, machine_of, of_one_machine, of_record
-from studies.bench.timing_lane import interval, read_times, times_path
 from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
 from studies.result import UNSUPPORTED
 from studies.scenes.element import PRESETS
 from studies.step import Step
+from studies.store.times import interval, read_times, times_path
 
 MISSING = "missing"
 APART = (share_cells.GROUP, sheet_cells.GROUP)
@@ -56,7 +56,8 @@ def collect(store: Path, campaign: str, *, apart: bool = False) -> pd.DataFrame:
     table = pd.DataFrame([_row(answers, planned) for planned in rows])
     for name in ("machine", "merged"):
         table[name] = table[name].fillna("") if name in table else ""
-    table = _with_lane(of_one_machine(table, home_of(table, _timed_on(store, campaign))), _timed(store, campaign))
+    timed_on, timed = _lane(store, campaign)
+    table = _with_lane(of_one_machine(table, home_of(table, timed_on)), timed)
     more = [name for kind in "qcwtk" for name in sorted(c for c in table.columns if c.startswith(f"{kind}."))]
     table = table.reindex(columns=[*COLUMNS, *more])
     for name in NUMBERS:
@@ -113,19 +114,16 @@ def _with_lane(table: pd.DataFrame, timed: Mapping[str, Mapping[str, Any]]) -> p
     return table.assign(canary=table["canary"].fillna("") if "canary" in table else "")
 
 
-def _timed_on(store: Path, campaign: str) -> str:
-    """The machine of the timing lane; nothing where the campaign was not timed, or the samples do not say."""
-    if not times_path(store, campaign).exists():
-        return ""
-    told = machine_of(read_times(store, campaign)["provenance"])
-    return "" if told == UNKNOWN else told
+def _lane(store: Path, campaign: str) -> tuple[str, dict[str, dict[str, Any]]]:
+    """The machine of the timing lane, and what it says of each cell that it has timed, by its id.
 
-
-def _timed(store: Path, campaign: str) -> dict[str, dict[str, Any]]:
-    """What the timing lane says of each cell that it has timed, by its id."""
+    Nothing where the campaign was not timed, or the samples do not say on what.
+    """
     if not times_path(store, campaign).exists():
-        return {}
-    return {cell["id"]: _median(cell["warm"]) for cell in read_times(store, campaign)["cells"]}
+        return "", {}
+    times = read_times(store, campaign)
+    machine = machine_of(times["provenance"])
+    return "" if machine == UNKNOWN else machine, {cell["id"]: _median(cell["warm"]) for cell in times["cells"]}
 
 
 def _median(samples: list[float]) -> dict[str, Any]:

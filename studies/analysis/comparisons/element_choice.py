@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from studies.analysis.cells.rows import holds_from
+
 ENOUGH = 0.01  # the error that a mesh is wanted for
 EQUAL = 1e-3  # two errors this close are equal; so are two that the uncertainty of the limit does not tell apart
 WHO = ("default", "paper")
@@ -62,8 +64,8 @@ def elements_for(meshes: Sequence[str], errors: np.ndarray) -> float:
     """Elements from which the error stays below ENOUGH, log-log between two meshes; NaN outside the meshes."""
     size = np.log([math.prod(map(int, mesh.split("x"))) for mesh in meshes])
     error = np.abs(errors)
-    above = np.flatnonzero(~(error <= ENOUGH))
-    if len(above) == 0 or above[-1] == len(error) - 1:
+    first = holds_from(error <= ENOUGH)
+    if first in (0, len(error)):
         return math.nan
-    i = above[-1]
-    return float(np.exp(np.interp(np.log(ENOUGH), np.log(error[[i + 1, i]]), size[[i + 1, i]])))
+    around = [first, first - 1]
+    return float(np.exp(np.interp(np.log(ENOUGH), np.log(error[around]), size[around])))

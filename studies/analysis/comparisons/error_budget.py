@@ -95,19 +95,22 @@ def _parts(
     return {
         **{name: row[name] for name in ("body", "kind", "of", "delta_mm", "command")},
         "grid": row["mesh"],
-        **{"least_stretch": row["least_stretch"], "largest_stretch": row["largest_stretch"]},
-        **{"limit_N": own.value, "order": own.order, "asymptotic": own.asymptotic},
-        **{"measured_N": D, "force_N": S, "difference_N": S - D},
+        "least_stretch": row["least_stretch"],
+        "largest_stretch": row["largest_stretch"],
+        "limit_N": own.value,
+        "order": own.order,
+        "asymptotic": own.asymptotic,
+        "measured_N": D,
+        "force_N": S,
+        "difference_N": S - D,
         **known,
         "remainder": hencky - D - friction - bend,
-        **{
-            "u_num": u_num,
-            "u_input": float(u_input),
-            "u_D": float(u_D),
-            "u_val": u_val,
-            "read_to": READING,
-            "within": abs(S - D) <= u_val,
-        },
+        "u_num": u_num,
+        "u_input": float(u_input),
+        "u_D": float(u_D),
+        "u_val": u_val,
+        "read_to": READING,
+        "within": abs(S - D) <= u_val,
     }
 
 

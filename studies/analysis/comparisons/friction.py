@@ -7,12 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from studies.experiments.friction.closed_forms.rates import order
+from studies.analysis.cells.rows import holds_from
+from studies.analysis.evidence import Tables
+from studies.analysis.richardson import power_of
 from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
 from studies.result import SOLVED, UNSUPPORTED
 
@@ -22,7 +23,6 @@ LAST = 4  # an order is fitted to so many of the finest
 FIRST = "semismooth"  # which all other algorithms are compared with
 COST_BARS = {"friction_cost": 2.5, "friction_factorisations": 1.2}  # over a step without friction; an iteration
 GRECO = 5e-4  # of a slip of that plate
-MOVES = {"friction_drag_ends": ("friction_dragged", "drag_mm"), "friction_turn_ends": ("friction_turned", "turn_deg")}
 
 
 @dataclass(frozen=True)
@@ -49,31 +49,6 @@ FAMILIES = {
     ),
     "path": Family("friction_path", ("case",), "steps", {"end_error": 1, "work_error": 1}),
 }
-
-
-def friction_tables(tables: Path) -> dict[str, pd.DataFrame]:
-    """Tables by name: of :data:`MOVES`, ``friction_orders``, ``friction_step_orders``, ``friction_algorithms``.
-
-    Each where the tables that it is made of are there.
-    """
-
-    def read(name: str) -> pd.DataFrame | None:
-        path = tables / f"{name}.csv"
-        return pd.read_csv(path) if path.exists() else None
-
-    made = {}
-    for name, (source, key) in MOVES.items():
-        if (table := read(source)) is not None:
-            made[name] = ends(table, key)
-    found = {name: read(family.table) for name, family in FAMILIES.items()}
-    fitted = [orders(name, table) for name, table in found.items() if table is not None]
-    if fitted:
-        made["friction_orders"] = pd.concat(fitted, ignore_index=True)
-    if (steps := read("friction_steps")) is not None:
-        made["friction_step_orders"] = step_orders(steps)
-    if (agreement := read("friction_agreement")) is not None:
-        made["friction_algorithms"] = by_algorithm(agreement)
-    return made
 
 
 def ends(table: pd.DataFrame, key: str) -> pd.DataFrame:
@@ -115,8 +90,7 @@ def _command(mu: float, key: str, stops: np.ndarray) -> str:
 
 def _from(at: np.ndarray, holds: np.ndarray) -> float:
     """The first stop from which something holds to the end; NaN where it does not hold at the end."""
-    broken = np.flatnonzero(~holds)
-    first = int(broken[-1]) + 1 if len(broken) else 0
+    first = holds_from(holds)
     return float(at[first]) if first < len(at) else np.nan
 
 
@@ -133,7 +107,7 @@ def orders(name: str, table: pd.DataFrame) -> pd.DataFrame:
         told = ", ".join(_told(key, value) for key, value in zip(family.cases, case, strict=True))
         for error, theory in family.theory.items():
             n, errors = finest[family.number].to_numpy(float), finest[error].to_numpy(float)
-            fitted = order(n, errors) if np.min(np.abs(errors)) > FLOOR else np.nan
+            fitted = -power_of(n, errors) if np.min(np.abs(errors)) > FLOOR else np.nan
             row = {"family": name, "case": told, "quantity": error.removesuffix("_error"), "of": family.number}
             rows.append(row | {"finest": n[-1], "error": errors[-1], "order": fitted, "theory": theory})
     return pd.DataFrame(rows)
@@ -143,6 +117,13 @@ def _told(key: str, value: object) -> str:
     """What a case is, in words."""
     name = {"side": "", "case": "", "theta_rad": "theta "}.get(key, f"{key} ")
     return f"{name}{value:.3g}" if isinstance(value, float) else f"{name}{value}"
+
+
+def all_orders(tables: Tables) -> pd.DataFrame | None:
+    """The orders of all families whose tables are there; None without one."""
+    found = {name: tables(family.table) for name, family in FAMILIES.items()}
+    fitted = [orders(name, table) for name, table in found.items() if table is not None]
+    return pd.concat(fitted, ignore_index=True) if fitted else None
 
 
 def step_orders(steps: pd.DataFrame) -> pd.DataFrame:
@@ -186,3 +167,11 @@ def by_algorithm(agreement: pd.DataFrame) -> pd.DataFrame:
         names = ("iterations_ratio", "factorisations_ratio", "operations_ratio", "seconds_ratio")
         rows.append(row | {"both": len(both)} | dict(zip(names, ratios, strict=True)))
     return pd.DataFrame(rows)
+
+
+def public_answers(table: pd.DataFrame) -> tuple[pd.DataFrame, pd.Series]:
+    """What is claimed of public problems, and by algorithm, the best first, on how many the judge takes the answer."""
+    claimed = table[table["algorithm"].notna() & table["outcome"].isin(SOLVED)]  # the other files are no problems
+    claimed = claimed.assign(certified=claimed["certified"].astype(str))
+    counts = claimed[claimed["certified"] == "True"].groupby("algorithm")["problem"].nunique()
+    return claimed, counts.sort_values(ascending=False, kind="stable")

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
+from studies.analysis.richardson import power_of
 from studies.result import SOLVED
 
 THEORY: Mapping[str, float] = {  # of bilinear displacements with the strains of the mixed element
@@ -76,7 +77,7 @@ def contact_orders(data: pd.DataFrame) -> pd.DataFrame:
     found = orders(data, case, tuple(THEORY))
     groups = [own.sort_values("n") for _, own in data.groupby(case, sort=False)]
     for name in ("error_displacement", "error_pressure", "error_edge"):
-        slopes = [-np.polyfit(np.log(own["n"]), np.log(own[name]), 1)[0] for own in groups]
+        slopes = [-power_of(own["n"], own[name]) for own in groups]
         finest = [float(own[name].iloc[-1]) for own in groups]
         found = found.assign(**{name.replace("error_", "order_"): slopes, name: finest})
     return found.assign(edge_elements=found["error_edge"] * found["radius"] * found["n"] / 2)

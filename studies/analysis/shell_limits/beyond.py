@@ -50,14 +50,9 @@ class Kind:
     quantities: Mapping[str, str] | None = None
 
 
-def _of(thickness: float, length: float) -> Callable[[Settings], float]:
-    """A wall whose thickness is no setting."""
-    return lambda settings: thickness / length
-
-
-def _set(key: str, length: float) -> Callable[[Settings], float]:
-    """A wall of the thickness ``key``."""
-    return lambda settings: settings.number(key) / length
+def _of(thickness: float | str, length: float) -> Callable[[Settings], float]:
+    """A wall of some thickness, or of one that is a setting, over a length."""
+    return lambda settings: (settings.number(thickness) if isinstance(thickness, str) else thickness) / length
 
 
 def _tyre(settings: Settings) -> float:
@@ -81,9 +76,9 @@ _HINGED = {
 }
 _SEMI = _of(semicylinder.H, semicylinder.RADIUS)
 KINDS: Mapping[str, Kind] = {
-    "pressurised-cylinder": Kind("inflated tube", _set("h_mm", pressurised.RADIUS)),
-    "pressurised-sphere": Kind("inflated sphere", _set("h_mm", pressurised.RADIUS)),
-    "pressurised-torus": Kind("inflated torus", _set("h_mm", pressurised.TUBE)),
+    "pressurised-cylinder": Kind("inflated tube", _of("h_mm", pressurised.RADIUS)),
+    "pressurised-sphere": Kind("inflated sphere", _of("h_mm", pressurised.RADIUS)),
+    "pressurised-torus": Kind("inflated torus", _of("h_mm", pressurised.TUBE)),
     "tyre": Kind(
         "pressed tyre",
         _tyre,
@@ -91,7 +86,7 @@ KINDS: Mapping[str, Kind] = {
         solid="tyre-solid",
         quantities={"force": "force", "inflated": "growth"},
     ),
-    "ring": Kind("crushed ring", _set("h_mm", ring.RADIUS)),
+    "ring": Kind("crushed ring", _of("h_mm", ring.RADIUS)),
     "crushed-ring": Kind("crushed ring", _thick_ring, solid="crushed-ring-solid"),
     "pagano": Kind("cross-ply plate", lambda settings: 1 / settings.number("S")),
     "scordelis-lo": Kind(ROOF, _of(scordelis_lo.H, scordelis_lo.RADIUS)),

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from studies.analysis.richardson import power_of
+
 LEVELS = (0.01, 0.05)
 TOLD = 3.0  # times what it is known to: an error smaller than that is not told from zero
 ASYMPTOTIC = 1e-4, 0.05  # errors between which the order shows: below is rounding in thin walls, above the next term
@@ -122,4 +124,4 @@ def order(ratio: np.ndarray, error: np.ndarray, known: np.ndarray) -> float:
     own = (size > TOLD * known) & (size >= low) & (size <= high)
     if own.sum() < 3 or np.ptp(np.sign(error[own])) > 0:
         return math.nan
-    return float(np.polyfit(np.log(ratio[own]), np.log(size[own]), 1)[0])
+    return power_of(ratio[own], size[own])

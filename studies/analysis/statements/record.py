@@ -1,20 +1,22 @@
-"""A sentence of conclusion as data, and the tables that it is computed from."""
+"""A sentence of conclusion as data, and what a declaration of sentences.toml comes to."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from inspect import signature
-from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from studies.analysis.cells.answers import Answers
+from studies.analysis.comparisons.friction import FLOOR
+from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
+from studies.experiments.friction.scenes.agreement import AGREED
+from studies.experiments.friction.scenes.cost import cost_table
+from studies.experiments.friction.scenes.rubbed_scenes import steps_table
 
 OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
-ANSWERS = "answers"  # the parameter of a maker that reads solved cells, not a table
 COLUMNS = ("statement", "page", "role", "text", "problems", "scope", "machine")
 VALUE_COLUMNS = ("statement", "field", "number", "word")
 
@@ -38,45 +40,33 @@ class Statement:
     machine: bool = False
 
 
-Maker = Callable[..., Iterator[Statement]]
+def _defaults(table: str, maker: Callable[..., pd.DataFrame]) -> dict[str, Any]:
+    """What a table of experiments is made with, by names that are not published."""
+    return {f"_{table}_{name}": each.default for name, each in signature(maker).parameters.items()}
 
 
-@dataclass(frozen=True, eq=False)
-class Evidence:
-    """The tables of a campaign in the folder of a store, those of experiments among them, and its solved cells."""
+DEFAULTS = _defaults("cost", cost_table) | _defaults("steps", steps_table) | {"_agreed": AGREED, "_floor": FLOOR}
 
-    store: Path
-    campaign: str
 
-    @cached_property
-    def answers(self) -> Answers:
-        """The solved cells."""
-        return Answers.of(self.store, self.campaign)
-
-    @cached_property
-    def _read(self) -> dict[str, pd.DataFrame | None]:
-        return {}
-
-    def table(self, name: str) -> pd.DataFrame | None:
-        """A table that is of this campaign, or of none; None where it is missing or empty."""
-        if name not in self._read:
-            path = self.store / "tables" / f"{name}.csv"
-            found = pd.read_csv(path) if path.exists() and path.stat().st_size > 1 else pd.DataFrame()
-            own = "campaign" not in found or bool((found["campaign"] == self.campaign).all())
-            self._read[name] = found if own and len(found) else None
-        return self._read[name]
-
-    def given(self, maker: Callable[..., Any]) -> dict[str, Any] | None:
-        """What a function asks for: its parameters are the names of the tables it reads. None where one is missing."""
-        found: dict[str, Any] = {}
-        for name in signature(maker).parameters:
-            found[name] = self.answers if name == ANSWERS else self.table(name)
-        return found if all(value is not None for value in found.values()) else None
-
-    def said_by(self, maker: Maker) -> Iterator[Statement]:
-        """What a maker says; where a table of it is missing it says nothing."""
-        if (given := self.given(maker)) is not None:
-            yield from maker(**given)
+def declared(declaration: Mapping[str, Any], tables: Tables) -> Iterator[Statement]:
+    """What a declaration says; nothing where its tables do not bear it."""
+    try:
+        values = read_values(declaration, tables, DEFAULTS)
+    except NothingError:
+        return
+    told = declaration["text"]
+    parts = [{"text": part} if isinstance(part, str) else part for part in ([told] if isinstance(told, str) else told)]
+    text = "".join(part["text"] for part in parts if evaluated(part.get("when", "True"), values))
+    yield Statement(
+        name=declaration["name"],
+        page=declaration["page"],
+        text=re.sub(r"<(\w+)>", lambda found: str(values[f"_{found[1]}"]), text),
+        values={name: value for name, value in values.items() if not name.startswith("_")},
+        problems=int(values.get("_problems", values["_rows"])),
+        scope=declaration["scope"].format(**values),
+        role=declaration.get("role", FINDING),
+        machine=declaration.get("machine", False),
+    )
 
 
 def as_tables(statements: list[Statement]) -> dict[str, pd.DataFrame]:

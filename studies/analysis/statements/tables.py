@@ -1,31 +1,33 @@
-"""The tables of statements of a campaign, from all makers."""
+"""The tables of statements of a campaign: all sentences of sentences.toml, and the questions of questions.toml."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import tomllib
+from collections.abc import Callable, Collection, Iterator
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
-from studies.analysis.statements import asked, choices, laws
-from studies.analysis.statements.contact import agreement, algorithms, arena, friction, friction_algorithms, robustness
-from studies.analysis.statements.questions import asks, readers
-from studies.analysis.statements.record import Evidence, Maker, Statement, as_tables
-from studies.analysis.statements.shells import benchmarks, tyre
-from studies.analysis.statements.trade import cost
+from studies.analysis.evidence import Evidence, read_declarations
+from studies.analysis.statements import choices, contact, friction, tyre
+from studies.analysis.statements.record import Statement, as_tables, declared
 
-MAKERS: Sequence[Maker] = (
-    *(*tyre.MAKERS, *benchmarks.MAKERS, *laws.MAKERS),
-    *(*algorithms.MAKERS, *choices.MAKERS),
-    *(*agreement.MAKERS, *robustness.MAKERS, *friction.MAKERS, *friction_algorithms.MAKERS),
-    *(*arena.MAKERS, *cost.MAKERS, *asked.MAKERS),
-)
+SENTENCES, QUESTIONS = (Path(__file__).with_name(f"{name}.toml") for name in ("sentences", "questions"))
+Maker = Callable[..., Iterator[Statement]]
+MODULES = (choices, contact, friction, tyre)
+MAKERS = {module.__name__.rpartition(".")[2]: module for module in MODULES}
+
+
+def read_sentences() -> list[dict[str, Any]]:
+    """All declarations of sentences, in the order of the file."""
+    return [declaration for _, declaration in read_declarations(SENTENCES)]
 
 
 def statements(store: Path, campaign: str) -> list[Statement]:
-    """All that the tables of a campaign in its store allow to be said, by page and in the order of the makers."""
+    """All that the tables of a campaign in its store allow to be said, in the order of the file."""
     evidence = Evidence(store, campaign)
-    found = [each for maker in MAKERS for each in evidence.said_by(maker)]
+    found = [each for declaration in read_sentences() for each in said_by(declaration, evidence)]
     names = [each.name for each in found]
     if len(set(names)) < len(names):
         twice = sorted({name for name in names if names.count(name) > 1})
@@ -33,8 +35,43 @@ def statements(store: Path, campaign: str) -> list[Statement]:
     return found
 
 
+def said_by(declaration: dict[str, Any], evidence: Evidence) -> Iterator[Statement]:
+    """What a declaration, or the maker that it names, says; where a table of it is missing it says nothing."""
+    if "maker" not in declaration:
+        yield from declared(declaration, evidence.table)
+        return
+    maker = maker_of(declaration)
+    if (given := evidence.given(maker)) is not None:
+        yield from maker(**given)
+
+
+def maker_of(declaration: dict[str, Any]) -> Maker:
+    """The function that a declaration names."""
+    module, _, name = declaration["maker"].partition(".")
+    found: Maker = getattr(MAKERS[module], name)
+    return found
+
+
 def statement_tables(store: Path, campaign: str) -> dict[str, pd.DataFrame]:
     """``statements``, ``statement_values``, ``asks`` and ``readers``, of the tables that are written already."""
     found = statements(store, campaign)
-    said = {each.name for each in found}
-    return {**as_tables(found), "asks": asks(said), "readers": readers(said)}
+    return {**as_tables(found), **question_tables({each.name for each in found})}
+
+
+def read_questions() -> dict[str, list[dict[str, Any]]]:
+    """The questions of users (``ask``) and of readers (``reader``)."""
+    return tomllib.loads(QUESTIONS.read_text(encoding="utf-8"))
+
+
+def question_tables(said: Collection[str]) -> dict[str, pd.DataFrame]:
+    """``asks`` and ``readers``, a row a question; answers: the names of its statements that are in ``said``."""
+    columns = {
+        "asks": ["question", "threads", "answers", "command", "missing"],
+        "readers": ["question", "answers", "page"],
+    }
+    questions = read_questions()
+    tables = {name: pd.DataFrame(questions[name.removesuffix("s")])[of].fillna("") for name, of in columns.items()}
+    for name, table in tables.items():
+        there = [", ".join(each for each in answers if each in said) for answers in table["answers"]]
+        tables[name] = table.assign(answers=there, answered=[bool(each) for each in there])
+    return tables

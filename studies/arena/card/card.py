@@ -6,7 +6,7 @@ Every number and verdict of the page is worked out here; how it is written is th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,11 +15,10 @@ import pandas as pd
 from formulations.geometry.grid import Grid
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.quantities import FULL
-from studies.analysis.ranking.profiles import within
-from studies.arena.card.laws import Law, laws_of
+from studies.analysis.profiles import within
+from studies.arena.card.laws import Law, laws_of, solver_laws
 from studies.arena.card.problems import HARD
 from studies.arena.card.runs import REFERENCE, trials
-from studies.arena.card.solver_laws import solver_laws
 from studies.arena.card.subjects import ALGORITHM, MEASURE, SOLVER, Subject, element
 from studies.arena.card.trials import DIFFERS, ENDS, FALSE, RAISED, REFUSED, SOLVED
 from studies.experiments.conformance import LINES1, LINES2, TORUS, conformance
@@ -33,7 +32,7 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Card:
-    """A part, its laws, and all tries (a row each of :class:`studies.arena.card.trials.Trial`), those of ours too."""
+    """A part, its laws, and all tries (a row each, of :class:`studies.arena.card.trials.Trial`), those of ours too."""
 
     subject: Subject
     laws: tuple[Law, ...]
@@ -64,9 +63,20 @@ class Card:
         return self.own[self.own["agreement"] == DIFFERS]
 
     @property
+    def failed(self) -> dict[str, list[str]]:
+        """Whatever fails it, by what it is: false claims, exceptions, broken laws, answers that are not explained."""
+        found = {
+            "false claims on": list(self.ended(FALSE)["problem"]),
+            "exceptions on": list(self.ended(RAISED)["problem"]),
+            "laws broken:": [law.law for law in self.broken],
+            "other answers on": list(self.different["problem"]),
+        }
+        return {what: names for what, names in found.items() if names}
+
+    @property
     def passes(self) -> bool:
         """Whether all laws are kept, all answers agree or are explained, nothing is raised, and no claim is false."""
-        return not (self.broken or len(self.different) or len(self.ended(FALSE, RAISED)))
+        return not self.failed
 
     @property
     def verdict(self) -> str:
@@ -75,16 +85,10 @@ class Card:
         told = f"solves {counts.pop(SOLVED)} of {len(self.own)} problems"
         told += "".join(f", {word} on {count}" for word, count in counts.items() if count)
         told += "" if counts[FALSE] else ", no claim is false"
-        laws = len(self.laws) - len(self.broken)
-        told += f"; {laws} of {len(self.laws)} laws are kept"
+        told += f"; {len(self.laws) - len(self.broken)} of {len(self.laws)} laws are kept"
         told += f", {len(self.different)} of {len(self.compared)} answers differ from the exact ones"
-        names = [f"false claims on {_listed(self.ended(FALSE)['problem'])}"] if counts[FALSE] else []
-        names += [f"exceptions on {_listed(self.ended(RAISED)['problem'])}"] if counts[RAISED] else []
-        names += [f"laws broken: {_listed([law.law for law in self.broken])}"] if self.broken else []
-        names += [f"other answers on {_listed(self.different['problem'])}"] if len(self.different) else []
-        word = "passes" if self.passes else "FAILS"
-        failed = f"; {'; '.join(names)}" if names else ""
-        return f"`{self.subject.name}` {word}: it {told}{failed}."
+        told += "".join(f"; {what} {_listed(names)}" for what, names in self.failed.items())
+        return f"`{self.subject.name}` {'passes' if self.passes else 'FAILS'}: it {told}."
 
     @property
     def reference(self) -> str:
@@ -141,10 +145,9 @@ class Card:
         return rows.pivot(index="problem", columns="who", values="ended").reindex(rows["problem"].unique())
 
 
-def _listed(names: list[str] | pd.Series, most: int = 5) -> str:
-    told = [str(name) for name in names]
-    more = f" and {len(told) - most} more" if len(told) > most else ""
-    return ", ".join(told[:most]) + more
+def _listed(names: Sequence[str], most: int = 5) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
 
 
 def _cheap(matrix: pd.DataFrame) -> pd.Series:
@@ -157,7 +160,7 @@ def card_of(subject: Subject, tell: Tell = lambda name: None) -> Card:
     """The card of a part; raises UsageError where it cannot be tried."""
     tell("laws")
     laws = tuple(_laws(subject))
-    tries = pd.DataFrame([trial.row for trial in trials(subject, tell)])
+    tries = pd.DataFrame([vars(trial) for trial in trials(subject, tell)])
     return Card(subject, laws, tries)
 
 

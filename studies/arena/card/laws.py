@@ -1,23 +1,27 @@
-"""The laws that every contact algorithm keeps, alone and from outside as well as in the catalogue.
+"""The laws that every contact algorithm and every solver of frozen problems keeps, alone and from outside as well.
 
 As of measures (:mod:`studies.experiments.conformance`), a law is a number found and the interval that it must lie in.
-What an algorithm refuses by ``supports`` is refused, not broken.
+What a part refuses is refused, not broken. Solvers are asked in a process of their own, as in the tries.
 """
 
 from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Callable, Iterator
+from contextlib import closing
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from itertools import product
 
 import numpy as np
 
 from contact.catalogue import ALGORITHMS
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactSolution
 from contact.verify import judge
+from studies.arena.accuracy import Scales
 from studies.arena.card.quadratics import (
+    HOPELESS,
     OPEN,
     PRESSED,
     TOUCHING,
@@ -26,7 +30,11 @@ from studies.arena.card.quadratics import (
     manufactured,
     random_quadratic,
 )
-from studies.arena.card.trials import Ended, epsilon_of, guarded
+from studies.arena.card.trials import REFUSED, Ended, epsilon_of, guarded
+from studies.arena.solver_table import judged
+from studies.arena.solvers.base import Solver
+from studies.arena.solvers.catalogue import SOLVERS
+from studies.arena.solvers.process import Child
 from studies.experiments.conformance import Check
 from studies.scene import Setting, UsageError
 
@@ -41,55 +49,88 @@ STATES = {
     "some touch without pressure": [OPEN, TOUCHING, PRESSED, TOUCHING, PRESSED],
     "all touch without pressure": [TOUCHING] * 5,
 }
+SOLVER_LIMIT_S, TOLERANCE = 5.0, 1e-6  # of a solver: processor time, and the accuracy that it is asked for
+SOLVER_LAWS = (
+    "an answer has the shape of its problem",
+    "a claim of a built-in answer is true",
+    "what has no answer is not said to be solved",
+)
 
 
 @dataclass(frozen=True)
-class Law:
-    """A law: the number found, the interval [low, high] that it must lie in, and why it was refused, or what failed."""
+class Law(Check):
+    """A check that may be refused, for a reason, and that says what was worst, or failed."""
 
-    law: str
-    found: float
     low: float = 0.0
     high: float = 0.0
     refused: str = ""
     said: str = ""
 
-    @classmethod
-    def of(cls, check: Check) -> Law:
-        """A check of the conformance kit."""
-        return cls(check.law, check.found, check.low, check.high)
-
     @property
     def kept(self) -> bool:
         """False for NaN, too; what is refused is not broken."""
-        return bool(self.refused) or self.low <= self.found <= self.high
+        return bool(self.refused) or self.passed
+
+
+Found = tuple[float, str]  # a number, and of what it is
+
+
+@dataclass(frozen=True)
+class Tried:
+    """An algorithm of the catalogue, with the epsilon that it is tried with."""
+
+    name: str
+
+    @cached_property
+    def epsilon(self) -> float:
+        """[MPa/mm]."""
+        return epsilon_of(self.name)
+
+    def solve(self, data: Quadratic, start: ContactSolution | None = None) -> ContactSolution:
+        """From rest unless told; raises UsageError where the algorithm refuses."""
+        algorithm, problem = ALGORITHMS[self.name](epsilon=self.epsilon), data.problem()
+        refused = algorithm.supports(problem)
+        if refused is not None:
+            raise UsageError(refused)
+        return algorithm.solve(problem, start or ContactSolution.at_rest(len(data.f), len(data.w)))
+
+    def off(self, data: Quadratic, u: np.ndarray, pressure: np.ndarray, start: ContactSolution | None = None) -> float:
+        """Largest distance of its answer to u and pressure; infinite where it does not converge, NaN of no number."""
+        found = self.solve(data, start)
+        if not found.outcome.converged:
+            return math.inf
+        apart = np.max(np.abs(np.append(found.u - u, found.pressure - pressure)), initial=0.0)
+        return float(apart) if np.isfinite(apart) else math.nan
 
 
 def laws_of(name: str) -> Iterator[Law]:
     """Every law of an algorithm of the catalogue, one after another; what one raises breaks it."""
+    tried = Tried(name)
     for law, measured, high in LAWS:
-        found: list[tuple[float, str]] = []
-        ended = guarded(partial(_into, found, measured, name), LIMIT_S)
+        found: list[Found] = []
+        ended = guarded(partial(_into, found, measured, tried), LIMIT_S)
         if ended.ended:
-            refused = ended.ended == "refused"
-            yield Law(law, math.nan, 0.0, high, ended.reason if refused else "", ended.reason)
+            refused = ended.reason if ended.ended == REFUSED else ""
+            yield Law(law, math.nan, 0.0, high, refused, ended.reason)
         else:
-            yield Law(law, found[0][0], 0.0, high, said=found[0][1])
+            worst = max(found, key=lambda each: (math.inf if math.isnan(each[0]) else each[0], each[1]))
+            yield Law(law, worst[0], 0.0, high, said=worst[1])
 
 
-def _into(found: list[tuple[float, str]], measured: Callable[[str], tuple[float, str]], name: str) -> Ended:
-    found.append(measured(name))
+def _into(found: list[Found], measured: Callable[[Tried], Iterator[Found]], tried: Tried) -> Ended:
+    found += measured(tried)
     return Ended("")
 
 
-# --- each: (the number found, what was worst) -------------------------------------------------------------------------
+# --- of an algorithm, each: the numbers found, the largest of which counts --------------------------------------------
 
 
-def _parameters(name: str) -> tuple[float, str]:
+def _parameters(tried: Tried) -> Iterator[Found]:
     """How many parameters are no fields with a default in their range."""
-    own = ALGORITHMS[name]
+    own = ALGORITHMS[tried.name]
     if not dataclasses.is_dataclass(own):
-        return math.inf, "no dataclass"
+        yield math.inf, "no dataclass"
+        return
     fields = {field.name: field.default for field in dataclasses.fields(own)}
     wrong = [parameter.key for parameter in own.parameters if not parameter.meaning]
     for parameter in own.parameters:
@@ -99,120 +140,79 @@ def _parameters(name: str) -> tuple[float, str]:
                 wrong.append(parameter.key)
         except UsageError:
             wrong.append(parameter.key)
-    if own().name != name:
+    if own().name != tried.name:
         wrong.append("name")
-    return len(wrong), ", ".join(wrong)
+    yield len(wrong), ", ".join(wrong)
 
 
-def _independent(name: str) -> tuple[float, str]:
+def _independent(tried: Tried) -> Iterator[Found]:
     """Distance to non-negative least squares on the dual; infinite where it does not converge on an M-matrix."""
-    worst, where = 0.0, ""
-    for kind in KINDS:
-        for seed in SEEDS:
-            data = random_quadratic(np.random.default_rng(seed), kind)
-            found = _from_rest(name, data.problem(), data)
-            off = _off(found, *dual_by_nnls(data, epsilon_of(name))) if found.outcome.converged else math.inf
-            if not found.outcome.converged and kind != "obstacle":
-                continue  # a plain active set may fail on any other matrix, if it says so
-            worst, where = max((worst, where), (off, f"{kind}, seed {seed}"))
-    return worst, where
+    for kind, seed in product(KINDS, SEEDS):
+        data = random_quadratic(np.random.default_rng(seed), kind)
+        off = tried.off(data, *dual_by_nnls(data, tried.epsilon))
+        if off != math.inf or kind == "obstacle":  # a plain active set may fail on any other matrix, if it says so
+            yield off, f"{kind}, seed {seed}"
 
 
-def _touching(name: str) -> tuple[float, str]:
+def _touching(tried: Tried) -> Iterator[Found]:
     """Distance to an answer that is built in, candidates that touch without pressure and full contact included."""
-    worst, where = 0.0, ""
-    for said, states in STATES.items():
-        for kind in KINDS:
-            rng = np.random.default_rng(7)
-            data, u, pressure = manufactured(rng, kind, np.array(states), epsilon_of(name))
-            found = _from_rest(name, data.problem(), data)
-            off = _off(found, u, pressure) if found.outcome.converged else math.inf
-            worst, where = max((worst, where), (off, f"{kind}, {said}"))
-    return worst, where
+    for (said, states), kind in product(STATES.items(), KINDS):
+        rng = np.random.default_rng(7)
+        yield tried.off(*manufactured(rng, kind, np.array(states), tried.epsilon)), f"{kind}, {said}"
 
 
-def _sizes(name: str) -> tuple[float, str]:
+def _sizes(tried: Tried) -> Iterator[Found]:
     """Relative distance to an answer a million times smaller, or larger."""
-    worst, where = 0.0, ""
     for size in SIZES:
-        data, u, pressure = manufactured(np.random.default_rng(7), "inclined", np.arange(9) % 3, epsilon_of(name))
-        scaled = Quadratic(data.K, size * data.f, data.G, size * data.g0, data.w)
-        found = _from_rest(name, scaled.problem(), scaled)
-        off = _off(found, size * u, size * pressure) / size if found.outcome.converged else math.inf
-        worst, where = max((worst, where), (off, f"times {size:g}"))
-    return worst, where
+        data, u, pressure = manufactured(np.random.default_rng(7), "inclined", np.arange(9) % 3, tried.epsilon)
+        scaled = replace(data, f=size * data.f, g0=size * data.g0)
+        yield tried.off(scaled, size * u, size * pressure) / size, f"times {size:g}"
 
 
-def _restart(name: str) -> tuple[float, str]:
+def _restart(tried: Tried) -> Iterator[Found]:
     """How far it goes from its own answer."""
     data = random_quadratic(np.random.default_rng(3), "obstacle")
-    first = _from_rest(name, data.problem(), data)
-    again = ALGORITHMS[name](epsilon=epsilon_of(name)).solve(data.problem(), first)
-    return _off(again, first.u, first.pressure) if again.outcome.converged else math.inf, ""
+    first = tried.solve(data)
+    yield tried.off(data, first.u, first.pressure, first), ""
 
 
-def _same_twice(name: str) -> tuple[float, str]:
+def _same_twice(tried: Tried) -> Iterator[Found]:
     """Distance between two answers to the same question."""
-    worst = 0.0
     for seed in SEEDS:
         data = random_quadratic(np.random.default_rng(seed), "definite", 12)
-        one, two = (_from_rest(name, data.problem(), data) for _ in range(2))
-        worst = max(worst, float(np.max(np.abs(one.u - two.u))), float(one.outcome is not two.outcome))
-    return worst, ""
+        one, two = (tried.solve(data) for _ in range(2))
+        yield max(float(np.max(np.abs(one.u - two.u))), float(one.outcome is not two.outcome)), ""
 
 
-def _start_kept(name: str) -> tuple[float, str]:
+def _start_kept(tried: Tried) -> Iterator[Found]:
     """How much of the state that it is given it has written over."""
     data = random_quadratic(np.random.default_rng(3), "definite")
-    first = _from_rest(name, data.problem(), data)
+    first = tried.solve(data)
     parts = (first.u, first.pressure, first.active)
     before = [part.copy() for part in parts]
-    ALGORITHMS[name](epsilon=epsilon_of(name)).solve(data.problem(), first)
-    return float(sum(np.sum(part != kept) for part, kept in zip(parts, before, strict=True))), ""
+    tried.solve(data, first)
+    yield float(sum(np.sum(part != kept) for part, kept in zip(parts, before, strict=True))), ""
 
 
-def _no_answer(name: str) -> tuple[float, str]:
+def _no_answer(tried: Tried) -> Iterator[Found]:
     """How many problems without an answer, or with no numbers, are said to be solved against the judge."""
-    hopeless = {
-        "no number": Quadratic(np.eye(2), np.array([np.nan, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2)),
-        "no solution": Quadratic(np.diag([-1.0, 1.0]), np.array([1.0, 0.0]), np.eye(2), np.zeros(2), np.ones(2)),
-        "no stiffness": Quadratic(
-            np.zeros((2, 2)), np.array([1.0, 0.5]), -np.eye(2), np.array([10.0, 10.0]), np.ones(2)
-        ),
-    }
     false = []
-    for said, data in hopeless.items():
-        problem = data.problem()
-        found = _from_rest(name, problem, data)
+    for said, data in HOPELESS.items():
+        found = tried.solve(data)
         if found.outcome.converged:
             finite = np.all(np.isfinite(found.u)) and np.all(np.isfinite(data.f))
-            if not finite or judge(problem, found.u, found.pressure, epsilon=epsilon_of(name)).failures():
+            if not finite or judge(data.problem(), found.u, found.pressure, epsilon=tried.epsilon).failures():
                 false.append(said)
-    return len(false), ", ".join(false)
+    yield len(false), ", ".join(false)
 
 
-def _no_candidate(name: str) -> tuple[float, str]:
+def _no_candidate(tried: Tried) -> Iterator[Found]:
     """Distance to plain equilibrium where nothing can touch."""
     data = Quadratic(np.eye(2), np.array([1.0, 0.5]), np.zeros((0, 2)), np.zeros(0), np.zeros(0))
-    found = _from_rest(name, data.problem(), data)
-    return _off(found, data.f, np.zeros(0)) if found.outcome.converged else math.inf, ""
+    yield tried.off(data, data.f, np.zeros(0)), ""
 
 
-def _from_rest(name: str, problem: ContactProblem, data: Quadratic) -> ContactSolution:
-    """Solved from rest; raises UsageError where the algorithm refuses."""
-    algorithm = ALGORITHMS[name](epsilon=epsilon_of(name))
-    refused = algorithm.supports(problem)
-    if refused is not None:
-        raise UsageError(refused)
-    return algorithm.solve(problem, ContactSolution.at_rest(len(data.f), len(data.w)))
-
-
-def _off(found: ContactSolution, u: np.ndarray, pressure: np.ndarray) -> float:
-    apart: Sequence[np.ndarray] = (found.u - u, found.pressure - pressure)
-    return max(float(np.max(np.abs(part), initial=0.0)) for part in apart)
-
-
-LAWS: tuple[tuple[str, Callable[[str], tuple[float, str]], float], ...] = (
+LAWS: tuple[tuple[str, Callable[[Tried], Iterator[Found]], float], ...] = (
     ("parameters are fields with a meaning and a default in range", _parameters, 0.0),
     ("answers are those of non-negative least squares", _independent, ORACLE),
     ("touch without pressure and full contact do not matter", _touching, ORACLE),
@@ -223,3 +223,51 @@ LAWS: tuple[tuple[str, Callable[[str], tuple[float, str]], float], ...] = (
     ("what has no answer is not said to be solved", _no_answer, 0.0),
     ("without a candidate it is plain equilibrium", _no_candidate, 1e-12),
 )
+
+
+# --- of a solver ------------------------------------------------------------------------------------------------------
+
+
+def solver_laws(name: str) -> Iterator[Law]:
+    """How many answers break each; where it is not installed, or applies to none, it has refused."""
+    solver = SOLVERS[name]
+    missing = solver.missing()
+    if missing:
+        yield from (Law(law, math.nan, refused=missing) for law in SOLVER_LAWS)
+        return
+    with closing(Child(SOLVER_LIMIT_S)) as child:
+        yield from _built_in(child, solver)
+        yield _hopeless(child, solver)
+
+
+def _built_in(child: Child, solver: Solver) -> Iterator[Law]:
+    """Shapes and claims of answers to problems whose own is known."""
+    shapes, false, refusals = [], [], list[str]()
+    for (said, states), kind in product(STATES.items(), KINDS):
+        step = manufactured(np.random.default_rng(7), kind, np.array(states))[0].step()
+        refused = solver.applies(step)
+        if refused is not None:
+            refusals.append(refused)
+            continue
+        answer, _ = child.solve(solver, step, TOLERANCE)
+        if answer.du.shape != step.r.shape or answer.pressure.shape != step.gap.shape:
+            shapes.append(f"{kind}, {said}")
+        elif judged(answer, step, TOLERANCE, Scales.of(step))["false"]:
+            false.append(f"{kind}, {said}")
+    refusal = refusals[-1] if len(refusals) == len(STATES) * len(KINDS) else ""
+    for law, wrong in zip(SOLVER_LAWS, (shapes, false), strict=False):
+        yield Law(law, len(wrong), refused=refusal, said=", ".join(wrong))
+
+
+def _hopeless(child: Child, solver: Solver) -> Law:
+    """No numbers, and -x - 1 = p with no p >= 0 where x >= 0."""
+    claimed, refusals = [], []
+    for said in ("no number", "no solution"):
+        step = HOPELESS[said].step()
+        refused = solver.applies(step)
+        if refused is not None:
+            refusals.append(refused)
+        elif child.solve(solver, step, TOLERANCE)[0].claimed:
+            claimed.append(said)
+    refusal = refusals[0] if len(refusals) == 2 else ""
+    return Law(SOLVER_LAWS[2], len(claimed), refused=refusal, said=", ".join(claimed))

@@ -41,26 +41,29 @@ def page(cards: Sequence[Card], command: str, picture: str = "") -> str:
 
 def _of(card: Card, picture: str) -> list[str]:
     subject = card.subject
-    file = f" of `{subject.file}`" if subject.file else " of the suite"
-    lines = [f"# Card of the {subject.kind} `{subject.name}`", "", f"**{card.verdict}**", "", f"Of{file[3:]}.", ""]
-    lines += ["## Problems", "", *_problems(card)]
-    lines += ["## False claims", "", *_ends(card, (FALSE,), "No claim is false.")]
-    lines += ["## Not solved", "", *_ends(card, (FAILED, RAISED, LATE), "Every problem that is not refused is solved.")]
-    lines += ["## Refused", "", *_ends(card, (REFUSED,), "Nothing is refused.")]
-    lines += ["## Laws", "", *_laws(card.laws)]
-    lines += ["## Agreement", "", *_agreement(card)]
-    lines += ["## Cost", "", *_cost(card, picture)]
-    if subject.kind != SOLVER:
-        lines += ["## Hard points", "", *_hard(card)]
-    return [*lines, "## Place", "", *_place(card)]
+    origin = f"`{subject.file}`" if subject.file else "the suite"
+    lines = [f"# Card of the {subject.kind} `{subject.name}`", "", f"**{card.verdict}**", "", f"Of {origin}.", ""]
+    sections = {
+        "Problems": _problems(card),
+        "False claims": _ends(card, (FALSE,), "No claim is false."),
+        "Not solved": _ends(card, (FAILED, RAISED, LATE), "Every problem that is not refused is solved."),
+        "Refused": _ends(card, (REFUSED,), "Nothing is refused."),
+        "Laws": _laws(card.laws),
+        "Agreement": _agreement(card),
+        "Cost": _cost(card, picture),
+        "Hard points": [] if subject.kind == SOLVER else _hard(card),
+        "Place": _place(card),
+    }
+    for title, section in sections.items():
+        lines += [f"## {title}", "", *section] if section else []
+    return lines
 
 
 def _problems(card: Card) -> list[str]:
-    words = (SOLVED, FALSE, FAILED, RAISED, LATE, REFUSED)
-    rows = []
-    for group, own in card.own.groupby("group", sort=False):
-        counts = own["ended"].value_counts()
-        rows.append([GROUPS[str(group)], len(own), *(int(counts.get(word, 0)) for word in words)])
+    words = [SOLVED, FALSE, FAILED, RAISED, LATE, REFUSED]
+    own = card.own
+    counts = pd.crosstab(own["group"], own["ended"]).reindex(index=own["group"].unique(), columns=words, fill_value=0)
+    rows = [[GROUPS[str(group)], count.sum(), *count] for group, count in counts.iterrows()]
     return _table(["problems", "tried", *words], rows)
 
 
@@ -68,9 +71,10 @@ def _ends(card: Card, words: Sequence[str], nothing: str) -> list[str]:
     own = card.ended(*words)
     if own.empty:
         return [nothing, ""]
-    several = len(words) > 1
-    rows = [[row.problem, *([row.ended] if several else []), row.reason] for row in own.itertuples()]
-    return _table(["problem", *(["ended"] if several else []), "why"], rows)
+    heads = {"problem": "problem", "ended": "ended", "reason": "why"}
+    if len(words) == 1:
+        del heads["ended"]
+    return _table(list(heads.values()), own[list(heads)].to_numpy().tolist())
 
 
 def _laws(laws: Iterable[Law]) -> list[str]:
@@ -122,12 +126,10 @@ def _cost(card: Card, picture: str) -> list[str]:
     lines += ["", LEFT_OUT[card.subject.kind], ""]
     lines += [f"![Cost over that of {reference}, problem by problem]({picture})", ""] if picture else []
     head = ["problem", "ended", "iterations", "factorisations", "operations", "ratio", "seconds", "ratio"]
+    told = ["iterations", "factorisations", "operations", "operations_ratio", "seconds", "seconds_ratio"]
     rows = [
-        [
-            *(row.problem, row.ended, _number(row.iterations), _number(row.factorisations)),
-            *(_number(row.operations), _ratio(row.operations_ratio), _number(row.seconds), _ratio(row.seconds_ratio)),
-        ]
-        for row in own.itertuples()
+        [row["problem"], row["ended"], *(_number(row[name], ".2f" if "ratio" in name else ".3g") for name in told)]
+        for row in own.to_dict("records")
     ]
     return [*lines, *_table(head, rows)]
 
@@ -164,14 +166,10 @@ def _table(head: Sequence[str], rows: Iterable[Sequence[object]]) -> list[str]:
     return [line(head), line(["---"] * len(head)), *map(line, rows), ""]
 
 
-def _number(value: object) -> str:
+def _number(value: object, form: str = ".3g") -> str:
+    """Nothing for NaN."""
     number = float(str(value))
-    return "" if math.isnan(number) else f"{number + 0.0:.3g}"
-
-
-def _ratio(value: object) -> str:
-    number = float(str(value))
-    return "" if math.isnan(number) else f"{number:.2f}"
+    return "" if math.isnan(number) else f"{number + 0.0:{form}}"
 
 
 def drawn(card: Card) -> pd.DataFrame:

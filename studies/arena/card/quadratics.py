@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
+from contact.interchange.linearised_step import FrozenStep, freeze
 from contact.problem import ContactProblem, linear_mechanics
 
 
@@ -34,6 +35,18 @@ class Quadratic:
             self.w,
             None if coupling is None else sparse.csr_matrix(coupling),
         )
+
+    def step(self) -> FrozenStep:
+        """As a step from u = 0."""
+        return freeze(self.problem(), np.zeros_like(self.f), np.zeros_like(self.g0), {})
+
+
+_EYE, _ONES, _FAR = np.eye(2), np.ones(2), np.array([10.0, 10.0])
+HOPELESS = {  # problems without an answer, or with no numbers
+    "no number": Quadratic(_EYE, np.array([np.nan, 0.5]), -_EYE, _FAR, _ONES),
+    "no solution": Quadratic(np.diag([-1.0, 1.0]), np.array([1.0, 0.0]), _EYE, np.zeros(2), _ONES),
+    "no stiffness": Quadratic(np.zeros((2, 2)), np.array([1.0, 0.5]), -_EYE, _FAR, _ONES),
+}
 
 
 def stieltjes(rng: np.random.Generator, n: int) -> np.ndarray:

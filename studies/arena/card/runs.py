@@ -9,9 +9,9 @@ from __future__ import annotations
 import math
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from itertools import product
 from typing import Any
@@ -21,7 +21,7 @@ import numpy as np
 from contact.catalogue import ALGORITHMS
 from contact.problem import ContactSolution, Outcome
 from studies.arena.accuracy import Scales
-from studies.arena.card.problems import BENT, POINTS, SCENES, Asked, Posed, frozen_of, posed
+from studies.arena.card.problems import BENT, POINTS, SCENES, Posed, frozen_of, posed
 from studies.arena.card.subjects import ALGORITHM, ELEMENT, MEASURE, SOLVER, Subject, element
 from studies.arena.card.trials import (
     AGREES,
@@ -41,8 +41,9 @@ from studies.arena.card.trials import (
 from studies.arena.solver_table import judged
 from studies.arena.solvers.base import Answer as Said
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.child import Child
+from studies.arena.solvers.process import Child
 from studies.fuzz.comparing import Answer, difference
+from studies.stopwatch import timed
 
 LIMIT_S, BUDGET_S = 10.0, 60.0
 TOLERANCES = (1e-6, 1e-8)
@@ -54,64 +55,55 @@ Tell = Callable[[str], None]
 
 
 @dataclass
-class Purse:
-    """What the newcomer may still take of the clock."""
+class Field:
+    """Who is tried in turn, each for LIMIT_S at most; the newcomer only as long as it has anything left of BUDGET_S."""
 
+    names: Sequence[str]
+    newcomer: str
     left_s: float = BUDGET_S
-    begun: float = field(default_factory=time.monotonic)
 
-    def take(self, attempt: Callable[[float], Ended]) -> Ended:
-        """One try, if there is anything left for it."""
+    def take(self, name: str, attempt: Callable[[float], Ended]) -> Ended:
+        """One try, if there is any time for it."""
+        if name != self.newcomer:
+            return attempt(LIMIT_S)
         if self.left_s <= 0:
             return Ended(LATE, f"not begun: {BUDGET_S:g} s were spent before")
-        begun = time.monotonic()
-        found = attempt(min(LIMIT_S, self.left_s))
-        self.left_s -= time.monotonic() - begun
+        seconds, found = timed(partial(attempt, min(LIMIT_S, self.left_s)), time.monotonic)
+        self.left_s -= seconds
         return found
 
 
 def trials(subject: Subject, tell: Tell) -> Iterator[Trial]:
     """Of the newcomer and of ours."""
-    if subject.kind == ALGORITHM:
-        return _algorithms(subject, tell)
-    if subject.kind == SOLVER:
-        return _solvers(subject, tell)
-    return _parts(subject, tell)
+    run = {ALGORITHM: _algorithms, SOLVER: _solvers}.get(subject.kind, _parts)
+    return run(subject, tell)
 
 
 # --- algorithms -----------------------------------------------------------------------------------------------------
 
 
 def _algorithms(subject: Subject, tell: Tell) -> Iterator[Trial]:
+    """Each on each problem; on a scene the right answer is the first by an algorithm of EXACT."""
     everyone = [*(name for name in subject.ours if name != subject.name), subject.name]
-    purse = Purse()
-    problems = {name: list(posed(epsilon_of(name))) for name in everyone}
+    field, epsilons = Field(everyone, subject.name), {name: epsilon_of(name) for name in everyone}
+    problems = {name: list(posed(epsilon)) for name, epsilon in epsilons.items()}
     for i, first in enumerate(problems[subject.name]):
         tell(first.name)
         for name in everyone:
             case = problems[name][i]
-            attempt = partial(alone, name, case)
-            found = purse.take(attempt) if name == subject.name else attempt(LIMIT_S)
-            yield against(name, case, found, _made(name, case))
+            yield against(name, case, field.take(name, partial(alone, name, case)), _made(name, epsilons[name], case))
     for scene in (*SCENES, *POINTS):
         tell(scene.name)
         right: Answer | None = None
         for name in sorted(everyone, key=lambda each: (each == subject.name, each not in EXACT)):
-            look = partial(_contact, name, scene)
-            found = purse.take(look) if name == subject.name else look(LIMIT_S)
-            comparable = math.isinf(epsilon_of(name))
-            yield against(name, scene, found, right if comparable else None)
+            found = field.take(name, partial(asked, scene, contact=name))
+            yield against(name, scene, found, right if math.isinf(epsilons[name]) else None)
             if right is None and name in EXACT and found.ended == SOLVED:
                 right = found.answer
 
 
-def _contact(name: str, scene: Asked, limit_s: float) -> Ended:
-    return asked(scene, limit_s, contact=name)
-
-
-def _made(name: str, case: Posed) -> Answer | None:
+def _made(name: str, epsilon: float, case: Posed) -> Answer | None:
     """The answer of a problem; of a frozen one it is that of the exact constraint."""
-    epsilon = epsilon_of(name)
     if case.step is not None and math.isfinite(epsilon):
         return None
     return Answer(case.problem, case.answer, ALGORITHMS[name](epsilon=epsilon))
@@ -122,30 +114,21 @@ def _made(name: str, case: Posed) -> Answer | None:
 
 def _parts(subject: Subject, tell: Tell) -> Iterator[Trial]:
     """Each measure, or element option, by an algorithm; the newcomer by a second one, which must agree."""
-    reference = REFERENCE[subject.kind]
-    options = {name: _options(subject.kind, name) for name in dict.fromkeys([reference, *subject.ours, subject.name])}
-    order = sorted(options, key=lambda name: (name == subject.name, name != reference))
-    purse = Purse()
+    reference, mine = REFERENCE[subject.kind], subject.name
+    names = dict.fromkeys([reference, *subject.ours, mine])
+    field = Field(sorted(names, key=lambda name: (name == mine, name != reference)), mine)
+    options = {name: {"measure": name} if subject.kind == MEASURE else element(name) for name in names}
     for scene in (*BENT, *SCENES, *POINTS):
         tell(scene.name)
         usual: Answer | None = None
-        for name in order:
-            look = partial(_by, "semismooth", scene, options[name])
-            found = purse.take(look) if name == subject.name else look(LIMIT_S)
+        for name in field.names:
+            found = field.take(name, partial(asked, scene, contact=EXACT[0], part=options[name]))
             second = None
-            if name == subject.name and found.answer is not None and len(found.answer.problem.weights):
-                second = purse.take(partial(_by, "lcp", scene, options[name])).answer
+            if name == mine and found.answer is not None and len(found.answer.problem.weights):
+                second = field.take(name, partial(asked, scene, contact=EXACT[1], part=options[name])).answer
             if name == reference:
                 usual = found.answer
             yield against(name, scene, found, second, usual)
-
-
-def _by(contact: str, scene: Asked, options: Mapping[str, str], limit_s: float) -> Ended:
-    return asked(scene, limit_s, contact=contact, **options)
-
-
-def _options(kind: str, name: str) -> dict[str, str]:
-    return {"measure": name} if kind == MEASURE else dict(element(name))
 
 
 # --- solvers --------------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Who a card is of: the parts that a file adds to a catalogue, or a part of ours by its name.
+"""Who a card is of: the parts that a file adds to a catalogue, or one of ours by its name; and a layout to begin with.
 
 What a part is worth is not asked here.
 """
@@ -6,8 +6,10 @@ What a part is worth is not asked here.
 from __future__ import annotations
 
 import pickle
+import shutil
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from importlib.resources import as_file, files
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +23,7 @@ from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.scenes.element import PRESETS
 
+TEMPLATE = "template"
 ALGORITHM, MEASURE, SOLVER, ELEMENT = "contact algorithm", "strain measure", "QP solver", "element option"
 CATALOGUES: dict[str, tuple[dict[str, Any], ...]] = {
     ALGORITHM: (ALGORITHMS,),
@@ -95,3 +98,15 @@ def _check(path: Path, subject: Subject) -> None:
 
 def _names(catalogues: Iterable[Mapping[str, Any]]) -> tuple[str, ...]:
     return tuple(name for each in catalogues for name in each)
+
+
+def write_layout(directory: Path) -> list[Path]:
+    """Write the layout of a repository that hands in an algorithm, and return its files.
+
+    Raises UsageError unless the directory is empty, or none yet.
+    """
+    if directory.exists() and (not directory.is_dir() or any(directory.iterdir())):
+        raise UsageError(f"--template {directory} must be an empty directory, or none yet")
+    with as_file(files("studies.arena.card").joinpath(TEMPLATE)) as source:
+        shutil.copytree(source, directory, ignore=shutil.ignore_patterns("__pycache__"), dirs_exist_ok=True)
+    return sorted(path for path in directory.rglob("*") if path.is_file())

@@ -8,13 +8,10 @@ from __future__ import annotations
 
 import math
 import signal
-import time
-import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, replace
-from types import FrameType
-from typing import Any
+from dataclasses import dataclass, field, replace
+from types import FrameType, MappingProxyType
 
 import numpy as np
 
@@ -28,18 +25,17 @@ from studies.arena.card.quadratics import random_quadratic
 from studies.arena.watched import Watched
 from studies.certificate import certificate
 from studies.complete import complete
+from studies.fuzz.attempt import quiet
 from studies.fuzz.comparing import ALIKE as COARSE
 from studies.fuzz.comparing import MARGIN, Answer, compared, difference, error_of
 from studies.operations import counted
 from studies.request import Request, Value
 from studies.scene import Scene, UsageError
+from studies.stopwatch import timed
 from studies.walk import walk
 
-SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE = (
-    *("solved", "false claim", "not solved"),
-    *("refused", "raised", "over the limit"),
-)
-ENDS = (SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE)
+ENDS = ("solved", "false claim", "not solved", "refused", "raised", "over the limit")
+SOLVED, FALSE, FAILED, REFUSED, RAISED, LATE = ENDS
 ALIKE = 1e-8  # relative, of displacements and contact forces
 CARRIES = 1e-8  # of the largest pressure: less is none
 AGREES, DIFFERS = "agrees", "differs"
@@ -88,11 +84,6 @@ class Trial:
     away: float = math.nan
     agreement: str = ""
 
-    @property
-    def row(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self)
-
 
 @dataclass(eq=False)
 class Metered(Watched):
@@ -102,13 +93,11 @@ class Metered(Watched):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Solve, and keep what it cost."""
-        begun = time.process_time()
         with counted() as work:
-            found = self.inside.solve(problem, start)
-        self.spent["seconds"] += time.process_time() - begun
-        self.spent["operations"] += sum(work.values())
-        self.spent["iterations"] += found.counters.get("newton_iterations", 0)
-        self.spent["factorisations"] += found.counters.get("factorisations", 0)
+            seconds, found = timed(lambda: self.inside.solve(problem, start))
+        counts = (found.counters.get(key, 0) for key in ("newton_iterations", "factorisations"))
+        for cost, spent in zip(COSTS, (*counts, sum(work.values()), seconds), strict=True):
+            self.spent[cost] += spent
         return found
 
 
@@ -137,17 +126,12 @@ def alone(name: str, case: Posed, limit_s: float) -> Ended:
         refused = algorithm.supports(problem)
         if refused is not None:
             return Ended(REFUSED, refused)
-        least: Ended | None = None
-        for _ in range(REPEATS):
+        tried: list[Ended] = []
+        while len(tried) < REPEATS and all(each.cost["seconds"] <= QUICK_S for each in tried):
             metered = Metered(algorithm)
-            start = ContactSolution.at_rest(len(case.answer.u), len(case.answer.pressure))
-            found = metered.solve(problem, start)
-            if least is None or metered.spent["seconds"] < least.cost["seconds"]:
-                least = _judged(problem, found, algorithm, metered.spent)
-            if metered.spent["seconds"] > QUICK_S:
-                break
-        assert least is not None
-        return least
+            found = metered.solve(problem, ContactSolution.at_rest(len(case.answer.u), len(case.answer.pressure)))
+            tried.append(_judged(problem, found, algorithm, metered.spent))
+        return min(tried, key=lambda each: each.cost["seconds"])
 
     return guarded(solve, limit_s)
 
@@ -177,13 +161,14 @@ def followed(scene: Scene, request: Request, limit_s: float) -> Ended:
     return guarded(solve, limit_s)
 
 
-def asked(case: Asked, limit_s: float, *, contact: str, measure: str = "exact", **element: str) -> Ended:
-    """An algorithm, a measure and element options, which need not be known to the scene, on a request."""
+def asked(case: Asked, limit_s: float, *, contact: str, part: Mapping[str, str] = MappingProxyType({})) -> Ended:
+    """An algorithm on a request, with a measure or an element option, which need not be known to the scene."""
+    more: dict[str, Value] = {key: value for key, value in part.items() if key != "measure"}
+    measure = part.get("measure", "exact")
     try:
         scene, request = complete(case.scene, case.settings, case.mesh, contact=contact, measure=measure)
     except UsageError as error:
         return Ended(REFUSED, str(error))
-    more: dict[str, Value] = dict(element)
     if "epsilon" in request.settings:
         more["epsilon"] = epsilon_of(contact)
     return followed(scene, replace(request, settings=request.settings.with_values(**more)), limit_s)
@@ -218,8 +203,7 @@ def _agreement(one: Answer, other: Answer, apart: float) -> str:
 
 def guarded(solve: Callable[[], Ended], limit_s: float) -> Ended:
     """What it returns, or the end that an exception or the clock makes of it."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
+    with quiet():
         try:
             with within(limit_s):
                 return solve()

@@ -1,29 +1,33 @@
-"""Steps that the collection may take: iterates along paths, published problems, and forms derived from a step.
+"""Steps without friction that the collection may take: iterates along paths, published problems, and derived forms.
 
-Which of them are taken is a rule (:mod:`studies.arena.collected.rule`); no file is written here.
+What an algorithm gets at an iterate of a path is kept as it was met: tangent and residual with the memory of the
+element, gaps, and the curvature of the gap under the forces there. Which candidates are taken is a rule
+(:mod:`studies.arena.collected.rule`); no file is written here.
 """
 
 from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 from functools import partial
-from importlib.resources import files
-from typing import Any
 
 import numpy as np
 from scipy import sparse
 
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenStep, freeze
+from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.solvers.sparse import checked_solve, factorise, symmetric
+from studies.algorithm_settings import configured
 from studies.arena.collected.certified import Certified, NotCertifiedError, exact_on
-from studies.arena.collected.newton_path import Met, newton_path
+from studies.arena.collected.collection import HERE, Candidate
 from studies.arena.collected.paths import Path
+from studies.arena.watched import Watched
+from studies.complete import complete
 from studies.experiments.obstacle_problems.collection import CLASSICS, Bounded, classic, obstacle, torsion
+from studies.walk import walk
 
-LICENCE = "MIT"
 PUBLIC = "public_lcps.json"
 TOUCHING, CONDENSED = "touching", "condensed"
 PRESSED, RAISED = 1, 2  # candidates of a step by the answer that its touching form is made from
@@ -31,51 +35,81 @@ LARGE = 120_000  # entries of K beyond which a step has no derived forms: they w
 DENSE = 300  # candidates whose compliance is written as a full matrix
 
 
-@dataclass(frozen=True, eq=False)
-class Candidate:
-    """A step that may be taken: its family, its name in the collection, where it is from, and its licence.
+@dataclass(eq=False)
+class Iterate:
+    """What was linearised at u (n,), and the nodal forces (m,) under which its gaps were curved, if they were."""
 
-    states: of a touching form the candidates (m,) that are PRESSED and RAISED, else None.
+    problem: ContactProblem
+    u: np.ndarray
+    lin: Linearised
+    forces: np.ndarray | None = None
+
+    @property
+    def step(self) -> FrozenStep:
+        """The problem of the Newton step from here."""
+        problem, lin, K = self.problem, self.lin, self.lin.tangent
+        if problem.gap_curvature is not None and self.forces is not None:
+            K = sparse.csc_matrix(K - problem.gap_curvature(self.u, self.forces))
+        G = sparse.csr_matrix(problem.gap_jacobian(self.u))
+        return FrozenStep(K, lin.residual, G, problem.gap(self.u), problem.weights, lin.scale, problem.coupling)
+
+
+@dataclass(eq=False)
+class Recorder(Watched):
+    """Keeps what the algorithm inside linearises: in ``solves`` the iterates of each call, and whether it converged."""
+
+    solves: list[tuple[list[Iterate], bool]] = field(default_factory=list)
+
+    def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
+        """Solve, and keep each linearisation; not without candidates, nor where their foundation is an unknown, too."""
+        iterates: list[Iterate] = []
+        kept = len(problem.weights) and not problem.driven
+        found = self.inside.solve(_noting(problem, iterates) if kept else problem, start)
+        self.solves.append((iterates, found.outcome.converged))
+        return found
+
+
+def _noting(problem: ContactProblem, iterates: list[Iterate]) -> ContactProblem:
+    def linearise(u: np.ndarray, memory: object) -> Linearised:
+        iterates.append(Iterate(problem, u.copy(), problem.linearise(u, memory)))
+        return iterates[-1].lin
+
+    def curvature(u: np.ndarray, forces: np.ndarray) -> sparse.csc_matrix:
+        assert problem.gap_curvature is not None
+        if iterates and np.array_equal(u, iterates[-1].u):
+            iterates[-1].forces = forces.copy()
+        return problem.gap_curvature(u, forces)
+
+    return replace(problem, linearise=linearise, gap_curvature=None if problem.gap_curvature is None else curvature)
+
+
+def on_path(path: Path) -> Iterator[Candidate[FrozenStep]]:
+    """The iterates along a path that are looked at; raises UsageError where it cannot be asked for.
+
+    All iterates of a solve, or its first ones and the last but one, from where a step still moves something.
     """
-
-    family: str
-    name: str
-    origin: dict[str, Any]
-    step: FrozenStep
-    licence: str = LICENCE
-    states: np.ndarray | None = None
-
-
-def on_path(path: Path) -> Iterator[Candidate]:
-    """The iterates along a path that are looked at; raises UsageError where it cannot be asked for."""
-    solve: list[Met] = []
-    for met in newton_path(path.scene, path.settings, path.mesh):
-        if solve and met.solve != solve[0].solve:
-            yield from _looked_at(path, solve)
-            solve = []
-        solve.append(met)
-    yield from _looked_at(path, solve)
+    scene, request = complete(path.scene, path.settings, path.mesh)
+    recorder = Recorder(configured(request.contact, request.settings))
+    settings, number = " ".join(f"{key}={value}" for key, value in path.settings.items()), 0
+    for visited in walk(scene.build(request).stages(), recorder, request.steps):
+        at = {"stage": visited.stage.name, "target": visited.point.requested, "settings": settings}
+        for iterates, arrived in recorder.solves:
+            number, count = number + 1, len(iterates)
+            chosen = sorted({*range(path.looks - 1), count - 2}) if path.looks else range(count)
+            for i in (i for i in chosen if 0 <= i < count):
+                origin = {"scene": path.scene, "mesh": path.mesh, **at, "solve": number, "iteration": i}
+                name = f"{path.name}-s{number}i{i}"
+                yield Candidate(path.scene, name, {**origin, "arrived": arrived}, iterates[i].step)
+        recorder.solves.clear()
 
 
-def _looked_at(path: Path, solve: Sequence[Met]) -> Iterator[Candidate]:
-    """All iterates of a solve, or its first ones and the last but one, from where a step still moves something."""
-    chosen = range(len(solve)) if not path.looks else sorted({*range(path.looks - 1), len(solve) - 2})
-    for i in chosen:
-        if 0 <= i < len(solve):
-            met = solve[i]
-            origin = {"scene": path.scene, "mesh": path.mesh, "stage": met.stage, "target": met.target}
-            origin |= {"settings": " ".join(f"{key}={value}" for key, value in path.settings.items())}
-            origin |= {"solve": met.solve, "iteration": met.iteration, "arrived": met.arrived}
-            yield Candidate(path.scene, f"{path.name}-s{met.solve}i{met.iteration}", origin, met.at.step)
-
-
-def published() -> Iterator[Candidate]:
+def published() -> Iterator[Candidate[FrozenStep]]:
     """Obstacle problems, classics of linear complementarity, and those that Siconos is tested by."""
     for body in _bounded():
         name = body.name.replace(" ", "-").replace("=", "")
         family = "-".join(word for word in body.name.split() if not any(map(str.isdigit, word)))
         yield Candidate(family, name, {"source": body.name}, frozen(body))
-    told = json.loads(files("studies.arena.collected").joinpath(PUBLIC).read_text(encoding="utf-8"))
+    told = json.loads(HERE.joinpath(PUBLIC).read_text(encoding="utf-8"))
     for name, given in told["problems"].items():
         step = of_complementarity(np.array(given["M"], float), np.array(given["q"], float))
         yield Candidate("siconos", f"siconos-{name}", {"source": told["source"]}, step, told["licence"])
@@ -105,9 +139,8 @@ def small_die(points: int) -> Bounded:
 
 def frozen(body: Bounded) -> FrozenStep:
     """A body between bounds as a step from x = 0."""
-    problem, zero = body.problem(), np.zeros(len(body.f))
-    lin = problem.linearise(zero, None)
-    return FrozenStep(body.K, lin.residual, problem.gap_jacobian(zero), problem.gap(zero), problem.weights, lin.scale)
+    problem = body.problem()
+    return freeze(problem, np.zeros(len(body.f)), np.zeros(len(problem.weights)), {})
 
 
 def of_complementarity(M: np.ndarray, q: np.ndarray) -> FrozenStep:
@@ -120,7 +153,7 @@ def of_complementarity(M: np.ndarray, q: np.ndarray) -> FrozenStep:
     return FrozenStep(sparse.csc_matrix(M), q, sparse.csr_matrix(sparse.eye_array(n)), np.zeros(n), np.ones(n), scale)
 
 
-def derived(of: Candidate, answer: Certified) -> Iterator[Candidate]:
+def derived(of: Candidate[FrozenStep], answer: Certified) -> Iterator[Candidate[FrozenStep]]:
     """Forms of a step whose answer is known, where it has them and is not large."""
     if of.step.K.nnz > LARGE:
         return
@@ -131,7 +164,7 @@ def derived(of: Candidate, answer: Certified) -> Iterator[Candidate]:
         yield form_of(of, CONDENSED, condensed(of.step))
 
 
-def form_of(of: Candidate, form: str, step: FrozenStep) -> Candidate:
+def form_of(of: Candidate[FrozenStep], form: str, step: FrozenStep) -> Candidate[FrozenStep]:
     """A form of a step."""
     return Candidate(form, f"{of.name}-{form}", of.origin | {"form": form}, step, of.licence)
 
@@ -174,7 +207,7 @@ def condensed(step: FrozenStep) -> FrozenStep:
     return of_complementarity((H + H.T) / 2 if symmetric(step.K) else H, step.gap - step.G @ solve(step.r))
 
 
-def candidates(paths: Iterable[Path]) -> Iterator[Candidate]:
+def candidates(paths: Iterable[Path]) -> Iterator[Candidate[FrozenStep]]:
     """All published problems, then the iterates along the paths."""
     yield from published()
     for path in paths:

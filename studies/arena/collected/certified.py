@@ -1,25 +1,33 @@
-"""The answer to a frozen step, found by one way and confirmed by another that shares no line with it.
+"""The answer to a frozen step, found by one way and confirmed by others that are no algorithm of ours.
 
 The first is an algorithm of ours before the judge. The second solves the equations on the set that was found, by
 SciPy alone with residuals in extended precision, and asks every sign; where the step is a convex programme, an
 interior-point solver has to come to a set with the same displacements and forces, from no set at all. Elsewhere the
 answer need not be the only one.
+
+With friction the second solves the equations on the states that were found anew; signs and cones are the judge's. Where
+the step is a sequence of convex programmes, the oracle has to come to the same answer from no states at all. An answer
+of its own that the judge takes is no contradiction: answers are several then.
 No collection and no file format may enter here.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from contact.catalogue import ALGORITHMS
-from contact.interchange.linearised_step import FrozenStep
-from contact.interchange.oracle import OracleError, minimise, refusal
+from contact.interchange import friction_oracle
+from contact.interchange.friction_states import Known
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
+from contact.interchange.oracle import AGREEMENT, OracleError, minimise, refusal
 from contact.problem import ContactSolution
 from contact.verify import judge
+from studies.experiments.friction.public.public_problems import algorithms
 
 TRIED = ("semismooth", "lcp", "trial-and-error")  # the first whose answer the judge takes
 REFINEMENTS = 5
@@ -167,3 +175,73 @@ def exact_on(step: FrozenStep, pressed: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _nodal(step: FrozenStep, pressure: np.ndarray) -> np.ndarray:
     return np.asarray(step.weights * pressure if step.coupling is None else step.coupling @ pressure)
+
+
+# --- with friction ----------------------------------------------------------------------------------------------------
+
+EQUATIONS, PROGRAMMES = "equations on the states", "Tresca programmes by an interior point"
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionCertified:
+    """The answer, who found it, and the ways that confirm it.  several: whether the oracle has another sound one."""
+
+    known: Known
+    found_by: str
+    confirmed_by: tuple[str, ...] = ()
+    several: bool = False
+
+
+def find_with_friction(step: FrozenFrictionalStep) -> FrictionCertified:
+    """By the first exact algorithm whose answer the judge takes; raises NotCertifiedError where none has one.
+
+    From rest, and where K leaves free what contacts hold, from all of them sticking.
+    """
+    problem, reasons = step.problem(), []
+    rest = ContactSolution.at_rest(len(step.r), len(step.mu))
+    starts = rest, replace(rest, active=np.ones(len(step.mu), bool))
+    for (name, algorithm), start in product(algorithms().items(), starts):
+        if np.isfinite(algorithm.epsilon):
+            continue
+        try:
+            found = algorithm.solve(problem, start)
+        except (ValueError, ArithmeticError) as error:
+            reasons.append(f"{name}: {error}")
+            continue
+        friction = found.rubbed
+        wrong = judge(problem, found.u, found.pressure, friction.force).failures() if found.outcome.converged else []
+        if found.outcome.converged and not wrong:
+            normal = problem.nodal_forces(found.pressure)
+            return FrictionCertified(Known(found.u, normal, friction.force, friction.state), name)
+        reasons.append(f"{name}: {', '.join(wrong) or found.outcome.word}")
+    raise NotCertifiedError("; ".join(dict.fromkeys(reasons)))
+
+
+def confirm_with_friction(
+    step: FrozenFrictionalStep, answer: FrictionCertified, condition: float = 1.0
+) -> FrictionCertified:
+    """The answer with the ways that confirm it; raises NotCertifiedError where the equations contradict.
+
+    condition: of K, where it is known; what rounding makes of it is no contradiction, up to the oracle's agreement.
+    """
+    same = min(max(SAME, ROUNDED * float(np.finfo(float).eps) * condition), AGREEMENT)
+    try:
+        apart = _apart(step, friction_oracle.on_its_states(step, answer.known), answer.known)
+    except OracleError as error:
+        raise NotCertifiedError(str(error)) from None
+    if not apart <= same:
+        raise NotCertifiedError(f"the answer of {answer.found_by} is {apart:.1e} off the equations on its states")
+    try:
+        own = friction_oracle.minimise(step)
+    except OracleError:
+        return replace(answer, confirmed_by=(EQUATIONS,))
+    if _apart(step, own, answer.known) <= same:
+        return replace(answer, confirmed_by=(EQUATIONS, PROGRAMMES))
+    pressure = np.divide(own.normal, step.weights, out=np.zeros_like(own.normal), where=step.weights > 0)
+    wrong = judge(step.problem(), own.du, pressure, own.friction).failures()
+    return replace(answer, confirmed_by=(EQUATIONS,), several=not wrong)
+
+
+def _apart(step: FrozenFrictionalStep, own: Known, known: Known) -> float:
+    found = friction_oracle.compared(step, own, known.du, known.normal, known.friction)
+    return max(found.displacement_error, found.force_error)

@@ -1,8 +1,8 @@
-"""The collection of frozen contact problems: by which rule they are chosen, how the files are made and checked again.
+"""The rule of the collection: which frozen problems without friction are taken, and how they are come by again.
 
 The rule. Published problems come first, then paths in their order, small before large. A step is taken when three
 things hold: its answer is certified by two ways (:mod:`.certified`); no step taken before from the same scene has the
-same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching (:mod:`.traits`); and
+same classes of size, candidates, share pressed, kind of matrix, coupling, condition and touching (:class:`Traits`); and
 its file still fits in the size of the whole collection. A step that is taken offers its derived forms, candidates that
 touch without pressure and the dual in its forces, each a family of its own. The column ``adds`` of the manifest says of
 which class a step is the first.
@@ -12,28 +12,34 @@ named with its reason beside the manifest.
 
 Then the files are made once more with other kernels of BLAS and other instructions, and only what agrees stays: a path
 of an indefinite tangent may be turned elsewhere by the last digit. The manifest is kept with the suite; the files are
-made from it by one command. What they hold is compared by sums that rounding moves little.
-What another machine would not make again is kept as arrays (:mod:`.kept`). No solver is judged here.
+made from it by one command. No solver is judged here.
+
+Of each touching form it is kept which candidates of its step are pressed and raised, as a step that is not convex has
+several answers, and rounding decides which one is found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, field
-from importlib.resources import files
+from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy import sparse
+from scipy.sparse.linalg import LinearOperator, onenormest, splu
 
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError
+from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.oracle import positive_definite
+from contact.solvers.sparse import symmetric
 from studies.arena.collected import paths as listed
 from studies.arena.collected.candidates import (
     CONDENSED,
     TOUCHING,
-    Candidate,
     condensed,
     derived,
     form_of,
@@ -43,30 +49,92 @@ from studies.arena.collected.candidates import (
 )
 from studies.arena.collected.candidates import candidates as all_candidates
 from studies.arena.collected.certified import Certified, NotCertifiedError, confirm, find
-from studies.arena.collected.kept import copy_kept, kept_names, raised_states, write_states
-from studies.arena.collected.traits import Traits, traits
-from studies.store.atomic import write_by, write_table, write_text
+from studies.arena.collected.collection import HERE, LEFT_OUT, Candidate, Collection, Tell, silent, sums, write
+from studies.store.atomic import write_by, write_table
 
-MANIFEST, LEFT_OUT, FORMAT = "manifest.csv", "left-out.csv", "format.md"
-VERSION = 1  # of the collection: another choice of problems is another version
+RAISED_IN = "raised.npz"
 LARGEST = 100e6  # bytes of all files
 MOST = 8e6  # bytes of one of them
 ENTRY = 7.0  # bytes of an entry of a matrix in a compressed file, measured: 4 to 8
-SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
-ROUNDING = 1e-6  # relative, of those sums: what paths of Newton's method make of different rounding
 TURNED = "with other kernels of BLAS its path leads elsewhere"
 CLASSES = ("unknowns", "candidates", "share pressed", "kind", "coupling", "condition", "touching")
+SIZES = (30, 100, 300, 1_000, 3_000, 10_000, 30_000)  # unknowns from which a new class begins
+COUNTS = (3, 10, 30, 100, 300, 1_000)  # candidates
+SHARES = (1e-12, 0.1, 0.4, 0.8, 1 - 1e-12)  # pressed of all candidates: none, few, some, many, nearly all, all
 
 
-def _silent(line: str) -> None:
-    """Nothing is told."""
+@dataclass(frozen=True)
+class Traits:
+    """Numbers of a step and of its answer.
+
+    kind: of its matrix.  condition: of K with a unit diagonal, in the 1-norm, estimated; infinite where K is singular.
+    pressed, touching: candidates that carry force, and that are closed without.
+    """
+
+    unknowns: int
+    candidates: int
+    entries: int
+    kind: str
+    coupling: str
+    condition: float
+    pressed: int
+    touching: int
+
+    @property
+    def classes(self) -> tuple[object, ...]:
+        """Two steps with the same classes add nothing to each other."""
+        share = self.pressed / max(self.candidates, 1)
+        stiff = math.inf if math.isinf(self.condition) else math.floor(math.log10(self.condition) / 3)
+        return (
+            sum(self.unknowns >= bound for bound in SIZES),
+            sum(self.candidates >= bound for bound in COUNTS),
+            sum(share > bound for bound in SHARES),
+            self.kind,
+            self.coupling,
+            stiff,
+            self.touching > 0,
+        )
+
+
+def traits(step: FrozenStep, answer: Certified) -> Traits:
+    """The traits of a step with a certified answer."""
+    return Traits(
+        len(step.r),
+        len(step.gap),
+        step.K.nnz,
+        kind(step),
+        "lumped" if step.coupling is None else "consistent",
+        condition(step.K),
+        int(answer.pressed.sum()),
+        int(answer.touching.sum()),
+    )
+
+
+def kind(step: FrozenStep) -> str:
+    """definite, indefinite (singular included) or not symmetric."""
+    if not symmetric(step.K):
+        return "not symmetric"
+    return "definite" if positive_definite(step.K) else "indefinite"
+
+
+def condition(K: sparse.csc_matrix) -> float:
+    """|D K D|_1 |(D K D)^-1|_1 with D = |diag K|^-1/2, the second norm estimated (Higham, Tisseur 2000)."""
+    diagonal = np.abs(K.diagonal())
+    unit = sparse.diags_array(1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)))
+    A = sparse.csc_matrix(unit @ K @ unit)
+    try:
+        factor = splu(A, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+    except RuntimeError:
+        return math.inf
+    inverse = LinearOperator(A.shape, matvec=factor.solve, rmatvec=partial(factor.solve, trans="T"), dtype=float)
+    return float(abs(A).sum(axis=0).max() * onenormest(inverse))
 
 
 @dataclass(frozen=True, eq=False)
 class Taken:
     """A candidate with its answer and traits, and the class that it is the first of."""
 
-    candidate: Candidate
+    candidate: Candidate[FrozenStep]
     answer: Certified
     traits: Traits
     adds: str
@@ -74,12 +142,12 @@ class Taken:
     @property
     def row(self) -> dict[str, Any]:
         """Of the manifest, but for the size of the file."""
-        step, forces = self.candidate.step, self.candidate.step.problem().nodal_forces(self.answer.pressure)
-        told = {"name": self.candidate.name, "family": self.candidate.family, "adds": self.adds, **self.traits.told}
-        told |= {"force_N": float(forces.sum()), "displacement_mm": float(np.max(np.abs(self.answer.du), initial=0.0))}
-        told |= {"found_by": self.answer.found_by, "confirmed_by": " and ".join(self.answer.confirmed_by)}
-        told |= {"licence": self.candidate.licence, **dict(zip(SUMS, sums(step), strict=True))}
-        return told | self.candidate.origin
+        candidate, answer = self.candidate, self.answer
+        force = float(candidate.step.problem().nodal_forces(answer.pressure).sum())
+        row = {"name": candidate.name, "family": candidate.family, "adds": self.adds, **asdict(self.traits)}
+        row |= {"force_N": force, "displacement_mm": float(np.max(np.abs(answer.du), initial=0.0))}
+        row |= {"found_by": answer.found_by, "confirmed_by": " and ".join(answer.confirmed_by)}
+        return row | {"licence": candidate.licence, **sums(candidate.step), **candidate.origin}
 
 
 @dataclass(eq=False)
@@ -91,7 +159,7 @@ class Rule:
     spent: float = 0.0
     left_out: list[dict[str, str]] = field(default_factory=list)
 
-    def taken(self, candidate: Candidate) -> Taken | None:
+    def taken(self, candidate: Candidate[FrozenStep]) -> Taken | None:
         """The candidate with its answer, where the rule takes it."""
         step, before = candidate.step, self.seen.setdefault(candidate.family, set())
         size = ENTRY * (step.K.nnz + step.G.nnz)
@@ -106,7 +174,7 @@ class Rule:
                 return None
             answer = confirm(step, first, own.condition)
         except ArithmeticError as error:  # NotCertifiedError, and what a singular step raises
-            self.left_out.append({"name": candidate.name, "family": candidate.family, "why": str(error)})
+            self.left_out.append(dict(zip(LEFT_OUT, (candidate.name, candidate.family, str(error)), strict=True)))
             return None
         found = Taken(candidate, answer, own, _news(own.classes, before))
         before.add(own.classes)
@@ -120,7 +188,7 @@ def _news(classes: tuple[object, ...], before: set[tuple[object, ...]]) -> str:
     return ", ".join(new) if before and new else "combination" if before else "family"
 
 
-def chosen(found: Iterable[Candidate], rule: Rule, tell: Callable[[str], None] = _silent) -> Iterator[Taken]:
+def chosen(found: Iterable[Candidate[FrozenStep]], rule: Rule, tell: Tell = silent) -> Iterator[Taken]:
     """Those that the rule takes, in their order, each followed by those of its derived forms that it takes, too."""
     for candidate in found:
         tell(candidate.name)
@@ -133,143 +201,64 @@ def chosen(found: Iterable[Candidate], rule: Rule, tell: Callable[[str], None] =
                     yield again
 
 
-def choose(directory: Path, tell: Callable[[str], None] = _silent, only: str = "") -> pd.DataFrame:
+def choose(directory: Path, tell: Tell = silent, only: str = "") -> pd.DataFrame:
     """Apply the rule: write all files, the manifest and what was left out; only: the scene of paths, default all."""
-    wanted = [path for path in listed.paths() if only in ("", path.scene)]
-    rule = Rule()
-    rows, states = [], {}
-    for taken in chosen(all_candidates(wanted), rule, tell):
-        rows.append(_written(directory, taken))
-        if taken.candidate.states is not None:
-            states[taken.candidate.name] = taken.candidate.states
-    table = pd.DataFrame(rows)
-    write_states(directory, states)
-    write_table(directory / LEFT_OUT, pd.DataFrame(rule.left_out, columns=["name", "family", "why"]))
-    _finish(directory, table)
-    return table
+    rule, rows, states = Rule(), [], {}
+    for taken in chosen(all_candidates(path for path in listed.paths() if only in ("", path.scene)), rule, tell):
+        candidate = taken.candidate
+        rows.append(taken.row | {"bytes": write(directory, candidate).stat().st_size})
+        if candidate.states is not None:
+            states[candidate.name] = candidate.states
+    write_by(directory / RAISED_IN, partial(_write_states, states))
+    return STEPS.write_choice(directory, rows, rule.left_out)
 
 
-def _written(directory: Path, taken: Taken) -> dict[str, Any]:
-    path = write(directory, taken.candidate)
-    return taken.row | {"bytes": path.stat().st_size}
+def _write_states(states: Mapping[str, np.ndarray], path: Path) -> None:
+    with path.open("wb") as file:
+        np.savez_compressed(file, **states)  # type: ignore[arg-type]
 
 
-def write(directory: Path, candidate: Candidate) -> Path:
-    """The file of a problem, without its answer."""
-    path = directory / f"{candidate.name}.npz"
-    head = {"name": candidate.name, "family": candidate.family, "licence": candidate.licence, **candidate.origin}
-    head |= {"collection_version": VERSION}
-    write_by(path, FrozenStep(**{**vars(candidate.step), "meta": head}).write)
-    return path
+def raised_states() -> dict[str, np.ndarray]:
+    """Of each touching form that is kept which candidates of its step are PRESSED and RAISED."""
+    with HERE.joinpath(RAISED_IN).open("rb") as file, np.load(file) as arrays:
+        return {name: arrays[name] for name in arrays.files}
 
 
-def _finish(directory: Path, table: pd.DataFrame) -> None:
-    write_table(directory / MANIFEST, table)
-    write_text(directory / FORMAT, files("studies.arena.collected").joinpath(FORMAT).read_text(encoding="utf-8"))
+def _again(kept: pd.DataFrame) -> Iterator[Candidate[FrozenStep]]:
+    """Candidates that have one of the names, or of which a derived form has, and these; other paths are not walked.
 
-
-def make(directory: Path, kept: pd.DataFrame, tell: Callable[[str], None] = _silent) -> None:
-    """Write the files of the kept manifest and the manifest; those that are there and as it says are left alone."""
-    missing = {line.partition(":")[0] for line in unlike(directory, kept)}
-    for name in sorted(missing & kept_names()):
-        copy_kept(name, directory)
-        missing.remove(name)
-    states = raised_states()
-    for candidate in _wanted(missing):
-        tell(candidate.name)
-        if candidate.name in missing:
-            write(directory, candidate)
-        for form in _forms(candidate, missing, states):
-            tell(form.name)
-            write(directory, form)
-    _finish(directory, kept)
-
-
-def _forms(candidate: Candidate, missing: set[str], states: Mapping[str, np.ndarray]) -> Iterator[Candidate]:
-    """Its missing forms; none where nothing is known of who touches or it is not met, which ``unlike`` says then."""
-    name = f"{candidate.name}-{TOUCHING}"
-    if name in missing and name in states:
-        with suppress(NotCertifiedError):
-            yield form_of(candidate, TOUCHING, touching(candidate.step, states[name]))
-    if f"{candidate.name}-{CONDENSED}" in missing:
-        yield form_of(candidate, CONDENSED, condensed(candidate.step))
-
-
-def _wanted(names: set[str]) -> Iterator[Candidate]:
-    """Candidates that have one of the names, or of which a derived form has; other paths are not walked."""
-    for candidate in published():
-        if any(_is_of(name, candidate.name) for name in names):
-            yield candidate
-    for path in listed.paths():
-        if any(name.startswith(f"{path.name}-s") for name in names):
-            for candidate in on_path(path):
-                if any(_is_of(name, candidate.name) for name in names):
-                    yield candidate
-
-
-def _is_of(name: str, base: str) -> bool:
-    return name in {base, f"{base}-{TOUCHING}", f"{base}-{CONDENSED}"}
-
-
-def sums(step: FrozenStep) -> tuple[float, ...]:
-    """Norms of K, r, G and gap: what a problem is recognised by on another machine."""
-    return tuple(float(np.linalg.norm(part)) for part in (step.K.data, step.r, step.G.data, step.gap))
-
-
-def manifest() -> pd.DataFrame:
-    """The manifest that is kept with the suite."""
-    return _kept(MANIFEST)
-
-
-def left_out() -> pd.DataFrame:
-    """What the rule left out when the manifest was made: name, family, why."""
-    return _kept(LEFT_OUT)
-
-
-def _kept(name: str) -> pd.DataFrame:
-    with files("studies.arena.collected").joinpath(name).open(encoding="utf-8") as file:
-        return pd.read_csv(file, keep_default_na=False)
-
-
-def unlike(directory: Path, kept: pd.DataFrame) -> list[str]:
-    """What files lack or hold otherwise than the manifest says, a line each, which begins with the name."""
-    lines = []
-    for row in kept.to_dict("records"):
-        path = directory / f"{row['name']}.npz"
-        if not path.exists():
-            lines.append(f"{row['name']}: missing")
-            continue
-        try:
-            step = FrozenStep.read(path)
-        except FrozenStepError as error:
-            lines.append(f"{row['name']}: {error}")
-            continue
-        # what is in balance is known to its parts
-        lines += differing(row, step, dict(zip(SUMS, sums(step), strict=True)), {"sum_r": step.scale})
-    return lines
-
-
-def differing(
-    told: Mapping[Hashable, Any], step: FrozenStep, found: Mapping[str, float], sizes: Mapping[str, float]
-) -> list[str]:
-    """What a row of the manifest says otherwise than the sums that were ``found`` of a step, a line each.
-
-    sizes: of what some of them are the difference of; those are known to so much.
+    No form where nothing is known of who touches or it is not met, which ``unlike`` says then.
     """
-    if (len(step.r), len(step.gap)) != (told["unknowns"], told["candidates"]):
-        return [f"{told['name']}: of another size"]
-    lines = []
-    for name, own in found.items():
-        kept = float(told[name])
-        if not abs(own - kept) <= ROUNDING * max(abs(kept), sizes.get(name, 0.0)):
-            lines.append(f"{told['name']}: {name} is {own!r}, the manifest says {kept!r}")
-    return lines
+    names, states = set(kept["name"]), raised_states()
+    ways = [published(), *(on_path(path) for path in listed.paths() if _begins(names, path.name))]
+    for candidate in (each for way in ways for each in way):
+        touches, dual = f"{candidate.name}-{TOUCHING}", f"{candidate.name}-{CONDENSED}"
+        if names & {candidate.name, touches, dual}:
+            yield candidate
+        if touches in names and touches in states:
+            with suppress(NotCertifiedError):
+                yield form_of(candidate, TOUCHING, touching(candidate.step, states[touches]))
+        if dual in names:
+            yield form_of(candidate, CONDENSED, condensed(candidate.step))
+
+
+def _begins(names: Iterable[str], path: str) -> bool:
+    return any(name.startswith(f"{path}-s") for name in names)
+
+
+STEPS = Collection(
+    "manifest.csv",
+    "left-out.csv",
+    FrozenStep.read,
+    lambda row, step: {"sum_r": step.scale},  # what is in balance is known to its parts
+    _again,
+)
 
 
 def keep_agreeing(directory: Path, kept: pd.DataFrame, to: Path) -> None:
     """Write the manifest of what files made elsewhere bear out; the other rows join those that are left out."""
-    wrong = {line.partition(":")[0] for line in unlike(directory, kept)}
+    wrong = {line.partition(":")[0] for line in STEPS.unlike(directory, kept)}
     other = kept["name"].isin(wrong)
     gone = kept.loc[other, ["name", "family"]].assign(why=TURNED)
-    write_table(to / MANIFEST, kept[~other])
-    write_table(to / LEFT_OUT, pd.concat([left_out(), gone], ignore_index=True))
+    write_table(to / STEPS.manifest_file, kept[~other])
+    write_table(to / STEPS.left_out_file, pd.concat([STEPS.left_out(), gone], ignore_index=True))

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
-import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from contact.interchange.linearised_step import FrozenStep
+from studies.stopwatch import timed
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,11 +68,13 @@ class Solver(ABC):
     def solve(self, step: FrozenStep, tolerance: float) -> Answer:
         """The answer; whatever compiled code raises is no claim. Raises MemoryError."""
         self.prepare(step)
-        begun = time.process_time()
+        seconds, found = timed(lambda: self._tried(step, tolerance))
+        return replace(found, seconds=seconds)
+
+    def _tried(self, step: FrozenStep, tolerance: float) -> Answer:
         try:
-            found = self.answer(step, tolerance)
+            return self.answer(step, tolerance)
         except (KeyboardInterrupt, SystemExit, MemoryError):
             raise
         except BaseException as error:  # a panic of Rust is not even an Exception
-            found = Answer.none(step, " ".join(f"{type(error).__name__}: {error}".split()))
-        return replace(found, seconds=time.process_time() - begun)
+            return Answer.none(step, " ".join(f"{type(error).__name__}: {error}".split()))

@@ -6,9 +6,10 @@ Source of the settings: Stellato et al., Math. Program. Comput. 12 (2020) 637-67
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -17,13 +18,12 @@ from contact.algorithms.qp import Scaled
 from contact.interchange.linearised_step import FrozenStep
 from contact.solvers.qp_backends import Answer as Found
 from studies.arena.solvers.base import Solver
-from studies.arena.solvers.condensed import Condensed
-from studies.arena.solvers.ours import OURS
-from studies.arena.solvers.outside import Outside, programme
-from studies.arena.solvers.programmes import Osqp
+from studies.arena.solvers.catalogue import OURS
+from studies.arena.solvers.outside import Condensed, Outside, programme
+from studies.arena.solvers.programmes import osqp
 
 NEAR = 0.99  # of the loads and gaps, the step whose answer a warm start sets out from
-SETTINGS: dict[str, Mapping[str, object]] = {
+SETTINGS: dict[str, dict[str, Any]] = {
     "defaults": {},
     "no scaling": {"scaling": 0},
     "scaling 50": {"scaling": 50},
@@ -53,7 +53,7 @@ class WarmOsqp(Outside):
         du, forces = _near(step)
         if whole is not None:
             du, forces = du / (whole.size * whole.stretch), whole.multipliers(forces)
-        return Osqp()(programme(step, whole), tolerance, (du, forces))
+        return osqp(programme(step, whole), tolerance, (du, forces))
 
 
 @dataclass(frozen=True)
@@ -65,7 +65,7 @@ class ReducedOsqp(Outside):
         return super().missing() or (None if _algebra() else "osqp has only its builtin algebra, which factorises")
 
     def _found(self, step: FrozenStep, whole: Scaled | None, tolerance: float) -> Found:
-        return Osqp(algebra=_algebra())(programme(step, whole), tolerance)
+        return osqp(programme(step, whole), tolerance, algebra=_algebra())
 
 
 def _algebra() -> str:
@@ -84,7 +84,7 @@ def _near(step: FrozenStep) -> tuple[np.ndarray, np.ndarray]:
 def _variants(scaled: bool) -> Iterator[Solver]:
     words = ", scaled" if scaled else ""
     for name, settings in SETTINGS.items():
-        yield Outside(f"OSQP{words}: {name}", "osqp", call=Osqp(settings), scaled=scaled)
+        yield Outside(f"OSQP{words}: {name}", "osqp", call=partial(osqp, **settings), scaled=scaled)
     yield WarmOsqp(f"OSQP{words}: warm start", "osqp", scaled=scaled)
     yield ReducedOsqp(f"OSQP{words}: reduced KKT", "osqp", scaled=scaled)
     if scaled:

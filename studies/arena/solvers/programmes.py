@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import importlib
 import warnings
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -22,42 +23,33 @@ MOST = 100_000  # iterations of first-order methods; the limit of time comes fir
 INTERIOR = ("clarabel", "piqp")  # of which ``ask`` counts the solutions, two an iteration
 
 
-@dataclass(frozen=True)
-class _Known:
-    backend: str
-
-    def __call__(self, programme: Programme, eps: float) -> Answer:
-        """Asked."""
-        found = ask(self.backend, programme, eps, polish=False)
-        return replace(found, iterations=found.factorisations) if self.backend in INTERIOR else found
+def _ask(backend: str, programme: Programme, eps: float) -> Answer:
+    found = ask(backend, programme, eps, polish=False)
+    return replace(found, iterations=found.factorisations) if backend in INTERIOR else found
 
 
 def known(backend: str) -> Callable[[Programme, float], Answer]:
-    """A backend of ours."""
-    return _Known(backend)
+    """A backend of ours, which can be sent to another process."""
+    return partial(_ask, backend)
 
 
-@dataclass(frozen=True)
-class Osqp:
+def osqp(
+    programme: Programme,
+    eps: float,
+    guess: tuple[np.ndarray, np.ndarray] | None = None,
+    algebra: str = "builtin",
+    **settings: object,
+) -> Answer:
     """OSQP with settings of its own, and another algebra; guess: where it starts, x (n,) and y (m,)."""
-
-    settings: Mapping[str, object] = field(default_factory=dict)
-    algebra: str = "builtin"
-
-    def __call__(self, programme: Programme, eps: float, guess: tuple[np.ndarray, np.ndarray] | None = None) -> Answer:
-        """Set up and solved."""
-        module = importlib.import_module("osqp")
-        solver, above = module.OSQP(algebra=self.algebra), np.full(len(programme.b), np.inf)
-        settings = {"eps_abs": eps, "eps_rel": eps, "max_iter": MOST, "verbose": False, **self.settings}
-        solver.setup(sparse.triu(programme.P, format="csc"), programme.q, programme.A, programme.b, above, **settings)
-        if guess is not None:
-            solver.warm_start(x=guess[0], y=-guess[1])
-        found = solver.solve(raise_error=False)
-        claimed = found.info.status_val == module.SolverStatus.OSQP_SOLVED
-        return _answer(found.x, -found.y, claimed, found.info.status, found.info.iter)
-
-
-osqp = Osqp()
+    module = importlib.import_module("osqp")
+    solver, above = module.OSQP(algebra=algebra), np.full(len(programme.b), np.inf)
+    settings = {"eps_abs": eps, "eps_rel": eps, "max_iter": MOST, "verbose": False, **settings}
+    solver.setup(sparse.triu(programme.P, format="csc"), programme.q, programme.A, programme.b, above, **settings)
+    if guess is not None:
+        solver.warm_start(x=guess[0], y=-guess[1])
+    found = solver.solve(raise_error=False)
+    claimed = found.info.status_val == module.SolverStatus.OSQP_SOLVED
+    return _answer(found.x, -found.y, claimed, found.info.status, found.info.iter)
 
 
 def scs(programme: Programme, eps: float) -> Answer:

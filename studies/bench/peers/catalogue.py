@@ -1,15 +1,32 @@
-"""The programs beside ours: what each needs, and its lines; one that is not installed is left out by name."""
+"""Our lines and those of other programs: scenes of the catalogue with the settings that reach most for their cost, and
+what each program needs; one that is not installed is left out by name.
+"""
 
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-from studies.bench.peers import shells
-from studies.bench.peers.problems import DELTA_MM, Line
+from contact.problem import Outcome
+from studies.bench.peers.problems import DELTA_MM, Line, Solved
+from studies.campaigns.ladder_cells import ISOTROPIC
+from studies.complete import complete
+from studies.solving import solve
+from studies.stopwatch import timed
 
+FULL = {"load_fraction": "1"}
+FOLLOWER = {"load": "follower", "pressure_area": "face", "delta_mm": repr(DELTA_MM)}
+ISOTROPIC_TYRE = {**ISOTROPIC, "delta_mm": repr(DELTA_MM)}
+TYRES = ("20x18", "24x22", "28x26", "32x30", "36x34", "40x38", "48x46", "60x58", "72x70")  # of the whole
+PLY_TYRES = ("20x18", "28x26", "36x34", "42x40", "60x58", "84x80")
+SQUARES = tuple(f"{n}x{n}" for n in (8, 10, 12, 14, 16, 20, 24, 32, 48))
+OCTANTS = ("6x9", "8x12", "12x18", "16x24", "24x36")
+STRIPS = ("4x1", "8x1", "16x1", "32x1", "64x1")
+PAPER = {"element": "paper"}
+NODAL = {"thickness_strain": "nodal"}
 # elements over psi and phi, of the quarter; those of a wall of plies of the whole
 QUARTERS = {
     2: ("6x6", "8x8", "12x12", "12x16", "16x16", "20x20"),
@@ -86,5 +103,43 @@ def available() -> tuple[tuple[Line, ...], tuple[str, ...]]:
     """The lines of all programs that are there, ours first, and a sentence for each that is not."""
     found = [line for peer in PEERS if not peer.missing for line in peer.lines()]
     beside = {line.problem for line in found}
-    own = [line for line in shells.lines() if line.problem in beside]
+    own = [line for line in lines() if line.problem in beside]
     return (*own, *found), tuple(peer.missing for peer in PEERS if peer.missing)
+
+
+# --- ours -------------------------------------------------------------------------------------------------------------
+
+
+def lines() -> tuple[Line, ...]:
+    """Each family of each problem."""
+    tyres = (
+        ("tyre, isotropic", "element paper", TYRES, "quarter", {**ISOTROPIC_TYRE, **PAPER}),
+        ("tyre, isotropic", "default", TYRES, "quarter", ISOTROPIC_TYRE),
+        ("tyre, angle plies", "whole, element paper", PLY_TYRES, "full", {**FOLLOWER, **PAPER}),
+        ("tyre, angle plies", "half, element paper", PLY_TYRES, "half", {**FOLLOWER, **PAPER}),
+    )
+    shells = (
+        ("hemisphere", "inward_mm", SQUARES),
+        ("sze-pullout", "w_A_mm", OCTANTS),
+        ("cantilever", "tip_deflection_mm", STRIPS),
+    )
+    families = {"default": FULL, "thickness strain at nodes": {**FULL, **NODAL}}
+    return (
+        *(
+            Line(problem, "footprint", family, meshes, partial(solved, "tyre", "force_N", model, settings))
+            for problem, family, meshes, model, settings in tyres
+        ),
+        *(
+            Line(scene, "footprint", family, meshes, partial(solved, scene, quantity, "auto", settings))
+            for scene, quantity, meshes in shells
+            for family, settings in families.items()
+        ),
+    )
+
+
+def solved(scene: str, quantity: str, model: str, settings: Mapping[str, str], mesh: str) -> Solved:
+    """The quantity at the last load.  The parts are shares of wall time, taken of the processor time."""
+    seconds, result = timed(lambda: solve(*complete(scene, settings, mesh, model=model)))
+    value = float(result.steps[-1][quantity]) if result.outcome is Outcome.CONVERGED else math.nan
+    parts = (seconds * result.timing[part] / result.timing["total"] for part in ("build", "assembly", "factorisation"))
+    return Solved(value, int(result.counters["dofs"]), int(result.counters["newton_iterations"]), seconds, *parts)

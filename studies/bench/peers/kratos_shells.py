@@ -7,7 +7,7 @@ from which Newton arrives, found by attempts that are not counted.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cache
 from time import process_time
@@ -22,6 +22,7 @@ from KratosMultiphysics import python_linear_solver_factory
 from studies.bench.peers.problems import Solved, size
 from studies.scenes.benchmarks import cantilever, hemisphere
 from studies.scenes.benchmarks.sze import pullout
+from studies.stopwatch import timed
 
 STEPS = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 20, 30, 40, 80)  # numbers of equal load steps that are tried
 ITERATIONS = 40  # of a step
@@ -39,6 +40,10 @@ MOVES = (kratos.DISPLACEMENT_X, kratos.DISPLACEMENT_Y, kratos.DISPLACEMENT_Z)
 TURNS = (kratos.ROTATION_X, kratos.ROTATION_Y, kratos.ROTATION_Z)
 REACTIONS = (kratos.REACTION_X, kratos.REACTION_Y, kratos.REACTION_Z)
 MOMENTS = (kratos.REACTION_MOMENT_X, kratos.REACTION_MOMENT_Y, kratos.REACTION_MOMENT_Z)
+VARIABLES = (
+    *(kratos.DISPLACEMENT, kratos.ROTATION, kratos.REACTION, kratos.REACTION_MOMENT),
+    *(structural.POINT_LOAD, kratos.VOLUME_ACCELERATION),
+)
 LOADS = (structural.POINT_LOAD_X, structural.POINT_LOAD_Y, structural.POINT_LOAD_Z)
 
 
@@ -46,8 +51,8 @@ LOADS = (structural.POINT_LOAD_X, structural.POINT_LOAD_Y, structural.POINT_LOAD
 class Shell:
     """A patch of (n1 + 1) x (n2 + 1) nodes at x (n1 + 1, n2 + 1, 3) [mm].
 
-    planes: nodes on a plane of symmetry and its normal's number.  held: nodes and the displacement that is none.
-    clamped: nodes.  forces: (node, component, force [N]) at full load.  read(displacements (n, 3)) -> the quantity.
+    forces: (node, component, force [N]) at full load.  read(displacements (n, 3)) -> the quantity.  planes: nodes on a
+    plane of symmetry and its normal's number.  held: nodes and the displacement that is none.  clamped: nodes.
     Nodes are numbered as in x.reshape(-1, 3).
     """
 
@@ -55,58 +60,50 @@ class Shell:
     E: float
     nu: float
     thickness: float
-    planes: tuple[tuple[np.ndarray, int], ...]
-    held: tuple[tuple[int, int], ...]
-    clamped: np.ndarray
     forces: tuple[tuple[int, int, float], ...]
     read: Callable[[np.ndarray], float]
+    planes: tuple[tuple[np.ndarray, int], ...] = ()
+    held: tuple[tuple[int, int], ...] = ()
+    clamped: Iterable[int] = ()
+
+
+def _grid(first: float, second: float, n1: int, n2: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Both coordinates from 0 to these ends, and the numbers of the nodes, each (n1 + 1, n2 + 1)."""
+    a1, a2 = np.meshgrid(np.linspace(0, first, n1 + 1), np.linspace(0, second, n2 + 1), indexing="ij")
+    return a1, a2, np.arange(a1.size).reshape(a1.shape)
 
 
 def _hemisphere(n1: int, n2: int) -> Shell:
-    polar, around = np.meshgrid(
-        np.linspace(0, np.pi / 2 - hemisphere.HOLE, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1), indexing="ij"
-    )
+    polar, around, at = _grid(np.pi / 2 - hemisphere.HOLE, np.pi / 2, n1, n2)
     flat = np.cos(polar)
     x = hemisphere.RADIUS * np.stack([flat * np.cos(around), flat * np.sin(around), np.sin(polar)], axis=-1)
-    at = np.arange((n1 + 1) * (n2 + 1)).reshape(n1 + 1, n2 + 1)
     pulled, pushed, half = int(at[0, 0]), int(at[0, -1]), hemisphere.P_MAX / 2
     return Shell(
         *(x, hemisphere.E, hemisphere.NU, hemisphere.H),
         planes=((at[:, 0], 1), (at[:, -1], 0)),
         held=((pulled, 2),),
-        clamped=at[:0].ravel(),
         forces=((pulled, 0, half), (pushed, 1, -half)),
         read=lambda u: float(-u[pushed, 1]),
     )
 
 
 def _pull_out(n1: int, n2: int) -> Shell:
-    along, around = np.meshgrid(
-        np.linspace(0, pullout.LENGTH / 2, n1 + 1), np.linspace(0, np.pi / 2, n2 + 1), indexing="ij"
-    )
+    along, around, at = _grid(pullout.LENGTH / 2, np.pi / 2, n1, n2)
     x = np.stack([pullout.RADIUS * np.cos(around), pullout.RADIUS * np.sin(around), along], axis=-1)
-    at = np.arange((n1 + 1) * (n2 + 1)).reshape(n1 + 1, n2 + 1)
     return Shell(
         *(x, pullout.E, pullout.NU, pullout.H),
         planes=((at[:, 0], 1), (at[:, -1], 0), (at[0], 2)),
-        held=(),
-        clamped=at[:0].ravel(),
         forces=((int(at[0, 0]), 0, pullout.P_MAX / 4),),
         read=lambda u: float(u[at[0, 0], 0]),
     )
 
 
 def _cantilever(n1: int, n2: int) -> Shell:
-    along, across = np.meshgrid(
-        np.linspace(0, cantilever.L, n1 + 1), np.linspace(0, cantilever.B, n2 + 1), indexing="ij"
-    )
-    at = np.arange((n1 + 1) * (n2 + 1)).reshape(n1 + 1, n2 + 1)
-    shares = np.full(n2 + 1, 1.0) - 0.5 * np.isin(np.arange(n2 + 1), (0, n2))
-    tip = at[-1]
+    along, across, at = _grid(cantilever.L, cantilever.B, n1, n2)
+    tip, shares = at[-1], np.ones(n2 + 1)
+    shares[[0, -1]] = 0.5
     return Shell(
         *(np.stack([along, across, np.zeros_like(along)], axis=-1), cantilever.E, 0.0, cantilever.H),
-        planes=(),
-        held=(),
         clamped=at[0],
         forces=tuple((int(k), 2, cantilever.P_MAX * share / n2) for k, share in zip(tip, shares, strict=True)),
         read=lambda u: float(u[tip, 2].mean()),
@@ -152,14 +149,7 @@ def _part(model: Any, patch: Shell, kind: str) -> Any:
     """Nodes, elements, supports and loads; the model owns them."""
     part = model.CreateModelPart("shell", 2)
     part.ProcessInfo[kratos.DOMAIN_SIZE] = 3
-    for variable in (
-        kratos.DISPLACEMENT,
-        kratos.ROTATION,
-        kratos.REACTION,
-        kratos.REACTION_MOMENT,
-        structural.POINT_LOAD,
-        kratos.VOLUME_ACCELERATION,
-    ):
+    for variable in VARIABLES:
         part.AddNodalSolutionStepVariable(variable)
     element, law = ELEMENTS[kind]
     wall = part.CreateNewProperties(1)
@@ -231,6 +221,4 @@ def _elimination(strategy: Any, solver: Any) -> float:
     """Processor time [s] of one linear solve with the last tangent; the strategy does not count its own."""
     A, b = strategy.GetSystemMatrix(), strategy.GetSystemVector()
     x = kratos.Vector(b.Size(), 0.0)
-    begun = process_time()
-    solver.Solve(A, x, b)
-    return process_time() - begun
+    return timed(lambda: solver.Solve(A, x, b))[0]

@@ -9,16 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from time import process_time
 
 import numpy as np
 import pandas as pd
 
 from contact.solvers.sparse import factorise
-from studies.bench.newton import timed
+from studies.bench.costs import at_rest, shell_of
 from studies.bench.peers.problems import Line, problems
-from studies.bench.tangents import at_rest, shell_of
 from studies.door.columns import columns
+from studies.stopwatch import timed
 
 ROUNDS = 3
 LONG = 20.0  # seconds of a solve that is not repeated
@@ -29,7 +28,7 @@ KEYS = ["problem", "program", "family", "mesh"]
 def unit_of(mesh: str = UNIT_MESH) -> Callable[[], float]:
     """A function that factorises the tangent of the tyre at rest by SuperLU: processor time [s]."""
     work = partial(factorise, at_rest(shell_of(mesh)), "splu", ordered=True)
-    return lambda: timed(work, clock=process_time)
+    return lambda: timed(work)[0]
 
 
 def measured(
@@ -65,12 +64,9 @@ def measured(
 
 def judged(table: pd.DataFrame) -> pd.DataFrame:
     """With the relative error of each value, and of the problem what it is compared by."""
-    known = problems()
-    of = [known[name] for name in table["problem"]]
-    fields = {
-        name: [getattr(problem, name) for problem in of] for name in ("reference", "uncertainty", "within", "bar")
-    }
-    return table.assign(**fields, error=table["value"] / fields["reference"] - 1)
+    known = pd.DataFrame(map(vars, problems().values())).set_index("name")
+    found = table.join(known[["reference", "uncertainty", "within", "bar"]], on="problem")
+    return found.assign(error=found["value"] / found["reference"] - 1)
 
 
 def lines_of(table: pd.DataFrame) -> Iterator[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from studies.bench.peers.catalogue import FOLLOWER
 from studies.bench.peers.problems import DELTA_MM
-from studies.bench.peers.shells import FOLLOWER
 from studies.bench.programs.case import Case
 from studies.campaigns.ladder_cells import ISOTROPIC
 

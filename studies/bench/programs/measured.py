@@ -1,34 +1,44 @@
 """The table of ``footprint bench programs``: what a program finds for every scene on every mesh, beside ours.
 
 Each mesh of each scene is one file in the store, so that a run that was stopped goes on; it is made anew when the
-sources, the case or the program change.
+sources, the case or the program change. A deck puts one direction of plies on every brick, that at its centre: how much
+of a difference is due to this rule, our own solid under the same rule shows.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from formulations.solid import SolidDiscretisation, SolidModel
+from studies.algorithm_settings import configured
 from studies.bench.programs import calculix
 from studies.bench.programs.case import Case
-from studies.bench.programs.held_axes import inflated_equator
+from studies.complete import complete
 from studies.door.columns import columns
-from studies.exchange.deck import deck
+from studies.exchange.deck import deck, element
 from studies.exchange.judging import NOTHING, OURS, WORK, Comparison, compared, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH
 from studies.request import UsageError, text_of
+from studies.scenes import SCENES
+from studies.scenes.tyre.solid import SolidTyreModel
+from studies.scenes.tyre.wall import checked_wall
+from studies.stopwatch import WALL, timed
 from studies.store.atomic import write_table_once
 from studies.store.source_hash import sources_hash
+from studies.walk import walk
 
+SOLID = "tyre-solid"
+CENTRE = 13  # of the 27 Gauss points
 FOLDER, TABLE = "programs", "programs"
 WITHIN = 0.01  # relative difference to ours
 HELD_WITHIN = 0.02  # the same, to our solid under the rule of one direction a brick
@@ -63,9 +73,7 @@ def measured(
 
 def _table(case: Case, mesh: str, version: str) -> pd.DataFrame:
     problem = problem_of(case.of, case.settings, mesh, measure=case.measure)
-    begun = perf_counter()
-    found = calculix.found_by(deck(problem, case.integration), problem)
-    seconds = perf_counter() - begun
+    seconds, found = timed(lambda: calculix.found_by(deck(problem, case.integration), problem), WALL)
     loads = [each.load for each in found]
     ours = our_solution(problem, loads, case.settings, case.ours, measure=case.measure)
     if not ours.outcome.converged:
@@ -79,7 +87,7 @@ def _table(case: Case, mesh: str, version: str) -> pd.DataFrame:
         "mesh": mesh,
         "program": calculix.NAME,
         "version": version,
-        "elements": _elements(problem, case),
+        "elements": element(problem, case.integration),
         "bricks": len(problem.bricks.elements),
         "nodes": len(problem.bricks.x),
         "our_mesh": case.ours,
@@ -87,12 +95,6 @@ def _table(case: Case, mesh: str, version: str) -> pd.DataFrame:
         "held": inflated_equator(problem) if case.held else np.nan,
     }
     return pd.DataFrame([{**common, **told} for told in _values(rows, loads)])
-
-
-def _elements(problem: Problem, case: Case) -> str:
-    """As the deck itself has it."""
-    lines = deck(problem, case.integration)
-    return next(line.split("TYPE=")[1].split(",")[0] for line in lines if line.startswith("*ELEMENT, TYPE="))
 
 
 def _values(rows: Sequence[Comparison], loads: Sequence[float]) -> Iterator[dict[str, Any]]:
@@ -112,6 +114,29 @@ def _values(rows: Sequence[Comparison], loads: Sequence[float]) -> Iterator[dict
         }
 
 
+def inflated_equator(problem: Problem, *, held: bool = True) -> float:
+    """Radial growth [mm] of the outer face at the equator of the inflated solid on the bricks of a tyre.
+
+    nan where the solid is not inflated.  held: whether axes are those at the centre; else those at each Gauss point.
+    """
+    n1, n2 = problem.request.mesh
+    known = {setting.key for setting in SCENES[SOLID].settings}
+    own = {key: value for key, value in problem.request.settings.items() if key in known and key != "solver"}
+    scene, request = complete(SOLID, own, f"{n1}x{n2}", model=problem.request.model)
+    model = scene.build(request)
+    assert isinstance(model, SolidTyreModel)
+    solid = model.body.discretisation
+    if held:
+        frame = np.repeat(solid.mesh.frame[:, CENTRE : CENTRE + 1], solid.mesh.frame.shape[1], axis=1)
+        laminate = checked_wall(request.settings)[0]
+        solid = SolidDiscretisation.build(replace(solid.mesh, frame=frame), laminate, solid.fixed)
+        model = replace(model, body=SolidModel(solid, model.body.pressure))
+    stages = (stage for stage in model.stages() if stage.name != "press")
+    *_, last = walk(stages, configured(request.contact, request.settings), request.steps)
+    rest, inflated = (model.wall.faces(u)[1][model.wall.crown, 0] for u in (np.zeros_like(last.state.u), last.state.u))
+    return float(inflated - rest) if last.converged else np.nan
+
+
 def explained(table: pd.DataFrame) -> pd.DataFrame:
     """With ``within`` WITHIN, the ``rate`` at which differences fall from the coarser mesh, and a ``reason``.
 
@@ -123,27 +148,17 @@ def explained(table: pd.DataFrame) -> pd.DataFrame:
     table = table.assign(
         within=table["difference"].abs() <= WITHIN,
         held_difference=np.where(table["quantity"] == GROWTH, table["theirs"] / table["held"] - 1, np.nan),
-        rate=np.nan,
-        falls=False,
     )
-    for _, own in table.groupby(OF_CASE, sort=False):
-        own = own.sort_values("bricks", kind="stable")
-        size = own["difference"].abs().to_numpy()
-        falls = size[1:] < size[:-1]
-        finer = [max(_ratios(*pair)) for pair in zip(own["mesh"][:-1], own["mesh"][1:], strict=True)]
-        table.loc[own.index[1:], "rate"] = np.log(size[:-1] / size[1:]) / np.log(finer)
-        table.loc[own.index[1:], "falls"] = falls
-        if len(falls):
-            table.loc[own.index[0], "falls"] = falls[0]
+    finer = table.sort_values("bricks", kind="stable")
+    keys, size = [finer[name] for name in OF_CASE], finer["difference"].abs()
+    bricks = finer["mesh"].str.split("x", expand=True).astype(int)
+    before, after = (size.groupby(keys, sort=False).shift(by) for by in (1, -1))
+    table["rate"] = np.log(before / size) / np.log((bricks / bricks.groupby(keys, sort=False).shift()).max(axis=1))
+    falls = (size < before).where(before.notna(), after < size).reindex(table.index)
     reasons = np.select(
-        [table["within"], table["held_difference"].abs() <= HELD_WITHIN, table["falls"]], ["", PLIES, MESH], OPEN
+        [table["within"], table["held_difference"].abs() <= HELD_WITHIN, falls], ["", PLIES, MESH], OPEN
     )
-    return table.assign(reason=reasons).drop(columns="falls")
-
-
-def _ratios(coarse: str, fine: str) -> tuple[float, ...]:
-    pairs = zip(map(int, coarse.split("x")), map(int, fine.split("x")), strict=True)
-    return tuple(many / few for few, many in pairs)
+    return table.assign(reason=reasons)
 
 
 def lines_of(table: pd.DataFrame) -> Iterator[str]:

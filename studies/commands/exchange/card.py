@@ -6,9 +6,8 @@ import argparse
 from pathlib import Path
 
 from studies.arena.card.card import Card, card_of
-from studies.arena.card.layout import write_layout
 from studies.arena.card.page import drawn, page
-from studies.arena.card.subjects import subjects
+from studies.arena.card.subjects import subjects, write_layout
 from studies.commands import FAILED, OK
 from studies.commands.options import progress_bar
 from studies.scene import UsageError
@@ -29,8 +28,7 @@ def run(options: argparse.Namespace) -> int:
     if sum(given is not None for given in (options.part, options.of, options.template)) != 1:
         raise UsageError("card takes one of FILE.py, --of NAME and --template DIR")
     if options.template is not None:
-        written = write_layout(options.template)
-        print("\n".join(str(options.template / path) for path in written))
+        print("\n".join(map(str, write_layout(options.template))))
         return OK
     asked = options.part or options.of
     found = subjects(asked)

@@ -79,10 +79,10 @@ def _list(options: argparse.Namespace) -> int:
 
 def _kept(family: str | None) -> tuple[pd.DataFrame, pd.DataFrame]:
     """The manifests without friction and with it, or their rows of a family; raises UsageError."""
-    from studies.arena.collected.frictional.rule import friction_manifest
-    from studies.arena.collected.rule import manifest
+    from studies.arena.collected.frictional import FRICTIONAL
+    from studies.arena.collected.rule import STEPS
 
-    whole = manifest(), friction_manifest()
+    whole = STEPS.manifest(), FRICTIONAL.manifest()
     if family is None:
         return whole
     names = sorted({*whole[0]["family"], *whole[1]["family"]})
@@ -93,9 +93,8 @@ def _kept(family: str | None) -> tuple[pd.DataFrame, pd.DataFrame]:
 
 
 def _make(options: argparse.Namespace) -> int:
-    from studies.arena.collected.frictional.rule import choose_frictional, make_frictional
-    from studies.arena.collected.frictional.steps import FAMILIES
-    from studies.arena.collected.rule import choose, make
+    from studies.arena.collected.frictional import FAMILIES, FRICTIONAL, choose_frictional
+    from studies.arena.collected.rule import STEPS, choose
 
     if options.out.is_file():
         raise UsageError(f"--out {options.out} is a file, not a directory")
@@ -116,8 +115,8 @@ def _make(options: argparse.Namespace) -> int:
             )
             return OK
         smooth, rubbed = _kept(options.family)
-        make(options.out, smooth, tell)
-        make_frictional(options.out, rubbed, tell)
+        STEPS.make(options.out, smooth, tell)
+        FRICTIONAL.make(options.out, rubbed, tell)
     return _say(_unlike(options.out, smooth, rubbed), len(smooth) + len(rubbed), options.out)
 
 
@@ -133,10 +132,10 @@ def _check(options: argparse.Namespace) -> int:
 
 
 def _unlike(directory: Path, smooth: pd.DataFrame, rubbed: pd.DataFrame) -> list[str]:
-    from studies.arena.collected.frictional.rule import unlike_frictional
-    from studies.arena.collected.rule import unlike
+    from studies.arena.collected.frictional import FRICTIONAL
+    from studies.arena.collected.rule import STEPS
 
-    return unlike(directory, smooth) + unlike_frictional(directory, rubbed)
+    return STEPS.unlike(directory, smooth) + FRICTIONAL.unlike(directory, rubbed)
 
 
 def _say(wrong: list[str], count: int, directory: Path) -> int:
@@ -154,21 +153,17 @@ def _step(path: Path) -> FrozenStep:
 
 
 def _export(options: argparse.Namespace) -> int:
-    from studies.arena.collected.exports import export
-    from studies.arena.collected.frictional.exports import export_frictional
+    from studies.arena.collected.formats import export
 
     step = _step(options.problem)
-    if isinstance(step, FrozenFrictionalStep):
-        export_frictional(step, options.format, options.out)
-    else:
-        export(step, options.format, options.out)
+    export(step, options.format, options.out)
     print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")
     return OK
 
 
 def _import(options: argparse.Namespace) -> int:
     from studies.arena.collected.candidates import of_complementarity
-    from studies.arena.collected.siconos import read_lcp
+    from studies.arena.collected.formats import read_lcp
     from studies.store.atomic import write_by
 
     if options.out.is_dir():
@@ -181,17 +176,15 @@ def _import(options: argparse.Namespace) -> int:
 
 
 def _judge(options: argparse.Namespace) -> int:
-    from studies.arena.answers import CERTIFIED, judge_answer, read_answer
-    from studies.arena.frictional_answers import judge_friction_answer, read_friction_answer
+    from studies.arena.answers import CERTIFIED, judge_answer, judge_friction_answer, read_answer
 
     step = _step(options.problem)
     if isinstance(step, FrozenFrictionalStep):
         if options.tolerance is not None:
             raise UsageError("--tolerance is for problems without friction: the judge of friction has its own bounds")
-        rubbed = judge_friction_answer(step, read_friction_answer(options.answer))
-        print("\n".join(rubbed.lines()))
-        return OK if rubbed.sound else FAILED
-    asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
-    found = judge_answer(step, read_answer(options.answer), asked)
+        found = judge_friction_answer(step, options.answer)
+    else:
+        asked = CERTIFIED if options.tolerance is None else positive("tolerance", options.tolerance)
+        found = judge_answer(step, read_answer(options.answer), asked)
     print("\n".join(found.lines()))
     return OK if found.sound else FAILED

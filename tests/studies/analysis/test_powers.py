@@ -27,11 +27,9 @@ def test_rounding_and_a_change_of_sign_have_no_power(strains: list[float]) -> No
 
 def test_a_law_is_found_between_its_two_ends() -> None:
     epsilon = pd.Series(10.0 ** np.arange(-2, 9))
-    slope, *ends = fitted_law(epsilon, 1 / (epsilon + 1) + 1e-6)  # soft below 1, a floor above 1e6
-    assert slope == pytest.approx(-1, abs=0.02)
-    assert ends == [pytest.approx(10.0), pytest.approx(1e5)]
-    assert math.isnan(fitted_law(epsilon, pd.Series(np.ones(11)))[0])
-    assert math.isnan(fitted_law(epsilon, pd.Series(np.zeros(11)))[0])
+    assert fitted_law(epsilon, 1 / (epsilon + 1) + 1e-6) == pytest.approx(-1, abs=0.02)  # soft below 1, a floor above
+    assert math.isnan(fitted_law(epsilon, pd.Series(np.ones(11))))
+    assert math.isnan(fitted_law(epsilon, pd.Series(np.zeros(11))))
 
 
 def test_what_the_stiffness_of_the_wall_gives_a_penalty() -> None:

@@ -10,10 +10,9 @@ import pandas as pd
 import pytest
 
 from studies.analysis.advice.choose import advise
-from studies.analysis.advice.questions import asked_question
+from studies.analysis.advice.questions import COSTS, asked_question
 from studies.analysis.advice.shipped import CELLS, QUESTIONS, shipped_question, shipped_tables, worth
 from studies.analysis.cells.rows import PRICES
-from studies.analysis.ranking.costs import COSTS
 from studies.analysis.verify import verified
 from studies.scene import UsageError
 from support.stores.sweeps import cells
@@ -37,7 +36,8 @@ def test_prices_are_whole() -> None:
 def test_no_ranking_and_no_page_names_a_part_of_a_cost(folder: str) -> None:
     found = {
         f"{path.relative_to(ROOT)}: {hit}"
-        for path in (ROOT / folder).rglob("*.py")
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in (".py", ".toml")
         for hit in PARTS.findall(path.read_text(encoding="utf-8"))
     }
     assert found == set()

@@ -56,9 +56,9 @@ def test_residuals_are_those_of_the_equations() -> None:
     found = judge_answer(step, Given(du, answer.pressure, {}))
     forces, gap = step.weights * answer.pressure, step.gap + step.G @ du
     F, L = found.force_N, found.length_mm
-    assert found.worth.equilibrium == pytest.approx(np.linalg.norm(step.K @ du + step.r - step.G.T @ forces) / F)
-    assert found.worth.penetration == pytest.approx(max(float(-gap.min()), 0) / L)
-    assert found.worth.complementarity == pytest.approx(float(np.abs(forces) @ np.abs(gap)) / (F * L))
+    assert found.residuals["equilibrium"] == pytest.approx(np.linalg.norm(step.K @ du + step.r - step.G.T @ forces) / F)
+    assert found.residuals["penetration"] == pytest.approx(max(float(-gap.min()), 0) / L)
+    assert found.residuals["complementarity"] == pytest.approx(float(np.abs(forces) @ np.abs(gap)) / (F * L))
     assert not found.certified
 
 

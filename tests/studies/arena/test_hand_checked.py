@@ -9,19 +9,14 @@ import pytest
 from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
+from studies.arena.collected.candidates import frozen
 from studies.arena.solver_table import samples
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.experiments.obstacle_problems.collection import Bounded, classic, obstacle, torsion
+from studies.experiments.obstacle_problems.collection import classic, obstacle, torsion
 from support.problems.arena_steps import indefinite, known_step, lopsided
 from support.problems.by_hand import residuals_by_hand
 
 ROUNDING = 1e-14
-
-
-def frozen(body: Bounded) -> FrozenStep:
-    problem, zero = body.problem(), np.zeros(len(body.f))
-    lin = problem.linearise(zero, None)
-    return FrozenStep(body.K, lin.residual, problem.gap_jacobian(zero), problem.gap(zero), problem.weights, lin.scale)
 
 
 def ten() -> dict[str, FrozenStep]:

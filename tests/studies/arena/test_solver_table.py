@@ -19,7 +19,7 @@ from contact.interchange.linearised_step import FrozenStep
 from studies.arena.solver_table import COLUMNS, SAMPLE_COLUMNS, kind, read, recorded, samples, solver_table
 from studies.arena.solvers.base import Answer, Solver
 from studies.arena.solvers.catalogue import SOLVERS
-from studies.arena.solvers.child import PATIENCE, Child
+from studies.arena.solvers.process import PATIENCE, Child
 from support.problems.arena_steps import Dies, Greedy, Hangs, Told, indefinite, known_step, lopsided
 
 pytestmark = pytest.mark.slow  # processes
@@ -110,7 +110,7 @@ def test_who_hangs_or_dies_stops_nobody() -> None:
 def test_who_works_is_not_killed_by_the_clock(monkeypatch: pytest.MonkeyPatch) -> None:
     """As on a machine that leaves a solve one part in a hundred of a processor."""
     step, du, pressure = known_step()
-    monkeypatch.setattr("studies.arena.solvers.child.PATIENCE", 0.2)
+    monkeypatch.setattr("studies.arena.solvers.process.PATIENCE", 0.2)
     with closing(Child(2.0)) as child:
         assert child.solve(Told("works", du=du, pressure=pressure, spends=1.0), step, 1e-4)[0].claimed
         assert child.solve(Hangs("hangs"), step, 1e-4)[0].reason == "killed after 0.4 s asleep"
@@ -232,7 +232,7 @@ class Eats(Solver):
 @pytest.mark.skipif(not os.path.exists("/proc/self/clear_refs"), reason="only Linux tells the peak")  # noqa: PTH110
 def test_peak_memory_is_that_of_one_solve() -> None:
     """A small solve after a large one is small again."""
-    from studies.arena.solvers.served import measured
+    from studies.arena.solvers.process import measured
 
     step, *_ = known_step()
     peaks = [measured(Eats("eats"), step, taken)[1] for taken in (200.0, 20.0, 200.0)]

@@ -11,9 +11,22 @@ import pytest
 from contact.solvers.multifrontal.factor import SYMMETRIC
 from contact.solvers.sparse import asymmetry
 from studies import cli
-from studies.bench.costs import BEYOND, COMMAND, FORCE_OFF, NODES_OFF, PARTS, SOLVE, SOLVES, costs
+from studies.bench.costs import (
+    AT_LEAST,
+    BEYOND,
+    COMMAND,
+    FORCE_OFF,
+    NODES_OFF,
+    PARTS,
+    SOLVE,
+    SOLVES,
+    at_rest,
+    costs,
+    shell_of,
+    shifted,
+    with_pardiso,
+)
 from studies.bench.rounds import BROKEN, COLUMNS, HOLDS, PART
-from studies.bench.tangents import AT_LEAST, at_rest, shell_of, shifted, with_pardiso
 from studies.cli import main
 
 MESH = "8x6"

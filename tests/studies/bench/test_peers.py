@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 
 from studies.bench.peers import catalogue
+from studies.bench.peers.catalogue import NODAL, lines, solved
 from studies.bench.peers.measure import lines_of, measured, unit_of
 from studies.bench.peers.problems import Line, Solved, problems, size, solid_force
-from studies.bench.peers.shells import NODAL, lines, solved
 from studies.cli import main
 
 

@@ -11,10 +11,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.program_agreement import agreement, program_tables
+from studies.analysis.comparisons.programs import agreement
+from studies.analysis.everything import fitted
+from studies.bench.peers.catalogue import FOLLOWER
 from studies.bench.peers.problems import problems
-from studies.bench.peers.shells import FOLLOWER
-from studies.bench.programs import calculix, held_axes, measured
+from studies.bench.programs import calculix, measured
 from studies.bench.programs.case import Case
 from studies.bench.programs.cases import CASES
 from studies.campaigns.ladder_cells import ISOTROPIC
@@ -108,10 +109,9 @@ def test_peers_stand_beside_the_same_quantity() -> None:
     assert found["kratos"].drop("hemisphere").isna().all()
 
 
-def test_without_a_table_there_is_no_agreement(tmp_path: Path) -> None:
-    assert program_tables(tmp_path) == {}
-    made_up_programs().to_csv(tmp_path / "programs.csv", index=False)
-    assert set(program_tables(tmp_path)) == {"program_agreement"}
+def test_without_a_table_there_is_no_agreement() -> None:
+    assert fitted({}.get) == {}
+    assert set(fitted({"programs": made_up_programs()}.get)) == {"program_agreement"}
 
 
 # --- the command ----------------------------------------------------------------------------------------------------
@@ -148,9 +148,9 @@ def test_the_table_goes_to_the_store_and_what_has_no_reason_fails(
 def test_one_direction_a_brick_changes_a_wall_of_plies_and_no_isotropic_one() -> None:
     plies = problem_of("tyre", {**FOLLOWER, "delta_mm": "0", "gamma_deg": "0"}, "14x18")
     isotropic = problem_of("tyre", {**ISOTROPIC, "delta_mm": "0"}, "14x18")
-    each, one = (held_axes.inflated_equator(plies, held=held) for held in (False, True))
+    each, one = (measured.inflated_equator(plies, held=held) for held in (False, True))
     assert one > 1.005 * each  # cords that leave their wall are softer, and this wall grows
-    each, one = (held_axes.inflated_equator(isotropic, held=held) for held in (False, True))
+    each, one = (measured.inflated_equator(isotropic, held=held) for held in (False, True))
     assert one == pytest.approx(each, rel=1e-9)
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.bench.costs import child
 from studies.bench.rounds import BROKEN, COLUMNS, HOLDS, NO_BAR, VARIES, Group, Line, cpu, in_rounds, shown
-from studies.bench.start import child
 
 
 class Machine:

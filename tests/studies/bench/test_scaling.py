@@ -15,8 +15,6 @@ from studies.bench.scaling import (
     MESHES,
     TIMES,
     Pressed,
-    _interpolated,
-    _lines,
     exponents,
     lines,
     request_of,
@@ -74,24 +72,13 @@ def test_the_table_for_a_terminal_has_the_ratios(table) -> None:
     assert "copy of 100 MB" in full[-1]
 
 
-def test_the_state_on_its_own_mesh_is_itself() -> None:
-    model = Tyre().build(request_of("8x6"))
-    _, state = pressed(model)
-    shape = model.part.grid.node_shape
-    v = model.shell.displacements(state.u).reshape(*shape, -1)
-    coarse = Pressed(*_lines(model), v, model.outer_pressure(state).reshape(shape))
-    u, pressure = _interpolated(model, coarse)
+def test_the_state_on_its_own_mesh_is_itself_and_on_a_finer_one_presses_as_much() -> None:
+    coarse_model, model = (Tyre().build(request_of(mesh)) for mesh in ("8x6", "16x12"))
+    coarse, (_, state) = Pressed.of(coarse_model), pressed(coarse_model)
+    u, pressure = coarse.on(coarse_model)
     np.testing.assert_allclose(u, state.u, rtol=0, atol=ROUNDING * np.abs(state.u).max())
     np.testing.assert_allclose(pressure, state.pressure, rtol=0, atol=ROUNDING * state.pressure.max())
-
-
-def test_the_state_on_a_finer_mesh_presses_as_much() -> None:
-    coarse_model, model = (Tyre().build(request_of(mesh)) for mesh in ("8x6", "16x12"))
-    _, state = pressed(coarse_model)
-    shape = coarse_model.part.grid.node_shape
-    v = coarse_model.shell.displacements(state.u).reshape(*shape, -1)
-    coarse = Pressed(*_lines(coarse_model), v, coarse_model.outer_pressure(state).reshape(shape))
-    u, pressure = _interpolated(model, coarse)
+    u, pressure = coarse.on(model)
     assert np.abs(u).max() == pytest.approx(np.abs(state.u).max(), rel=0.05)
     assert pressure.max() == pytest.approx(state.pressure.max())
     assert (pressure > 0).sum() > (state.pressure > 0).sum()

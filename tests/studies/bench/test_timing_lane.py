@@ -11,11 +11,12 @@ import pytest
 from studies.analysis.cells.collect import collect
 from studies.bench.canary import canary
 from studies.bench.overhead import harness, lines
-from studies.bench.timing_lane import REPEATS, SHARE, Stopwatch, interval, sample, shares, summary, time_campaign
+from studies.bench.timing_lane import REPEATS, SHARE, Stopwatch, sample, shares, summary, time_campaign
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.cli import main
 from studies.scene import UsageError
+from studies.store.times import interval
 
 LABELS = ("a", "b", "c")
 

@@ -10,8 +10,7 @@ import pandas as pd
 import pytest
 
 from studies.cli import main
-from studies.exchange.balances import energy_balance, force_balance
-from studies.exchange.judging import Comparison, compared, our_solution
+from studies.exchange.judging import Comparison, compared, energy_balance, force_balance, our_solution
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.results import GROWTH, Found

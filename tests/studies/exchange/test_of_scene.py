@@ -7,7 +7,6 @@ import pytest
 
 from studies.exchange.bricks import INNER
 from studies.exchange.of_scene import problem_of
-from studies.exchange.pressure import area_forces
 from studies.exchange.problem import Problem
 from studies.request import UsageError
 from studies.scenes.benchmarks import cantilever, hemisphere, pressurised, scordelis_lo
@@ -117,7 +116,7 @@ def test_the_pressure_in_the_cylinder_is_that_on_its_area(area: str) -> None:
     problem = asked("pressurised-cylinder", pressure_area=area, h_mm=5.0)
     radius = pressurised.RADIUS - (0.0 if area == "mid" else 2.5)
     value = pressurised.fixed_cylinder_load(pressurised.LARGEST) * pressurised.E * 5.0 / pressurised.RADIUS
-    forces = area_forces(problem.bricks, problem.steps[-1].pressure)
+    forces = problem.bricks.pressure_forces(problem.steps[-1].pressure)
     e3 = problem.bricks.x * [1.0, 1.0, 0.0]
     radial = np.sum(forces * e3) / (pressurised.RADIUS - 2.5)
     assert radial == pytest.approx(value * radius * pressurised.SECTOR * pressurised.RADIUS / 2, rel=1e-4)
@@ -138,8 +137,8 @@ def test_a_follower_pressure_turns_with_its_face() -> None:
     angle = 0.3
     turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     pressure, x = problem.steps[0].pressure, problem.bricks.x
-    turned = area_forces(problem.bricks, pressure, x @ turn.T - x)
-    np.testing.assert_allclose(turned, area_forces(problem.bricks, pressure) @ turn.T, atol=1e-9)
+    turned = problem.bricks.pressure_forces(pressure, x @ turn.T - x)
+    np.testing.assert_allclose(turned, problem.bricks.pressure_forces(pressure) @ turn.T, atol=1e-9)
 
 
 def test_angle_plies_ask_for_the_whole_tyre() -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -32,10 +31,8 @@ def read(problem: Problem, tmp_path: Path) -> dict[str, Any]:
 
 def test_the_body_comes_back(problem: Problem, read: dict[str, Any]) -> None:
     assert read["format"] == FORMAT
-    x, elements = np.array(read["nodes"]), np.array(read["elements"]) - 1
-    np.testing.assert_array_equal(x, problem.bricks.x)
-    again = replace(problem.bricks, x=x, elements=elements)
-    assert again.volume == problem.bricks.volume
+    np.testing.assert_array_equal(read["nodes"], problem.bricks.x)
+    np.testing.assert_array_equal(np.array(read["elements"]) - 1, problem.bricks.elements)
     np.testing.assert_array_equal(np.array(read["element_ply"]) - 1, problem.bricks.ply)
     np.testing.assert_array_equal(read["element_axes"], problem.bricks.frame[:, :2])
     assert [i for i, _ in read["faces"]["inner"]] == (problem.bricks.inner + 1).tolist()

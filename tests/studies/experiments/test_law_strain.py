@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.law_strain import law_offsets, law_rules
+from studies.analysis.powers import law_offsets, law_rules
 from studies.experiments.law_strain import BENDING, MEMBRANE, NU, SPECIMENS, Specimen, law_strain_study, strip, tube
 from support.problems.differences import fitted_order
 

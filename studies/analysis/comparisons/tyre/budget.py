@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from pathlib import Path
 
 import pandas as pd
 
 from studies.analysis.cells.answers import Answers
-from studies.analysis.richardson import correction
+from studies.analysis.evidence import Tables
+from studies.analysis.richardson import formal_limit
 from studies.campaigns.report_cells import BUDGET_MESHES, BUDGETED
 from studies.experiments.accuracy.choices import measure_limits
 
@@ -24,10 +24,10 @@ MEASURE, EXACT, LIMITS = "measure", "exact", "limits of both measures"
 PARTS = {"follower": "load", "full-3d": "section", "nonsymmetric": "section"}
 
 
-def tyre_budget(answers: Answers, tables: Path, solid_shell: pd.DataFrame) -> pd.DataFrame:
+def tyre_budget(answers: Answers, tables: Tables, solid_shell: pd.DataFrame) -> pd.DataFrame:
     """COLUMNS, a row an error: relative change of the force, and the half-width of its interval.
 
-    tables: the folder of ``work_precision`` and ``choices``.  settled: whether the change is larger than the interval.
+    tables: among them ``work_precision`` and ``choices``.  settled: whether the change is larger than the interval.
     rests_on: in words, what the change is read from.
     """
     rows = [*_meshes(answers, tables), *_measures(tables), *_changed(answers), *_solid(solid_shell)]
@@ -35,15 +35,10 @@ def tyre_budget(answers: Answers, tables: Path, solid_shell: pd.DataFrame) -> pd
     return found.assign(settled=found["change"].abs() > found["within"])[list(COLUMNS)]
 
 
-def _read(tables: Path, name: str) -> pd.DataFrame:
-    path = tables / f"{name}.csv"
-    return pd.read_csv(path) if path.exists() else pd.DataFrame()
-
-
-def _meshes(answers: Answers, tables: Path) -> Iterator[tuple[object, ...]]:
+def _meshes(answers: Answers, tables: Tables) -> Iterator[tuple[object, ...]]:
     """The meshes of the paper and half as fine again, over the limit that grids of two elements agree on."""
-    grids = _read(tables, "work_precision")
-    if grids.empty:
+    grids = tables("work_precision")
+    if grids is None:
         return
     reference, known = (float(grids[name].iloc[0]) for name in ("reference_N", "known"))
     for mesh in MESHES:
@@ -54,10 +49,10 @@ def _meshes(answers: Answers, tables: Path) -> Iterator[tuple[object, ...]]:
     yield "mesh", "limit of grids", DELTA, 0.0, known, "limits of two elements"
 
 
-def _measures(tables: Path) -> Iterator[tuple[object, ...]]:
+def _measures(tables: Tables) -> Iterator[tuple[object, ...]]:
     """The measures of ``choices`` against the exact one, for the smallest error that was asked for."""
-    choices = _read(tables, "choices")
-    if choices.empty:
+    choices = tables("choices")
+    if choices is None:
         return
     own = measure_limits(choices).dropna(subset=["formulation_error"])
     own = own[(own["scene"] == "tyre") & (own["name"] != EXACT)]
@@ -82,9 +77,9 @@ def _changed(answers: Answers) -> Iterator[tuple[object, ...]]:
             assert paper is not None
             changes.append(one.value("force_N", delta_mm=DELTA) / paper.value("force_N", delta_mm=DELTA) - 1)
             sizes.append(paper.size)
-        limit, before = (changes[k] + correction(sizes[: k + 1], changes[: k + 1]) for k in (2, 1))
+        limit, moved = formal_limit(sizes, changes)
         if not math.isnan(limit):
-            yield PARTS[name], name, DELTA, limit, abs(limit - before), f"{len(BUDGET_MESHES)} meshes"
+            yield PARTS[name], name, DELTA, limit, moved, f"{len(BUDGET_MESHES)} meshes"
 
 
 def _solid(solid_shell: pd.DataFrame) -> Iterator[tuple[object, ...]]:

@@ -8,6 +8,7 @@ import numpy as np
 import pandas as pd
 
 from studies.analysis.cells.answers import HERE, Answer, Answers
+from studies.analysis.cells.rows import holds_from
 from studies.campaigns.report_cells import MODELS
 
 DELTA = 20.0  # mm
@@ -84,6 +85,5 @@ def reaching(grids: pd.DataFrame, error: float) -> pd.Series | None:
     the last grid of a family has nothing behind it.
     """
     rows = grids.sort_values("unknowns")
-    beyond = np.flatnonzero((rows["error"].abs() > error).to_numpy())
-    first = int(beyond[-1]) + 1 if len(beyond) else 0
+    first = holds_from(~(rows["error"].abs() > error))
     return rows.iloc[first] if first + BEHIND < len(rows) else None

@@ -1,7 +1,8 @@
 """The printed pressure table of the paper beside the computed one, under stated readings of its labels.
 
 Maps here have the printed table's shape: rows by row label, columns by psi, increasing; MPa; NaN out of contact. A
-reading says which travel is compared and which phi a row label means. Nothing is fitted.
+reading says which travel is compared and which phi a row label means, or changes one thing of the paper's tyre. Every
+reading is held against the same printed nodes by the same measures; nothing is fitted but the travel.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from scipy.ndimage import binary_erosion
 from formulations.element.strain_operator import area_factor
 from formulations.geometry.surfaces import torus
 from studies.analysis.cells.answers import Answer, Answers
-from studies.campaigns.report_cells import TYRE
+from studies.campaigns.report_cells import READINGS, TYRE
 from studies.scenes.data import read_reference
 from studies.scenes.tyre.asymmetry import deviation
 
@@ -34,6 +35,26 @@ COLUMNS = (
 )
 NODE_COLUMNS = ("delta_mm", "row_label", "psi_deg", "pressure_MPa", "printed_MPa")
 SYMMETRY_COLUMNS = ("who", "delta_mm", "image", "blank_is_zero_MPa", "both_touch_MPa")
+READING_COLUMNS = (
+    *("reading", "kind", "delta_mm", "stated", "best", "force_N", "printed_sum_N", "centre_MPa", "core_rms"),
+    *("in_one_only", "label", "command"),
+)
+MODEL, DATA = "model", "data"  # what is changed
+FIRST = "as stated in the paper"
+WORDS = {
+    **{"paper": (FIRST, MODEL), "reading linear": ("linear strains", MODEL), "reading 84x80": ("mesh 84x80", MODEL)},
+    **{f"reading {name}": (f"{name} strains", MODEL) for name in ("von-karman", "sanders", "donnell")},
+    "reading face area": ("pressure on the inner face, dead", MODEL),
+    "reading follower": ("pressure on the inner face, following", MODEL),
+    "reading full-3d": ("full three-dimensional law", MODEL),
+    "reading consistent": ("nodal forces by consistent coupling", MODEL),
+}
+DATUM = {
+    "gamma_deg": "cord angle {} deg",
+    "ply_thickness_mm": "ply {} mm thick",
+    "p0_MPa": "inflated by {} MPa",
+}
+CELLS = (*(cell for cell in TYRE if cell.label in WORDS), *READINGS)
 IMAGES = {  # of maps with phi along the rows: psi reversed, phi reversed
     "central: p(psi, phi) - p(-psi, -phi)": (True, True),
     "mirror: p(psi, phi) - p(-psi, phi)": (True, False),
@@ -47,19 +68,21 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
     best: the travel with the smallest core rms under HALF.  own_sum_N, printed_sum_N: pressures times mid-surface
     areas.  handedness: correlation of the mirror-odd parts.  Empty without the paper's tyre at DELTA.
     """
-    rows: list[list[object]] = []
+    rows: list[dict[str, Any]] = []
     nodes: list[pd.DataFrame] = []
     printed = printed_map()
     symmetry = [("printed", math.nan, *row) for row in asymmetries(printed)]
     for answer in answers.those(PAPER):
         maps = pressure_maps(answer)
-        for delta, own in maps.items():
-            read = on_printed_nodes(own, printed, HALF)
-            rows.append(_row(answer, delta, HALF, read, printed))
+        reads = [(delta, HALF, on_printed_nodes(own, printed, HALF)) for delta, own in maps.items()]
+        for delta, _, read in reads:
             symmetry += [("ours", delta, *row) for row in asymmetries(read)]
             nodes.append(_nodes(delta, read, printed))
         if DELTA in maps:
-            rows.append(_row(answer, DELTA, LITERAL, on_printed_nodes(maps[DELTA], printed, LITERAL), printed))
+            reads.append((DELTA, LITERAL, on_printed_nodes(maps[DELTA], printed, LITERAL)))
+        for delta, per_label, read in reads:
+            row = {"own_sum_N": force(read, per_label, answer.settings), "handedness": handedness(read, printed)}
+            rows.append(row | beside_printed(answer, delta, per_label, read, printed))
     found = pd.DataFrame(rows, columns=list(COLUMNS))
     half = found[found["phi_per_label"] == HALF].sort_values("core_rms", kind="stable")
     return {
@@ -67,6 +90,32 @@ def tyre_comparison(answers: Answers) -> dict[str, pd.DataFrame]:
         "tyre_printed_nodes": pd.concat(nodes) if nodes else pd.DataFrame(columns=list(NODE_COLUMNS)),
         "tyre_symmetry": pd.DataFrame(symmetry, columns=list(SYMMETRY_COLUMNS)),
     }
+
+
+def tyre_readings(answers: Answers) -> pd.DataFrame:
+    """READING_COLUMNS, a row a reading and travel; stated: at DELTA; best: the smallest core rms of its reading.
+
+    kind: whether the model is changed or a datum within its rounding.  printed_sum_N: printed pressures times the areas
+    of their nodes on the wall of that reading.  The other numbers are those of ``compare``.
+    """
+    printed = printed_map()
+    rows = []
+    for answer in answers.those(CELLS):
+        reading, kind = words(answer.label)
+        named = {"reading": reading, "kind": kind, "label": answer.label, "command": answer.command}
+        for delta, own in pressure_maps(answer).items():
+            beside = beside_printed(answer, delta, HALF, on_printed_nodes(own, printed, HALF), printed)
+            rows.append({**named, **beside, "stated": delta == DELTA})
+    found = pd.DataFrame(rows, columns=list(READING_COLUMNS))
+    return found.assign(best=found.index.isin(found.groupby("label", sort=False)["core_rms"].idxmin()))
+
+
+def words(label: str) -> tuple[str, str]:
+    """A reading in words, and its kind, by the label of its cell."""
+    if label in WORDS:
+        return WORDS[label]
+    key, value = label.removeprefix("reading ").split()
+    return DATUM[key].format(value), DATA
 
 
 def pressure_maps(answer: Answer) -> dict[float, pd.DataFrame]:
@@ -81,11 +130,13 @@ def pressure_maps(answer: Answer) -> dict[float, pd.DataFrame]:
     return maps
 
 
-def _row(answer: Answer, delta: float, per_label: float, own: pd.DataFrame, printed: pd.DataFrame) -> list[object]:
-    sums = (force(each, per_label, answer.settings) for each in (own, printed))
-    found = compare(own, printed).values()
-    total = answer.value("force_N", delta_mm=delta)
-    return [delta, per_label, False, *found, total, *sums, handedness(own, printed)]
+def beside_printed(
+    answer: Answer, delta: float, per_label: float, own: pd.DataFrame, printed: pd.DataFrame
+) -> dict[str, Any]:
+    """A reading at a travel: what ``compare`` finds, the force of the plane, and the sum of the printed pressures."""
+    printed_sum = force(printed, per_label, answer.settings)
+    found = {"delta_mm": delta, "phi_per_label": per_label, **compare(own, printed), "printed_sum_N": printed_sum}
+    return {**found, "force_N": answer.value("force_N", delta_mm=delta)}
 
 
 def _nodes(delta: float, own: pd.DataFrame, printed: pd.DataFrame) -> pd.DataFrame:

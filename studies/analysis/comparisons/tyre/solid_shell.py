@@ -12,7 +12,7 @@ from typing import Any
 import pandas as pd
 
 from studies.analysis.cells.answers import Answer, Answers
-from studies.analysis.richardson import correction, order_of
+from studies.analysis.richardson import formal_limit, order_of
 from studies.campaigns.report_cells import SOLID, TYRE
 from studies.scenes import SCENES
 from studies.scenes.data import read_reference
@@ -65,9 +65,9 @@ def _compared(
     rows: list[dict[str, Any]] = []
     for body, cells in bodies.items():
         sizes, values = [cell.size for cell in cells], [cell.value(quantity, **at) for cell in cells]
-        limit, before = (values[k] + correction(sizes[: k + 1], values[: k + 1]) for k in (2, 1))
+        limit, moved = formal_limit(sizes, values)
         own = {"quantity": quantity, "at": words, "body": body, "other": other, "limit": limit}
-        own |= {"order": order_of(sizes, values), "spread": abs(limit - before) / abs(limit)}
+        own |= {"order": order_of(sizes, values), "spread": moved / abs(limit)}
         own |= {"mesh_part": values[-1] / limit - 1, "off_other": limit / other - 1}
         rows += [
             {**own, "mesh": cell.record["mesh"], "command": cell.command, "value": value}

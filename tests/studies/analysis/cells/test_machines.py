@@ -15,10 +15,10 @@ from reports.store.tables import load_store
 from studies.analysis.cells.collect import collect
 from studies.analysis.cells.machines import UNKNOWN, machine_of, of_one_machine
 from studies.analysis.everything import analyse
-from studies.bench.timing_lane import times_path
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.store.layout import Archive
+from studies.store.times import times_path
 from studies.trust.merge import merge
 from support.stores.elsewhere import BEAM, BEAMS, FINE, STRIP, Elsewhere, solved
 

@@ -11,11 +11,14 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from studies.analysis.claims import contact, elements, measures, tyre
-from studies.analysis.claims.ledger import CLAIMS, claims_table
-from studies.analysis.claims.record import CONFIRMED, QUALIFIED, REFUTED, UNTESTED, always, banded, counted
+from studies.analysis.claims import judges
+from studies.analysis.claims.ledger import claims_table, judged, read_claims
+from studies.analysis.claims.record import CONFIRMED, QUALIFIED, REFUTED, UNTESTED, Verdict, always, banded, counted
 from studies.cli import _parser
 from studies.store.atomic import write_table
+from support.sentences import tables_of
+
+CLAIMS = read_claims()
 
 
 @pytest.mark.parametrize(
@@ -50,9 +53,9 @@ def test_a_missing_table_leaves_its_claims_untested_alone(tmp_path: Path) -> Non
     assert found.loc["any-start", "high"] == 1.0
 
 
-@pytest.mark.parametrize("claim", [each for each in CLAIMS if each.command], ids=lambda each: each.name)
-def test_commands_can_be_typed(claim: object) -> None:
-    words = shlex.split(claim.command)
+@pytest.mark.parametrize("name", [name for name, claim in CLAIMS.items() if claim["command"]])
+def test_commands_can_be_typed(name: str) -> None:
+    words = shlex.split(CLAIMS[name]["command"])
     assert words.pop(0) == "footprint"
     _parser(words).parse_args(words)
 
@@ -63,8 +66,18 @@ def test_judges_read_tables_that_a_campaign_writes() -> None:
     known = set().union(
         *(re.findall(r'"([a-z0-9_]+)"', path.read_text()) for path in written if "claims" not in str(path))
     )
-    asked = {name for claim in CLAIMS if claim.judge for name in signature(claim.judge).parameters}
+    asked = {name for claim in CLAIMS.values() for name in tables_of(claim)}
+    named = [claim["judge"] for claim in CLAIMS.values() if "judge" in claim]
+    asked |= {name for judge in named for name in signature(getattr(judges, judge)).parameters}
+    assert len(asked) > 30
     assert asked <= known
+
+
+def test_sentences_that_claims_rest_on_are_said_by_somebody() -> None:
+    text = "".join(path.read_text() for path in Path("studies/analysis/statements").iterdir() if path.is_file())
+    named = {claim["statement"] for claim in CLAIMS.values() if "statement" in claim}
+    assert len(named) > 5
+    assert {name for name in named if f'"{name}"' not in text} == set()
 
 
 # --- judges on tables whose verdict is known --------------------------------------------------------------------
@@ -74,22 +87,21 @@ def budget(change: float, within: float, changed: str = "linear", delta: float =
     return pd.DataFrame([{"changed": changed, "delta_mm": delta, "change": change, "within": within}])
 
 
-def judged(name: str, *tables: pd.DataFrame) -> object:
-    (claim,) = [each for each in CLAIMS if each.name == name]
-    return claim.judge(*tables)
+def verdict(name: str, **tables: pd.DataFrame) -> Verdict | None:
+    return judged(CLAIMS[name], tables.get)
 
 
 @pytest.mark.parametrize(
     ("change", "within", "status"), [(1.0, 0.05, CONFIRMED), (0.8, 0.2, QUALIFIED), (0.35, 0.05, REFUTED)]
 )
 def test_twice_the_force(change: float, within: float, status: str) -> None:
-    found = judged("linear-doubles", budget(change, within))
+    found = verdict("linear-doubles", tyre_budget=budget(change, within))
     assert (found.status, found.low) == (status, pytest.approx(1 + change - within))
 
 
 def test_the_force_of_another_travel_is_no_evidence() -> None:
-    assert judged("linear-doubles", budget(1.0, 0.05, delta=5.0)) is None
-    assert judged("full-law", budget(0.0, 0.001)) is None
+    assert verdict("linear-doubles", tyre_budget=budget(1.0, 0.05, delta=5.0)) is None
+    assert verdict("full-law", tyre_budget=budget(0.0, 0.001)) is None
 
 
 def test_a_crossing_is_no_convergence() -> None:
@@ -98,9 +110,9 @@ def test_a_crossing_is_no_convergence() -> None:
         {"family": "uniform", "element": "refined", "unknowns": n, "error": e}
         for n, e in enumerate((5e-3, -2e-2, 4e-3))
     ]
-    found = judged("one-grid", pd.DataFrame(rows))
+    found = judges.one_grid(pd.DataFrame(rows))
     assert (found.status, found.problems, found.low) == (REFUTED, 2, 0.5)
-    assert judged("finer-is-better", pd.DataFrame(rows)).measured.count("1 of 2") == 1
+    assert judges.finer_is_better(pd.DataFrame(rows)).measured.count("1 of 2") == 1
 
 
 def test_a_measure_is_surely_within_or_not() -> None:
@@ -111,10 +123,5 @@ def test_a_measure_is_surely_within_or_not() -> None:
         {**row, "scene": scene, "unknowns": 9.0, "quantity": "q", "formulation_error": e, "within": w}
         for scene, (e, w) in errors.items()
     ]
-    found = judged("donnell-cylinders", pd.DataFrame(rows))
+    found = verdict("donnell-cylinders", measure_limits=pd.DataFrame(rows))
     assert (found.status, found.problems, found.low) == (QUALIFIED, 2, 0.5)
-
-
-def test_all_subjects_are_in_the_ledger() -> None:
-    for subject in (contact, elements, measures, tyre):
-        assert set(subject.claim.made) <= set(CLAIMS)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from studies.analysis.comparisons.friction import FAMILIES, by_algorithm, ends, friction_tables, orders, step_orders
+from studies.analysis.comparisons.friction import FAMILIES, by_algorithm, ends, orders, step_orders
+from studies.analysis.everything import fitted
 from studies.experiments.friction.closed_forms.drum import capstan_table
-from studies.store.atomic import write_table
 from support.stores.friction import DRAGS, LOST, NAIVE, SOFT, TURNS, agreement, made_up_friction, moved, steps
 
 
@@ -96,11 +95,8 @@ def test_failures_and_other_steps_are_counted_and_are_in_no_median() -> None:
     assert by_algorithm(refused).set_index("algorithm").loc[NAIVE, ["refused", "failed"]].tolist() == [1, 0]
 
 
-def test_a_store_without_tables_of_friction_gets_none(tmp_path: Path) -> None:
-    assert friction_tables(tmp_path) == {}
-    for name, table in made_up_friction().items():
-        write_table(tmp_path / f"{name}.csv", table)
-    made = friction_tables(tmp_path)
+def test_tables_are_made_of_those_that_are_there() -> None:
+    made = fitted(made_up_friction().get)
     assert set(made) == {
         *("friction_drag_ends", "friction_turn_ends", "friction_orders", "friction_step_orders", "friction_algorithms")
     }

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
-
 import numpy as np
 import pandas as pd
 import pytest
 
 from studies.analysis.statements.choices import (
     REQUEST,
-    Judged,
     algorithm,
-    by_regime,
     cheapest,
     cost,
     finest_trials,
-    tyre,
 )
 from studies.analysis.statements.record import Statement
+from studies.experiments.accuracy.choices import measure_limits
+from support.sentences import said
 from support.stores.answers import choices
 
 
@@ -33,34 +30,37 @@ def filled(found: Statement) -> str:
 
 def test_a_measure_is_within_beyond_or_not_settled() -> None:
     rows = [("close", 0.01, 0.01), ("close", 0.04, 0.009), ("far", 0.2, 0.1), ("far", 0.01, 0.0)]
-    rows += [("wide", 0.04, 0.02), ("lost", np.nan, np.nan)]
-    found = Judged.of(pd.DataFrame(rows, columns=["name", "formulation_error", "within"]).assign(scene="ring"))
-    assert asdict(found) == {
-        "within": ["close"],
-        "beyond": {"far": 1},
-        "open": ["wide", "lost"],
-    }
+    rows += [("wide", 0.04, 0.02), ("lost", np.nan, np.nan), ("linear", 0.3, 0.0)]
+    table = pd.DataFrame(rows, columns=["name", "formulation_error", "within"])
+    elsewhere = table.assign(formulation_error=0.5, regime="small rotations")
+    limits = pd.concat([elsewhere, table.assign(regime="contact")]).assign(scene="ring", settings="")
+    (found,) = said("measures-contact", measure_limits=limits)
+    told = {name: found.values[name] for name in ("within", "beyond", "open")}
+    assert told == {"within": "`close`", "beyond": "`far` 1", "open": "`wide`, `lost`"}
 
 
 def test_a_regime_says_what_is_not_settled(table: pd.DataFrame) -> None:
-    found = {each.name: filled(each) for each in by_regime(table)}
-    assert set(found) == {"measures-small", "measures-large", "measures-contact"}
+    names = ("measures-small", "measures-large", "measures-contact")
+    small, large, contact = (filled(said(name, measure_limits=measure_limits(table))[0]) for name in names)
+    assert small
+    assert large
     assert (
         "within 5% of the exact measure on all: none; beyond it on one at least: `donnell` 2; undecided: `sanders`"
-        in (found["measures-contact"])
+        in contact
     )
-    assert "Linear strains err by 40.0% to 40.0%" in found["measures-contact"]
+    assert "Linear strains err by 40.0% to 40.0%" in contact
 
 
 def test_a_difference_on_one_mesh_is_no_error_of_a_measure(table: pd.DataFrame) -> None:
     """The values on grids may be anything: what is said rests on limits."""
     grids = table["row"] == "grid"
     moved = table.assign(value=table["value"].where(~grids, 99.0))
-    assert [filled(each) for each in by_regime(moved)] == [filled(each) for each in by_regime(table)]
+    one, other = (said("measures-contact", measure_limits=measure_limits(each)) for each in (table, moved))
+    assert [filled(each) for each in one] == [filled(each) for each in other]
 
 
 def test_the_tyre_has_intervals(table: pd.DataFrame) -> None:
-    (found,) = tyre(table)
+    (found,) = said("tyre-measure", measure_limits=measure_limits(table))
     assert "`linear` (+40.0% ± 0.1%)" in filled(found)
     assert "undecided: `sanders`" in filled(found)
 
@@ -99,5 +99,5 @@ def test_an_algorithm_with_another_answer_is_counted_apart(table: pd.DataFrame) 
     found = finest_trials(other).drop_duplicates("name").set_index("name")
     assert found["other"].to_dict() == {"semismooth": False, "lcp": True, "qp": False}
     assert found["over"].isna().to_dict() == {"semismooth": False, "lcp": False, "qp": True}
-    (said,) = algorithm(summary, other)
-    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in filled(said)
+    (told,) = algorithm(summary, other)
+    assert "`lcp` 2 of 2 at 0.90 times, 2 with the penetration of its springs" in filled(told)

@@ -14,12 +14,14 @@ import studies
 from reports.store.statements import of_page, sentence, statements
 from reports.store.tables import Store
 from studies.analysis.everything import written
-from studies.analysis.statements.laws import experiment, fuzz, mirror
-from studies.analysis.statements.record import ANSWERS, OPENING, Evidence, Statement, as_tables
-from studies.analysis.statements.shells.tyre import printed
-from studies.analysis.statements.tables import MAKERS
-from studies.analysis.statements.trade.cost import grids
+from studies.analysis.evidence import ANSWERS, Evidence
+from studies.analysis.statements.record import OPENING, Statement, as_tables
+from studies.analysis.statements.tables import maker_of, read_sentences
+from studies.analysis.statements.tables import statements as all_said
 from studies.arena.solver_run import FIELDS
+from studies.store.atomic import SCHEMA, write_json
+from support.sentences import said as said_of
+from support.sentences import tables_of
 
 CAMPAIGN = "made"
 
@@ -40,13 +42,18 @@ def readings() -> pd.DataFrame:
     return found.assign(stated=found["delta_mm"] == 20.0, printed_sum_N=2000.0)
 
 
+def printed_table() -> list[Statement]:
+    names = ("printed-table", "printed-excluded", "origin-of-travel")
+    return [each for name in names for each in said_of(name, tyre_readings=readings())]
+
+
 def store_of(path: Path, found: list[Statement]) -> Store:
     written(path, CAMPAIGN, as_tables(found))
     return Store(path, CAMPAIGN, ())
 
 
 def test_the_printed_table_is_told_with_the_numbers_of_its_table(tmp_path: Path) -> None:
-    store = store_of(tmp_path, list(printed(readings())))
+    store = store_of(tmp_path, printed_table())
     said = sentence(store, "printed-table")
     assert "is not reproduced at the travel that it states, 20 mm" in said
     assert "2 of 3 readings about equally, at 22 to 23 mm" in said
@@ -59,7 +66,7 @@ def test_the_printed_table_is_told_with_the_numbers_of_its_table(tmp_path: Path)
 
 
 def test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers(tmp_path: Path) -> None:
-    store = store_of(tmp_path, list(printed(readings())))
+    store = store_of(tmp_path, printed_table())
     said = sentence(store, "printed-excluded")
     assert "no reading fits better than 15.0 % (rms) with 50 nodes in only one patch (sanders)" in said
     assert "2010 N on the paper's mesh is within 0.5 % of the 2000 N" in said
@@ -71,28 +78,28 @@ def test_a_force_that_agrees_by_chance_is_excluded_with_its_numbers(tmp_path: Pa
 def test_a_store_that_was_not_analysed_says_nothing(tmp_path: Path) -> None:
     assert statements(Store(tmp_path, CAMPAIGN, ())) == ()
     assert sentence(Store(tmp_path, CAMPAIGN, ()), "printed-table") == ""
-    store = store_of(tmp_path, list(printed(readings())))
+    store = store_of(tmp_path, printed_table())
     assert sentence(Store(store.path, "another", ()), "printed-table") == ""
 
 
-def test_a_maker_without_one_of_its_tables_says_nothing(tmp_path: Path) -> None:
-    evidence = Evidence(tmp_path, CAMPAIGN)
-    table = [maker for maker in MAKERS if "answers" not in maker.__code__.co_varnames[: maker.__code__.co_argcount]]
-    assert [each for maker in table for each in evidence.said_by(maker)] == []
+def test_a_sentence_without_one_of_its_tables_is_not_said(tmp_path: Path) -> None:
+    write_json(tmp_path / "campaigns" / "made.json", {"schema": SCHEMA, "campaign": CAMPAIGN, "cells": []})
+    assert all_said(tmp_path, CAMPAIGN) == []
     written(tmp_path, "another", {"tyre_readings": readings()})
-    assert list(Evidence(tmp_path, CAMPAIGN).said_by(printed)) == []
-    assert len(list(Evidence(tmp_path, "another").said_by(printed))) == 3
+    assert Evidence(tmp_path, CAMPAIGN).table("tyre_readings") is None
+    assert Evidence(tmp_path, "another").table("tyre_readings") is not None
+    assert said_of("random-cases", fuzz=pd.DataFrame({"verdict": ["agrees"]})) == []
 
 
 def test_a_conclusion_in_words_stands_only_where_its_numbers_bear_it() -> None:
     bodies = {"solid hencky": 99.0, "solid svk": 90.0, "shell exact": 91.0}
     row = [{"body": body, "delta_mm": 1.0, "measured_N": 100.0, "limit_N": force} for body, force in bodies.items()]
     row[0] |= {"friction": -0.6, "remainder": 0.5}
-    (said,) = experiment(pd.DataFrame(row))
+    (said,) = said_of("experiment", ring_budget=pd.DataFrame(row))
     assert "the error of the law is larger than that of the shell" in said.text
     assert "what is not explained, {remainder:+.2f} N, cancel" in said.text
     row[0] |= {"limit_N": 80.0, "remainder": -0.5}
-    (said,) = experiment(pd.DataFrame(row))
+    (said,) = said_of("experiment", ring_budget=pd.DataFrame(row))
     assert "the error of the law" not in said.text
     assert "cancel" not in said.text
 
@@ -104,11 +111,11 @@ def test_a_graded_grid_that_gets_there_is_not_said_to_fail() -> None:
         for name, n in families.items()
     ]
     precision = pd.DataFrame({"family": ["patch"], "unknowns": [9000]})
-    (said,) = grids(pd.DataFrame(row), precision)
+    (said,) = said_of("grids-of-the-tyre", grids_reaching=pd.DataFrame(row), work_precision=precision)
     assert (said.values["adapted"], said.values["share"]) == (200.0, 0.2)
     assert "is not within it at {largest:.0f}" in said.text
     row[3]["unknowns"] = 900.0
-    (said,) = grids(pd.DataFrame(row), precision)
+    (said,) = said_of("grids-of-the-tyre", grids_reaching=pd.DataFrame(row), work_precision=precision)
     assert "is not within it" not in said.text
 
 
@@ -122,7 +129,7 @@ def test_a_field_without_a_value_is_an_error(tmp_path: Path) -> None:
 
 def test_broken_laws_are_counted() -> None:
     verdicts = pd.DataFrame({"verdict": ["agrees", "broken", "broken", "explained"]})
-    (said,) = fuzz(verdicts, pd.DataFrame({"cases": [0, 9, 4]}))
+    (said,) = said_of("random-cases", fuzz=verdicts, fuzz_faults=pd.DataFrame({"cases": [0, 9, 4]}))
     assert said.values == {"cases": 4, "broken": 2, "explained": 1, "faults": 3, "found": 2, "latest": 9}
     assert isinstance(said, Statement)
 
@@ -131,17 +138,20 @@ def test_the_mirror_is_that_of_the_paper_s_cords_beside_the_printed_one() -> Non
     angles = pd.DataFrame({"gamma_deg": [10.0, 52.0, 85.0], "mirror_both_MPa": [0.08, 0.03, 0.09], "peak_MPa": 0.3})
     angles = angles.assign(outcome="converged", negative=[0, 0, 2], measure="exact", mesh="42x40", central_MPa=0.0)
     printed = pd.DataFrame({"who": ["printed"], "image": ["mirror, psi"], "both_touch_MPa": [0.04]})
-    (said,) = mirror(angles, printed)
+    (said,) = said_of("mirror", mirror=angles, tyre_symmetry=printed)
     assert said.values["pressure"] == 0.03
     assert said.values["share"] == pytest.approx(0.1)
     assert said.values["printed"] == 0.04
     assert (said.values["angle"], said.values["most"], said.values["angles"]) == (10.0, 0.08, 2)
-    assert list(mirror(angles[angles["gamma_deg"] != 52.0], printed)) == []
+    assert said_of("mirror", mirror=angles[angles["gamma_deg"] != 52.0], tyre_symmetry=printed) == []
 
 
 def test_every_table_that_a_maker_reads_is_written_by_somebody() -> None:
     """A table with another name would make its sentences vanish without a word."""
-    read = {name for maker in MAKERS for name in signature(maker).parameters} - {ANSWERS}
+    sentences = read_sentences()
+    makers = [maker_of(each) for each in sentences if "maker" in each]
+    read = {name for maker in makers for name in signature(maker).parameters} - {ANSWERS}
+    read |= {name for each in sentences if "maker" not in each for name in tables_of(each)}
     assert len(read) > 40
     words: set[str] = set()
     for path in Path(studies.__file__).parent.rglob("*.py"):

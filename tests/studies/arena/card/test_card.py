@@ -21,10 +21,10 @@ from studies.arena.card import problems, runs
 from studies.arena.card.card import Card, card_of
 from studies.arena.card.laws import LAWS, Law, laws_of
 from studies.arena.card.page import page
+from studies.arena.card.problems import sample
 from studies.arena.card.subjects import ALGORITHM, CATALOGUES, ELEMENT, MEASURE, SOLVER, Subject, subjects
 from studies.arena.card.trials import DIFFERS, FAILED, FALSE, LATE, RAISED, REFUSED, SOLVED, alone, within
 from studies.arena.card.trials import OvertimeError as Overtime
-from studies.arena.collected.sample import sample
 from studies.cli import main
 
 PARTS = Path(__file__).parent / "parts"

@@ -11,8 +11,8 @@ from contact.verify import judge
 from studies.arena.accuracy import accuracy
 from studies.arena.collected.candidates import condensed, of_complementarity, on_path, published, raised, touching
 from studies.arena.collected.certified import Certified, find
+from studies.arena.collected.formats import read_lcp
 from studies.arena.collected.paths import Path, paths
-from studies.arena.collected.siconos import read_lcp
 from support.problems.arena_steps import known_step, lopsided
 
 OBSTACLE = 1e-9

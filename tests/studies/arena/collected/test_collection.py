@@ -12,12 +12,22 @@ from scipy import sparse
 
 from contact.interchange.linearised_step import FrozenStep
 from studies.arena.collected import certified, rule
-from studies.arena.collected.candidates import RAISED, Candidate, on_path
+from studies.arena.collected.candidates import RAISED, on_path
 from studies.arena.collected.certified import NotCertifiedError, confirm, exact_on, find, rounding
-from studies.arena.collected.kept import FOLDER, kept_names, raised_states
+from studies.arena.collected.collection import KEPT, Candidate, kept_names, sums, write
 from studies.arena.collected.paths import Path
-from studies.arena.collected.rule import LARGEST, MOST, Rule, chosen, keep_agreeing, make, manifest, sums, unlike, write
-from studies.arena.collected.traits import condition, kind, traits
+from studies.arena.collected.rule import (
+    LARGEST,
+    MOST,
+    STEPS,
+    Rule,
+    chosen,
+    condition,
+    keep_agreeing,
+    kind,
+    raised_states,
+    traits,
+)
 from support.problems.arena_steps import indefinite, known_step, lopsided
 
 STRIP = Path("strip-contact", "4x1", {"lam_over_a": "0.1"})
@@ -135,27 +145,27 @@ def test_files_come_out_again(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr(rule, "raised_states", lambda: states)
     rows = [t.row | {"bytes": write(tmp_path, t.candidate).stat().st_size} for t in taken]
     kept = pd.DataFrame(rows)
-    assert not unlike(tmp_path, kept)
+    assert not STEPS.unlike(tmp_path, kept)
     assert len(kept) > 3
     assert any("-condensed" in name for name in kept["name"])
     before = {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")}
     files = sorted(tmp_path.glob("*.npz"))
     files[0].unlink()
     files[1].write_bytes(b"no zip")
-    assert len(unlike(tmp_path, kept)) == 2
+    assert len(STEPS.unlike(tmp_path, kept)) == 2
     made: list[str] = []
-    make(tmp_path, kept, made.append)
-    assert not unlike(tmp_path, kept)
+    STEPS.make(tmp_path, kept, made.append)
+    assert not STEPS.unlike(tmp_path, kept)
     assert {path.name: path.read_bytes() for path in tmp_path.glob("*.npz")} == before
 
 
 def test_what_is_kept_is_as_the_manifest_says_and_small() -> None:
     """Files that another machine would not make again, and who is raised in every touching form."""
-    kept = manifest().set_index("name", drop=False)
+    kept = STEPS.manifest().set_index("name", drop=False)
     names = sorted(kept_names())
     assert names
-    folder = File(rule.__file__).parent / FOLDER
-    assert not unlike(folder, kept.loc[names])
+    folder = File(rule.__file__).parent / KEPT
+    assert not STEPS.unlike(folder, kept.loc[names])
     assert sum(path.stat().st_size for path in folder.iterdir()) < 2e6
     touching = kept[kept["form"] == "touching"]
     states = raised_states()
@@ -166,13 +176,13 @@ def test_what_is_kept_is_as_the_manifest_says_and_small() -> None:
 def test_no_answer_is_looked_for_where_files_are_made(tmp_path: File, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is kept is copied; a form of a step with several answers touches where it was chosen to."""
     names = ["panel-6x6-E_ratio=1000-s1i2-touching", "ring-1x16-h_mm=0.1-delta_mm=1_35_50-s3i1"]
-    kept = manifest().set_index("name", drop=False).loc[names]
+    kept = STEPS.manifest().set_index("name", drop=False).loc[names]
     assert kept["kind"].iloc[0] == "indefinite"
     monkeypatch.setattr(rule, "find", lambda step: pytest.fail("an answer is looked for"))
     walked: list[str] = []
     monkeypatch.setattr(rule, "on_path", lambda path: (walked.append(path.scene), on_path(path))[1])
-    make(tmp_path, kept)
-    assert not unlike(tmp_path, kept)
+    STEPS.make(tmp_path, kept)
+    assert not STEPS.unlike(tmp_path, kept)
     assert set(walked) == {"panel"}
 
 
@@ -186,13 +196,13 @@ def test_a_file_of_other_values_is_named(tmp_path: File) -> None:
     step = known_step()[0]
     candidate = Candidate("a", "one", {}, step)
     row = {"name": "one", "family": "a", "unknowns": len(step.r), "candidates": len(step.gap)}
-    kept = pd.DataFrame([row | dict(zip(rule.SUMS, sums(step), strict=True))])
+    kept = pd.DataFrame([row | sums(step)])
     write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-5)})))
-    assert [line.split(" is ")[0] for line in unlike(tmp_path, kept)] == ["one: sum_r"]
+    assert [line.split(" is ")[0] for line in STEPS.unlike(tmp_path, kept)] == ["one: sum_r"]
     assert kept_of(tmp_path, kept).empty
     assert "one" in set(pd.read_csv(tmp_path / "kept" / "left-out.csv")["name"])
     write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": step.r * (1 + 1e-8)})))
-    assert not unlike(tmp_path, kept)
+    assert not STEPS.unlike(tmp_path, kept)
     assert len(kept_of(tmp_path, kept)) == 1
 
 
@@ -201,15 +211,15 @@ def test_what_is_in_balance_is_compared_by_the_forces_in_it(tmp_path: File) -> N
     step = known_step()[0]
     candidate = Candidate("a", "one", {}, FrozenStep(**{**vars(step), "r": 1e-12 * step.r}))
     row = {"name": "one", "family": "a", "unknowns": len(step.r), "candidates": len(step.gap)}
-    kept = pd.DataFrame([row | dict(zip(rule.SUMS, sums(candidate.step), strict=True))])
+    kept = pd.DataFrame([row | sums(candidate.step)])
     for share, lines in ((3e-12, 0), (1e-3, 1)):
         write(tmp_path, replace(candidate, step=FrozenStep(**{**vars(step), "r": share * step.r})))
-        assert len(unlike(tmp_path, kept)) == lines
+        assert len(STEPS.unlike(tmp_path, kept)) == lines
 
 
 def test_the_kept_manifest_keeps_the_rule() -> None:
     """Hundreds, all certified by two ways or more, of every kind and size, with a licence, in the bytes allowed."""
-    kept = manifest()
+    kept = STEPS.manifest()
     assert len(kept) >= 200
     assert kept["name"].is_unique
     assert (kept["found_by"] != "").all()
@@ -235,10 +245,10 @@ def test_a_sample_of_the_kept_manifest_is_made_and_certified_again(tmp_path: Fil
     A convex one has one answer, the one of the manifest, up to who touches within rounding. Another has several: which
     of them is found is a matter of the last digit, and each that both ways take is one.
     """
-    kept = manifest()
+    kept = STEPS.manifest()
     sample = kept[(kept["unknowns"] < 3000)].iloc[::10]
-    make(tmp_path, sample)
-    assert not unlike(tmp_path, sample)
+    STEPS.make(tmp_path, sample)
+    assert not STEPS.unlike(tmp_path, sample)
     for row in sample.to_dict("records"):
         step = FrozenStep.read(tmp_path / f"{row['name']}.npz")
         first = find(step)

@@ -9,11 +9,11 @@ import pytest
 
 from studies.analysis.cells.answers import Answers
 from studies.analysis.comparisons.tyre.budget import tyre_budget
-from studies.analysis.comparisons.tyre.readings import words
+from studies.analysis.comparisons.tyre.printed_pressures import words
 from studies.campaigns.plan import Row
 from studies.campaigns.report_cells import BUDGET, READINGS, ROBUSTNESS
 from studies.solving import resolve
-from studies.store.atomic import SCHEMA, plain, write_json, write_table
+from studies.store.atomic import SCHEMA, plain, write_json
 
 LIMIT = 2000.0
 CHANGED = {"follower": 0.15, "full-3d": 0.1, "nonsymmetric": 0.0}
@@ -41,10 +41,9 @@ def store_of(root: Path, wobble: float = 0.0) -> Answers:
 
 
 def budget(root: Path, wobble: float = 0.0) -> pd.DataFrame:
-    answers, tables = store_of(root, wobble), root / "tables"
-    write_table(tables / "work_precision.csv", pd.DataFrame({"reference_N": [LIMIT], "known": [1e-3]}))
+    tables = {"work_precision": pd.DataFrame({"reference_N": [LIMIT], "known": [1e-3]})}
     solid = pd.DataFrame({"quantity": ["force_N"], "at": ["20"], "model_part": [3e-4], "known_to": [4e-3]})
-    return tyre_budget(answers, tables, solid).set_index("changed")
+    return tyre_budget(store_of(root, wobble), tables.get, solid).set_index("changed")
 
 
 def test_parts_are_those_that_were_put_in(tmp_path: Path) -> None:

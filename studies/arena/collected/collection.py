@@ -1,0 +1,161 @@
+"""The files of the collection: written, held against the manifest that is kept with the suite, and made again from it.
+
+What files hold is compared by sums that rounding moves little. Which steps are taken, and how one is come by again, is
+the business of :mod:`.rule` and :mod:`.frictional`, which have a collection each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+import pandas as pd
+
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
+from studies.store.atomic import write_by, write_table, write_text
+
+HERE = files("studies.arena.collected")
+LICENCE = "MIT"
+VERSION = 1  # of the collection: another choice of problems is another version
+ROUNDING = 1e-6  # relative, of the sums: what paths of Newton's method make of different rounding
+SUMS = ("sum_K", "sum_r", "sum_G", "sum_gap")  # what a file is recognised by
+FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and of a step with friction, by these, too
+LEFT_OUT = ["name", "family", "why"]
+KEPT, FORMAT = "kept", "format.md"  # a folder of files, and what all files are in words
+Tell = Callable[[str], None]
+Step = TypeVar("Step", FrozenStep, FrozenFrictionalStep)
+
+
+def silent(name: str) -> None:
+    """Nothing is told."""
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate(Generic[Step]):
+    """A step that may be taken: its family, its name in the collection, where it is from, and its licence.
+
+    states: of a touching form the candidates (m,) that are pressed and raised, else None.
+    """
+
+    family: str
+    name: str
+    origin: dict[str, Any]
+    step: Step
+    licence: str = LICENCE
+    states: np.ndarray | None = None
+
+
+def sums(step: FrozenStep) -> dict[str, float]:
+    """Norms of K, r, G and gap, with friction of S, slip and mu: what a problem is recognised by on another machine."""
+    found = _norms(SUMS, step.K.data, step.r, step.G.data, step.gap)
+    if isinstance(step, FrozenFrictionalStep):
+        found |= _norms(FRICTION_SUMS, step.S.data, step.slip, step.mu)
+    return found
+
+
+def _norms(names: tuple[str, ...], *parts: np.ndarray) -> dict[str, float]:
+    return {name: float(np.linalg.norm(part)) for name, part in zip(names, parts, strict=True)}
+
+
+@dataclass(frozen=True)
+class Collection(Generic[Step]):
+    """The steps without friction, or those with it.
+
+    manifest_file, left_out_file: names.  read: a file; raises FrozenStepError.  sizes: of a row of the manifest and a
+    step, the sizes that some sums are the difference of.  again: the candidates of some rows, met on their way again.
+    """
+
+    manifest_file: str
+    left_out_file: str
+    read: Callable[[Path], Step]
+    sizes: Callable[[Mapping[Hashable, Any], Step], Mapping[str, float]]
+    again: Callable[[pd.DataFrame], Iterator[Candidate[Step]]]
+
+    def manifest(self) -> pd.DataFrame:
+        """As it is kept with the suite: traits, who found the answer and what confirms it, sums of the file."""
+        return _kept(self.manifest_file)
+
+    def left_out(self) -> pd.DataFrame:
+        """What was left out when the manifest was made: name, family, why."""
+        return _kept(self.left_out_file)
+
+    def unlike(self, directory: Path, kept: pd.DataFrame) -> list[str]:
+        """What files lack or hold otherwise than the manifest says, a line each, which begins with the name."""
+        lines = []
+        for row in kept.to_dict("records"):
+            path = directory / f"{row['name']}.npz"
+            if not path.exists():
+                lines.append(f"{row['name']}: missing")
+                continue
+            try:
+                step = self.read(path)
+            except FrozenStepError as error:
+                lines.append(f"{row['name']}: {error}")
+            else:
+                lines += _differing(row, step, self.sizes(row, step))
+        return lines
+
+    def make(self, directory: Path, kept: pd.DataFrame, tell: Tell = silent) -> None:
+        """Write the files of the kept manifest and the manifest; those that are there and as it says are left alone."""
+        missing = {line.partition(":")[0] for line in self.unlike(directory, kept)}
+        for name in sorted(missing & kept_names()):
+            write_by(directory / f"{name}.npz", partial(_copy_kept, name))
+            missing.remove(name)
+        for candidate in self.again(kept[kept["name"].isin(missing)]):
+            tell(candidate.name)
+            if candidate.name in missing:
+                write(directory, candidate)
+        self._finish(directory, kept)
+
+    def write_choice(self, directory: Path, rows: list[dict[str, Any]], gone: list[dict[str, str]]) -> pd.DataFrame:
+        """Write what a rule has taken, a row each, and what it has left out; returns the manifest."""
+        table = pd.DataFrame(rows)
+        write_table(directory / self.left_out_file, pd.DataFrame(gone, columns=LEFT_OUT))
+        self._finish(directory, table)
+        return table
+
+    def _finish(self, directory: Path, table: pd.DataFrame) -> None:
+        write_table(directory / self.manifest_file, table)
+        write_text(directory / FORMAT, HERE.joinpath(FORMAT).read_text(encoding="utf-8"))
+
+
+def write(directory: Path, candidate: Candidate[Step]) -> Path:
+    """The file of a problem, without its answer."""
+    path = directory / f"{candidate.name}.npz"
+    head = {"name": candidate.name, "family": candidate.family, "licence": candidate.licence, **candidate.origin}
+    write_by(path, replace(candidate.step, meta=head | {"collection_version": VERSION}).write)
+    return path
+
+
+def kept_names() -> set[str]:
+    """Of the problems whose files are kept with the suite: another machine would not make them again.
+
+    The last digit of their paths grows to more than 1e-8 on the way.
+    """
+    return {path.name.removesuffix(".npz") for path in HERE.joinpath(KEPT).iterdir() if path.name.endswith(".npz")}
+
+
+def _copy_kept(name: str, path: Path) -> None:
+    path.write_bytes(HERE.joinpath(KEPT, f"{name}.npz").read_bytes())
+
+
+def _kept(name: str) -> pd.DataFrame:
+    with HERE.joinpath(name).open(encoding="utf-8") as file:
+        return pd.read_csv(file, keep_default_na=False)
+
+
+def _differing(row: Mapping[Hashable, Any], step: FrozenStep, sizes: Mapping[str, float]) -> list[str]:
+    """What a row of the manifest says otherwise than a step, a line each; sums with a size are known to so much."""
+    if (len(step.r), len(step.gap)) != (row["unknowns"], row["candidates"]):
+        return [f"{row['name']}: of another size"]
+    lines = []
+    for name, own in sums(step).items():
+        kept = float(row[name])
+        if not abs(own - kept) <= ROUNDING * max(abs(kept), sizes.get(name, 0.0)):
+            lines.append(f"{row['name']}: {name} is {own!r}, the manifest says {kept!r}")
+    return lines

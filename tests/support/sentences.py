@@ -1,0 +1,34 @@
+"""Declarations of sentences and claims: what they say of tables that are made up, and the tables that they name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import pandas as pd
+
+from studies.analysis.evidence import VALUE
+from studies.analysis.statements.record import Statement, declared
+from studies.analysis.statements.tables import read_sentences
+
+
+def said(name: str, **tables: pd.DataFrame) -> list[Statement]:
+    """What a declaration of sentences.toml says of tables by their names."""
+    (declaration,) = [each for each in read_sentences() if each.get("name") == name]
+    return list(declared(declaration, tables.get))
+
+
+def tables_of(declaration: Mapping[str, Any]) -> set[str]:
+    """The tables that a declaration names."""
+    named = {each.get("from") for each in (declaration, *declaration["values"].values()) if isinstance(each, Mapping)}
+    texts = [text for text in _texts(declaration["values"]) if not text.startswith("= ")]
+    named |= {found["table"] for found in map(VALUE.fullmatch, texts) if found}
+    return {name for name in named if name}
+
+
+def _texts(values: Mapping[str, Any]) -> Iterator[str]:
+    for value in values.values():
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, Mapping):
+            yield from _texts(value.get("each", {}))
