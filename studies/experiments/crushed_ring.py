@@ -5,15 +5,15 @@ What the differences to the test are made of is worked out in :mod:`studies.anal
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.experiments.rows import Row, tabulated
 from studies.result import SOLVED
 from studies.scenes.contact.crushed_ring import DATA
 from studies.solving import solve
@@ -52,9 +52,10 @@ SHELLS = tuple(
 )
 
 
+@tabulated
 def crushed_ring_study(
     solids: Iterable[tuple[int, int]] = SOLID_MESHES, shells: Iterable[int] = SHELL_MESHES
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """A row for each body, mesh and travel: study, body, kind, of, input, change, mesh, size, delta_mm, force_N.
 
     least_stretch, largest_stretch: of solids.  study: "meshes"; "inputs": one of the data off by its half digit
@@ -62,25 +63,21 @@ def crushed_ring_study(
     axis, named ``input``.  Raises RuntimeError where one does not converge.
     """
     solid_meshes, shell_meshes = tuple(solids), tuple(shells)
-    rows: list[dict[str, Any]] = []
-    for body in SOLIDS:
-        for n, through in solid_meshes:
-            rows += _solved(body, body.cell(n, through), MESHES, n)
-    for body in SHELLS:
-        for n in shell_meshes:
-            rows += _solved(body, body.cell(n), MESHES, n)
+    for body, (n, through) in product(SOLIDS, solid_meshes):
+        yield from _solved(body, body.cell(n, through), MESHES, n)
+    for body, n in product(SHELLS, shell_meshes):
+        yield from _solved(body, body.cell(n), MESHES, n)
     n, exact = shell_meshes[1], SHELLS[0]
     for key, half in HALF_DIGIT.items():
         for change in (-half, half):
-            rows += _solved(exact, exact.cell(n, more={key: repr(DATA[key] + change)}), INPUTS, n, key, change)
+            yield from _solved(exact, exact.cell(n, more={key: repr(DATA[key] + change)}), INPUTS, n, key, change)
     (n, through), hencky = solid_meshes[0], SOLIDS[1]
     for state in AXIAL:
         across = 2 if state == "3d" else 1
-        rows += _solved(hencky, hencky.cell(n, through, across, {"state": state}), STATES, n, state)
-    return pd.DataFrame(rows)
+        yield from _solved(hencky, hencky.cell(n, through, across, {"state": state}), STATES, n, state)
 
 
-def _solved(body: Body, cell: Cell, study: str, n: int, key: str = "", change: float = np.nan) -> list[dict[str, Any]]:
+def _solved(body: Body, cell: Cell, study: str, n: int, key: str = "", change: float = np.nan) -> list[Row]:
     """A row a travel."""
     result = solve(*complete(cell.scene, cell.settings, **cell.options))
     if result.verdict not in SOLVED:

@@ -7,12 +7,11 @@ method does: the matrix loses its condition, and the pressure, epsilon times a g
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 from scipy.sparse.linalg import LinearOperator, onenormest
 
@@ -22,6 +21,7 @@ from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
 from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise, superlu
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.experiments.rows import Row, tabulated
 from studies.scenes.contact import plate, strip
 from studies.walk import walk
 
@@ -66,7 +66,8 @@ def wall(case: Cell) -> tuple[float, float, float]:
     return modulus, thickness, float(meridian) / first
 
 
-def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPSILONS) -> pd.DataFrame:
+@tabulated
+def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPSILONS) -> Iterator[Row]:
     """One row for each case, form and epsilon; every solve starts from the state before contact.
 
     penetration_mm: the largest.  force_error: relative to the exact multiplier's sum of nodal forces.  nodes_unlike:
@@ -74,7 +75,6 @@ def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPS
     epsilon inf the saddle-point one.  outcome: of the solve; its numbers are those of the last iterate, whatever it is.
     command: solves the same case with the multiplier form, whose answer it is.
     """
-    rows = []
     for case in cases:
         problem, start = before_contact(case)
         exact = _solved(problem, start, np.inf)
@@ -85,9 +85,8 @@ def epsilon_study(cases: Sequence[Cell] = CASES, epsilons: Sequence[float] = EPS
                 solve = _solved if form == "multiplier" else by_displacements
                 found = solve(problem, start, epsilon)
                 numbers = _measured(problem, exact, found, form, epsilon)
-                rows.append((case.label, form, epsilon, *numbers, case.options["mesh"], command(case, epsilon)))
-    names = ["case", "form", "epsilon", "outcome", "iterations", "penetration_mm", "force_N", "force_error"]
-    return pd.DataFrame(rows, columns=[*names, "nodes_unlike", "condition", "mesh", "command"])
+                row = {"case": case.label, "form": form, "epsilon": epsilon} | numbers
+                yield row | {"mesh": case.options["mesh"], "command": command(case, epsilon)}
 
 
 def command(case: Cell, epsilon: float) -> str:
@@ -176,11 +175,16 @@ def condition(A: sparse.csc_matrix) -> float:
 
 def _measured(
     problem: ContactProblem, exact: ContactSolution, found: ContactSolution, form: str, epsilon: float
-) -> tuple[object, ...]:
+) -> Row:
     lin = problem.linearise(found.u, None)
     matrix = (saddle if form == "multiplier" else penalised)(problem, lin, found.u, found.active, epsilon)
     force, wanted = (float(problem.nodal_forces(state.pressure).sum()) for state in (found, exact))
-    penetration = float(np.max(-problem.gap(found.u), initial=0.0))
-    unlike = int(np.sum(found.active != exact.active))
-    iterations = int(found.counters["newton_iterations"])
-    return found.outcome.word, iterations, penetration, force, force / wanted - 1, unlike, condition(matrix)
+    return {
+        "outcome": found.outcome.word,
+        "iterations": int(found.counters["newton_iterations"]),
+        "penetration_mm": float(np.max(-problem.gap(found.u), initial=0.0)),
+        "force_N": force,
+        "force_error": force / wanted - 1,
+        "nodes_unlike": int(np.sum(found.active != exact.active)),
+        "condition": condition(matrix),
+    }

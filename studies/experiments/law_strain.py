@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 
 import numpy as np
-import pandas as pd
 
 from contact.algorithms.semismooth import Semismooth
 from contact.continuation.load_stepping import follow
@@ -23,6 +23,7 @@ from formulations.solid import SolidDiscretisation, SolidModel
 from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.complete import complete
+from studies.experiments.rows import Row, tabulated
 from studies.scenes.contact.crushed_ring_solid import SolidRingModel
 from studies.scenes.tyre.solid import SolidTyreModel
 from studies.walk import walk
@@ -42,19 +43,16 @@ class Specimen:
     solve: Callable[[str], Iterator[Point]]
 
 
-def law_strain_study(specimens: tuple[Specimen, ...] | None = None) -> pd.DataFrame:
+@tabulated
+def law_strain_study(specimens: tuple[Specimen, ...] | None = None) -> Iterator[Row]:
     """A row for each specimen, load and law: specimen, carries, quantity, load, law, value, strain.
 
     strain: the largest principal logarithmic strain, by size, at the Gauss points of the body.
     """
-    rows = [
-        {"specimen": each.name, "carries": each.carries, "quantity": each.quantity, "load": load, "law": law}
-        | {"value": value, "strain": strain}
-        for each in (SPECIMENS if specimens is None else specimens)
-        for law in LAWS
-        for load, value, strain in each.solve(law)
-    ]
-    return pd.DataFrame(rows)
+    for each, law in product(SPECIMENS if specimens is None else specimens, LAWS):
+        for load, value, strain in each.solve(law):
+            row = {"specimen": each.name, "carries": each.carries, "quantity": each.quantity, "load": load, "law": law}
+            yield row | {"value": value, "strain": strain}
 
 
 def largest_strain(body: SolidDiscretisation, u: np.ndarray) -> float:
@@ -85,10 +83,8 @@ def tube(law: str, pressures: tuple[float, ...] = (0.002, 0.005, 0.01, 0.02)) ->
     fixed[:, 2] = True
     fixed[mesh.on(1, 0.0), 1] = fixed[mesh.on(1, np.pi / 2), 0] = True
     body = SolidDiscretisation.build(mesh, laminate, fixed, LAWS[law])
-    loaded, side = (
-        SolidModel(body, Pressure(1.0, follower=True, area="face")),
-        np.intersect1d(mesh.on(1, 0.0), mesh.on(2, 0.05)),
-    )
+    loaded = SolidModel(body, Pressure(1.0, follower=True, area="face"))
+    side = np.intersect1d(mesh.on(1, 0.0), mesh.on(2, 0.05))
     yield from _path(loaded, pressures, lambda u: float(body.expand(u)[side, 0].mean()))
 
 

@@ -13,12 +13,11 @@ relative, nodal directors that fan out along the element, is in every curved pro
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import product
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.solvers.sparse import factorise
@@ -29,6 +28,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, hyperboloid
 from formulations.section.laminate import SECTIONS, Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import LINEAR
+from studies.experiments.rows import Row, tabulated
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.statics import edge_shares, normal_forces
@@ -101,24 +101,24 @@ def _refined(A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
     return x if met else np.full_like(x, np.nan)
 
 
+@tabulated
 def thickness_locking(
     nus: Sequence[float] = (0.0, 0.3, 0.45),
     meshes: Sequence[int] = MESHES,
     sections: Sequence[str] = SECTIONS,
     h_over_L: float = 0.01,
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """Poisson thickness locking: bending stiffness found over that of plane stress through the thickness.
 
     load: "moment" and "pressure" bend a cantilever strip that cannot move across (cylindrical bending), "equibiaxial"
     a square by moments on its edges. law: 1, and for full-3d (1 - nu)^2/(1 - 2 nu) in cylindrical and
     (1 - nu)/((1 + nu)(1 - 2 nu)) in equibiaxial bending. No refinement and no thinness makes it go away.
     """
-    rows = []
     for load, section, nu, n in product(("moment", "pressure", "equibiaxial"), sections, nus, meshes):
         excess = (1 - nu) / ((1 + nu) * (1 - 2 * nu)) if load == "equibiaxial" else (1 - nu) ** 2 / (1 - 2 * nu)
         law = excess if section == "full-3d" else 1.0
-        rows.append((load, section, nu, n, _bending_stiffness(load, section, nu, n, h_over_L), law))
-    return pd.DataFrame(rows, columns=["load", "section", "nu", "elements", "stiffness_ratio", "law"])
+        ratio = _bending_stiffness(load, section, nu, n, h_over_L)
+        yield {"load": load, "section": section, "nu": nu, "elements": n, "stiffness_ratio": ratio, "law": law}
 
 
 def _bending_stiffness(load: str, section: str, nu: float, n: int, h: float) -> float:
@@ -154,33 +154,33 @@ def _discretised(surface: Surface, grid: Grid, h: float, nu: float, supports: Su
     return Discretisation.build(surface, grid, Laminate.single(Ply.isotropic(1.0, nu, h)), *supports.masks)
 
 
-def shear_locking(aspects: Sequence[float] = (1, 10, 100, 1e3, 1e4), elements: int = 8) -> pd.DataFrame:
+@tabulated
+def shear_locking(elements: int = 8) -> Iterator[Row]:
     """Straight cantilever under end shear, elements of increasing length over thickness l/h; nu = 0.
 
     ratio: tip deflection over Timoshenko's P L^3/(3 E I) + P L/(G A). two_node: 1 - 1/(4 n^2) in the bending part, of a
     linear element without shear locking. fully_integrated: 1/(1 + (5/12)(l/h)^2 ...), what a fully integrated linear
     element (S l^2/(12 D) = (l/h)^2/2 without shear correction) would leave; a yardstick that must fail.
     """
-    rows = []
-    for aspect in aspects:
+    for aspect in (1, 10, 100, 1e3, 1e4):
         h = 1.0 / (aspect * elements)
         tip = _tip_deflection(Plate(), 0, np.linspace(0, 1.0, elements + 1), h)
         bending, shear = 4 / h**3, 2 / h
         softening = (bending * (1 - 1 / (4 * elements**2)) + shear) / (bending + shear)
-        rows.append((aspect, elements, tip / (bending + shear), softening, 1 / (1 + 5 / 12 * aspect**2)))
-    return pd.DataFrame(rows, columns=["l_over_h", "elements", "ratio", "two_node", "fully_integrated"])
+        row = {"l_over_h": aspect, "elements": elements, "ratio": tip / (bending + shear), "two_node": softening}
+        yield row | {"fully_integrated": 1 / (1 + 5 / 12 * aspect**2)}
 
 
+@tabulated
 def curved_beam(
     thinness: Sequence[float] = THINNESS, meshes: Sequence[int] = MESHES, unknowns: str = "director"
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """Quarter of a ring, clamped at one end, radial force at the other: membrane and trapezoidal locking; nu = 0.
 
     ratio: end deflection over the closed form of the curved Timoshenko beam, pi/4 P R (c . C c + 1/(G A)), c = (1, -R)
     the normal force and moment over P sin, C the flexibility of the section whose fibres have the lengths 1 + z/R
     (Winkler, Bach). The element's linear variation of strain between the faces differs from it by O(h/R)^2.
     """
-    rows = []
     for h in thinness:
         logarithm = math.log1p(h / (1 - h / 2))
         J0 = logarithm if h > 1e-3 else h * (1 + h**2 / 12)
@@ -190,8 +190,7 @@ def curved_beam(
         exact = np.pi / 4 * (c @ C @ c + 2 / h)
         for n in meshes:
             tip = _tip_deflection(cylinder(1.0), 1, np.linspace(0, np.pi / 2, n + 1), h, unknowns)
-            rows.append((h, n, unknowns, tip / exact))
-    return pd.DataFrame(rows, columns=["h_over_R", "elements", "unknowns", "ratio"])
+            yield {"h_over_R": h, "elements": n, "unknowns": unknowns, "ratio": tip / exact}
 
 
 def _tip_deflection(surface: Surface, axis: int, lines: np.ndarray, h: float, unknowns: str = "director") -> float:
@@ -202,14 +201,14 @@ def _tip_deflection(surface: Surface, axis: int, lines: np.ndarray, h: float, un
     return float(_solve(_discretised(surface, grid, h, 0.0, supports), forces, unknowns)[tip, 4:].mean())
 
 
+@tabulated
 def membrane_locking(
     surfaces: Sequence[str] = tuple(SURFACES),
     ends: Sequence[str] = ("free", "clamped"),
     thinness: Sequence[float] = THINNESS,
     meshes: Sequence[int] = MESHES,
     membranes: Sequence[str] = ("compatible", "relaxed"),
-    unknowns: str = "director",
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """Shells of revolution under p cos 2 a2: the cylinder of Pitkaranta et al., the hyperboloid of Lee and Bathe.
 
     R = 1 and |a1| <= 1, an octant of n x n elements; nu = 1/3. Free ends let the shell bend without stretching,
@@ -219,19 +218,18 @@ def membrane_locking(
     membrane strain of third order in the element length l that neither membrane removes. Source: Pitkaranta, Leino,
     Ovaskainen, Piila, CMAME 128 (1995) 81; Lee, Bathe, Comput. Struct. 82 (2004) 945.
     """
-    rows = []
     for name, end, h in product(surfaces, ends, thinness):
         laminate = Laminate.single(Ply.isotropic(1.0, 1 / 3, h))
         exact = HarmonicShell(SURFACES[name], laminate, 2, 1.0, 1.0, end == "clamped").energy()
         for membrane, n in product(membranes, meshes):
-            ratio = _energy(SURFACES[name], h, end, n, membrane, unknowns) / exact
-            error = math.sqrt(abs(1 - ratio))
-            rows.append((name, end, membrane, h, n, ratio, error, *_yardstick(name, end, h, n)))
-    names = ["surface", "end", "membrane", "h_over_R", "elements", "energy_ratio", "energy_norm_error"]
-    return pd.DataFrame(rows, columns=[*names, "yardstick_reduced", "yardstick_unreduced"])
+            ratio = _energy(SURFACES[name], h, end, n, membrane) / exact
+            reduced, unreduced = _yardstick(name, end, h, n)
+            row = {"surface": name, "end": end, "membrane": membrane, "h_over_R": h, "elements": n}
+            row |= {"energy_ratio": ratio, "energy_norm_error": math.sqrt(abs(1 - ratio))}
+            yield row | {"yardstick_reduced": reduced, "yardstick_unreduced": unreduced}
 
 
-def _energy(surface: Surface, h: float, end: str, n: int, membrane: str, unknowns: str) -> float:
+def _energy(surface: Surface, h: float, end: str, n: int, membrane: str) -> float:
     right = np.pi / 2
     grid = Grid.tensor(np.linspace(0, 1, n + 1), np.linspace(0, right, n + 1))
     supports = Supports.none(grid).symmetric(grid.on_line(0, 0.0), 0)
@@ -241,7 +239,7 @@ def _energy(surface: Surface, h: float, end: str, n: int, membrane: str, unknown
         supports = supports.clamped(grid.on_line(0, 1.0))
     discretisation = _discretised(surface, grid, h, 1 / 3, supports)
     forces = area_load(discretisation, lambda a1, a2: np.cos(2 * a2)[..., None] * surface.frame(a1, a2)[..., 2, :])
-    return float(0.5 * np.sum(forces * _solve(discretisation, forces, unknowns, membrane=membrane)))
+    return float(0.5 * np.sum(forces * _solve(discretisation, forces, membrane=membrane)))
 
 
 def _yardstick(surface: str, end: str, h: float, n: int) -> tuple[float, float]:

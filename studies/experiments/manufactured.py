@@ -9,13 +9,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import chain, product
 
-import pandas as pd
-
 from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.section.laminate import SECTIONS
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure
 from formulations.strains.quantities import FULL
+from studies.experiments.rows import Row, tabulated
 from studies.scenes.element import PRESETS
 from studies.scenes.manufactured.patches import PIECES
 from studies.scenes.manufactured.statements import STATEMENTS, wrong_coefficients
@@ -43,10 +42,8 @@ class Case:
     def said(self) -> dict[str, str]:
         """What tells it from the others."""
         words = " ".join(f"{key}={value}" for key, value in self.settings.items())
-        return {"group": self.group, "measure": self.measure, "surface": self.surface} | {
-            "element": self.element,
-            "settings": words,
-        }
+        named = {name: getattr(self, name) for name in ("group", "measure", "surface", "element")}
+        return named | {"settings": words}
 
 
 def cases() -> Iterator[Case]:
@@ -69,13 +66,14 @@ def cases() -> Iterator[Case]:
         yield Case("walls", "exact", "cylinder", settings={"section": section, "layup": layup})
 
 
-def manufactured() -> pd.DataFrame:
+@tabulated
+def manufactured() -> Iterator[Row]:
     """A row a case and mesh: n elements along either coordinate, what :func:`errors` measures, and the outcome."""
-    rows = [row for case in cases() for row in errors_of(case)]
-    return pd.DataFrame(rows)
+    for case in cases():
+        yield from errors_of(case)
 
 
-def errors_of(case: Case, meshes: tuple[int, ...] = MESHES) -> Iterator[dict[str, object]]:
+def errors_of(case: Case, meshes: tuple[int, ...] = MESHES) -> Iterator[Row]:
     """The rows of a case."""
     for n in meshes:
         settings = {"surface": case.surface, "element": case.element, **case.settings}
@@ -83,12 +81,12 @@ def errors_of(case: Case, meshes: tuple[int, ...] = MESHES) -> Iterator[dict[str
         yield {**case.said, "n": n, **result.quantities, "class": result.verdict}
 
 
-def manufactured_contact() -> pd.DataFrame:
+@tabulated
+def manufactured_contact() -> Iterator[Row]:
     """A row a measure, surface, mesh and radius of contact, with the errors of pressure and edge, too.
 
     All measures on one surface, the exact one on three of them, and there on one mesh more.
     """
-    rows = []
     own = product(("exact",), CONTACT_SURFACES, MESHES)
     others = product((name for name in MEASURES if name != "exact"), (FINEST_ON,), MESHES)
     for measure, surface, n in chain(own, [("exact", FINEST_ON, 2 * MESHES[-1])], others):
@@ -96,16 +94,13 @@ def manufactured_contact() -> pd.DataFrame:
         case = {"measure": measure, "surface": surface, "n": n, "class": result.verdict}
         for step in result.steps:
             found = {key: step[key] for key in step if key.startswith("error_") or key == "radius"}
-            rows.append({**case, **found, "newton_iterations": step["newton_iterations"]})
-    return pd.DataFrame(rows)
+            yield {**case, **found, "newton_iterations": step["newton_iterations"]}
 
 
-def statements() -> pd.DataFrame:
+@tabulated
+def statements() -> Iterator[Row]:
     """A row a coefficient of a table that is not what its measure states, and one a measure without any."""
-    rows = []
     for name, measure in MEASURES.items():
-        if not isinstance(measure, QuadraticMeasure):
-            continue
-        wrong = wrong_coefficients(measure, STATEMENTS[name])
-        rows += [{"measure": name, "wrong": str(each)} for each in wrong] or [{"measure": name, "wrong": ""}]
-    return pd.DataFrame(rows)
+        if isinstance(measure, QuadraticMeasure):
+            wrong = [str(each) for each in wrong_coefficients(measure, STATEMENTS[name])]
+            yield from ({"measure": name, "wrong": words} for words in wrong or [""])

@@ -7,12 +7,10 @@ wrapped one. A case that breaks a law without the fault is no finding of it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
@@ -23,9 +21,11 @@ from contact.problem import ContactProblem, ContactSolution, Outcome
 from formulations.shell import ShellModel
 from studies import certificate
 from studies.experiments import planted_in_friction
-from studies.experiments.planting import Fault, swapped
+from studies.experiments.planting import Fault, fault, swapped
+from studies.experiments.rows import Row, tabulated
 from studies.fuzz.cases import SCENE, Asked, asked_of
 from studies.fuzz.examine import BROKEN, examine
+from studies.request import Request
 from studies.scenes.contact import panel
 from studies.scenes.tyre import model as tyre_model
 
@@ -155,105 +155,78 @@ def silent(own: Semismooth, problem: ContactProblem, start: ContactSolution) -> 
 # --- models -----------------------------------------------------------------------------------------------------------
 
 
-@contextmanager
-def _one_gradient_turned() -> Iterator[None]:
+@fault("the normal of one node of a ball or drum points inwards", Round, "gradient")
+def inwards(sound: Callable[..., np.ndarray], body: Round, x: np.ndarray) -> np.ndarray:
     """Of the first candidate."""
-    sound = Round.gradient
-
-    def turned(self: Round, x: np.ndarray) -> np.ndarray:
-        return sound(self, x) * np.where(np.arange(len(x)) == 0, -1.0, 1.0)[:, None]
-
-    with swapped(Round, "gradient", turned):
-        yield
+    return sound(body, x) * np.where(np.arange(len(x)) == 0, -1.0, 1.0)[:, None]
 
 
-@contextmanager
-def _no_curvature() -> Iterator[None]:
-    def flat(self: Any, x: np.ndarray) -> np.ndarray:
-        return np.zeros((len(x), 3, 3))
-
-    with swapped(Round, "curvature", flat):
-        yield
+@fault("a ball or drum has no curvature", Round, "curvature")
+def flat(sound: Callable[..., np.ndarray], body: Round, x: np.ndarray) -> np.ndarray:
+    """As if it were a plane."""
+    return np.zeros((len(x), 3, 3))
 
 
-@contextmanager
-def _seam_twice() -> Iterator[None]:
-    whole = tyre_model._candidates
-
-    def doubled(shell: ShellModel, part: Any, area: str, *, coupled: bool) -> Any:
-        nodes, candidates = whole(shell, part, area, coupled=coupled)
-        on_seam = np.isin(part.grid.nodes[nodes, 1], part.grid.ends[1]) & (part.copies > 1)
-        weights = np.where(on_seam, 2.0, 1.0) * candidates.weights
-        return nodes, replace(candidates, weights=weights)
-
-    with swapped(tyre_model, "_candidates", doubled):
-        yield
+@fault("nodes on the seam of half a tyre have twice their area", tyre_model, "_candidates")
+def doubled(sound: Callable[..., Any], shell: ShellModel, part: Any, area: str, *, coupled: bool) -> Any:
+    """Those that both halves have."""
+    nodes, candidates = sound(shell, part, area, coupled=coupled)
+    on_seam = np.isin(part.grid.nodes[nodes, 1], part.grid.ends[1]) & (part.copies > 1)
+    return nodes, replace(candidates, weights=np.where(on_seam, 2.0, 1.0) * candidates.weights)
 
 
-@contextmanager
-def _thickness_in_mm() -> Iterator[None]:
-    wall = panel._wall
-
-    def unscaled(request: Any, h: float, stress: float) -> Any:
-        return wall(request, h / request.number("length_unit"), stress)
-
-    with swapped(panel, "_wall", unscaled):
-        yield
+@fault("a thickness stays in mm in other units", panel, "_wall")
+def unscaled(sound: Callable[..., Any], request: Request, h: float, stress: float) -> Any:
+    """Whatever the unit of length."""
+    return sound(request, h / request.number("length_unit"), stress)
 
 
-@contextmanager
-def _tangent(change: Callable[[sparse.csc_matrix], sparse.csc_matrix]) -> Iterator[None]:
-    linearise = ShellModel.linearise
-
-    def changed(self: ShellModel, *arguments: Any) -> Any:
-        lin = linearise(self, *arguments)
-        return replace(lin, tangent=change(lin.tangent))
-
-    with swapped(ShellModel, "linearise", changed):
-        yield
+@fault("the tangent is a thousandth too stiff", ShellModel, "linearise")
+def stiffened(sound: Callable[..., Any], *arguments: Any) -> Any:
+    """All of it, its residual untouched."""
+    lin = sound(*arguments)
+    return replace(lin, tangent=sparse.csc_matrix(1.001 * lin.tangent))
 
 
-def _two_too_many() -> Any:
-    def counted(*arguments: Any) -> Any:
-        found = stability.stability(*arguments)
-        return found if found.negative is None else replace(found, negative=found.negative + 2)
+@fault("two negative eigenvalues too many are counted", certificate, "stability")
+def two_too_many(sound: Callable[..., Any], *arguments: Any) -> Any:
+    """Where any are."""
+    found = sound(*arguments)
+    return found if found.negative is None else replace(found, negative=found.negative + 2)
 
-    return swapped(certificate, "stability", counted)
 
-
-def _elements_with_the_body() -> Any:
-    return swapped(stability, "_apart", lambda problem, state, K, epsilon, found, overlooked: found)
+@fault("modes of elements are counted as those of the body", stability, "_apart", SCENE)
+def with_the_body(
+    sound: Callable[..., Any], problem: Any, state: Any, K: Any, epsilon: Any, found: Any, overlooked: Any
+) -> Any:
+    """None is set apart."""
+    return found
 
 
 FAULTS = (
     *(left_out, glued, stale, too_large, loose, at_the_limit, endless, raises, exact, last_ignored, no_number, silent),
-    Fault("the normal of one node of a ball or drum points inwards", _one_gradient_turned),
-    Fault("a ball or drum has no curvature", _no_curvature),
-    Fault("nodes on the seam of half a tyre have twice their area", _seam_twice),
-    Fault("a thickness stays in mm in other units", _thickness_in_mm),
-    Fault("the tangent is a thousandth too stiff", lambda: _tangent(lambda K: sparse.csc_matrix(1.001 * K))),
-    Fault("two negative eigenvalues too many are counted", _two_too_many),
-    Fault("modes of elements are counted as those of the body", _elements_with_the_body, SCENE),
+    *(inwards, flat, doubled, unscaled, stiffened, two_too_many, with_the_body),
     *planted_in_friction.FAULTS,
 )
 
 
-def found_after(fault: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> dict[str, Any]:
+def found_after(looked_for: Fault, most: int = MOST, among: Callable[[Asked], bool] | None = None) -> Row:
     """How many cases it took, which case found it and by which law; 0 cases where none of ``most`` has.
 
     among: requests that are examined, the others are passed over.
     """
-    kind = fault.kind or ("" if among is None else SCENE)
+    kind = looked_for.kind or ("" if among is None else SCENE)
     for seed in range(most):
         if among is not None and not among(asked_of(seed)):
             continue
-        with fault.planted():
+        with looked_for.planted():
             report = examine(seed, kind)
         if report.verdict == BROKEN and examine(seed, kind).verdict != BROKEN:
-            return {"fault": fault.name, "cases": seed + 1, "law": report.law, "said": report.said}
-    return {"fault": fault.name, "cases": 0, "law": "", "said": ""}
+            return {"fault": looked_for.name, "cases": seed + 1, "law": report.law, "said": report.said}
+    return {"fault": looked_for.name, "cases": 0, "law": "", "said": ""}
 
 
-def planted_faults() -> pd.DataFrame:
+@tabulated
+def planted_faults() -> Iterator[Row]:
     """All faults, a row each."""
-    return pd.DataFrame([found_after(fault) for fault in FAULTS])
+    return map(found_after, FAULTS)

@@ -15,7 +15,7 @@ from contact.friction.slip import Slip
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from studies import algorithm_settings, solving
 from studies.certificate import certificate
-from studies.experiments.planting import Fault, swapped
+from studies.experiments.planting import Fault, fault, swapped
 from studies.friction.settings import DRAG, MU
 from studies.friction.stages import Stages
 from studies.fuzz import rubbed
@@ -25,20 +25,24 @@ from studies.request import Value
 Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 
 
-@contextmanager
-def _answers(change: Change) -> Iterator[None]:
-    """Every converged answer with friction is changed; change(found, start)."""
-    sound = FrictionalRun.finish
+def answer(name: str) -> Callable[[Change], Fault]:
+    """A fault of every converged answer with friction; change(found, start)."""
 
-    def finish(self: FrictionalRun, at: Point, outcome: Outcome) -> ContactSolution:
-        found = sound(self, at, outcome)
-        return change(found, self.begun) if outcome.converged else found
+    def named(change: Change) -> Fault:
+        @fault(name, FrictionalRun, "finish", FRICTION)
+        def changed(
+            sound: Callable[..., ContactSolution], run: FrictionalRun, at: Point, outcome: Outcome
+        ) -> ContactSolution:
+            found = sound(run, at, outcome)
+            return change(found, run.begun) if outcome.converged else found
 
-    with swapped(FrictionalRun, "finish", finish):
-        yield
+        return changed
+
+    return named
 
 
-def _kept(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+@answer("friction keeps its direction when a drag reverses")
+def kept(found: ContactSolution, start: ContactSolution) -> ContactSolution:
     """Who slips on keeps the direction of its friction, whichever way it slips now."""
     assert found.friction is not None
     if start.friction is None:
@@ -50,20 +54,13 @@ def _kept(found: ContactSolution, start: ContactSolution) -> ContactSolution:
     return replace(found, friction=replace(found.friction, force=force))
 
 
-def _along(found: ContactSolution, start: ContactSolution) -> ContactSolution:
-    """Friction along the slip."""
+@answer("friction along the slip")
+def along(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """And not against it."""
     assert found.friction is not None
     slips = (found.friction.state == State.SLIP)[:, None]
     force = np.where(slips, -found.friction.force, found.friction.force)
     return replace(found, friction=replace(found.friction, force=force))
-
-
-def _gained(found: ContactSolution, start: ContactSolution) -> ContactSolution:
-    """What a step has lost is gained."""
-    assert found.friction is not None
-    before = 0.0 if start.friction is None else start.friction.dissipation
-    lost = 2 * before - found.friction.dissipation
-    return replace(found, friction=replace(found.friction, dissipation=lost))
 
 
 @contextmanager
@@ -73,31 +70,36 @@ def _unjudged() -> Iterator[None]:
     def unasked(*arguments: Any) -> dict[str, Any]:
         return {**certificate(*arguments), "failures": [], "diagnosis": []}
 
-    with swapped(solving, "certificate", unasked), _answers(_along):
+    with swapped(solving, "certificate", unasked), along.planted():
         yield
 
 
-@contextmanager
-def _drag_in_own_units() -> Iterator[None]:
-    sound = Stages._stops
-
-    def stops(self: Stages, setting: Any) -> tuple[float, ...]:
-        found = sound(self, setting)
-        unit = self._settings.number("length_unit") if "length_unit" in self._settings else 1.0
-        return tuple(stop / unit for stop in found) if setting is DRAG else found
-
-    with swapped(Stages, "_stops", stops):
-        yield
+@answer("what friction loses is gained")
+def gained(found: ContactSolution, start: ContactSolution) -> ContactSolution:
+    """Of a step."""
+    assert found.friction is not None
+    before = 0.0 if start.friction is None else start.friction.dissipation
+    lost = 2 * before - found.friction.dissipation
+    return replace(found, friction=replace(found.friction, dissipation=lost))
 
 
-def _anchored(change: Callable[[np.ndarray], np.ndarray]) -> Any:
-    """Where candidates are taken to have stuck is changed, for the algorithm and its judge alike."""
-    sound = Slip.left
-    return swapped(Slip, "left", lambda slip, u, stretched: change(sound(slip, u, stretched)))
+@fault("a drag is taken in the unit of length of the problem", Stages, "_stops", FRICTION)
+def in_own_units(sound: Callable[..., tuple[float, ...]], stages: Stages, setting: Any) -> tuple[float, ...]:
+    """And not in mm."""
+    found = sound(stages, setting)
+    unit = stages._settings.number("length_unit") if "length_unit" in stages._settings else 1.0
+    return tuple(stop / unit for stop in found) if setting is DRAG else found
+
+
+@fault("anchors are a thousandth off", Slip, "left", FRICTION)
+def anchored_elsewhere(sound: Callable[..., np.ndarray], *arguments: Any) -> np.ndarray:
+    """Where candidates are taken to have stuck, for the algorithm and its judge alike."""
+    return 1.001 * sound(*arguments)
 
 
 @contextmanager
 def _settings_dropped() -> Iterator[None]:
+    """All but the stiffness of springs, where it is solved and where it is looked at."""
     sound = algorithm_settings.configured
 
     def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
@@ -108,15 +110,6 @@ def _settings_dropped() -> Iterator[None]:
         yield
 
 
-FAULTS = tuple(
-    Fault(name, planted, FRICTION)
-    for name, planted in (
-        ("friction keeps its direction when a drag reverses", lambda: _answers(_kept)),
-        ("friction along the slip", lambda: _answers(_along)),
-        ("friction along the slip, and no judge is asked", _unjudged),
-        ("what friction loses is gained", lambda: _answers(_gained)),
-        ("a drag is taken in the unit of length of the problem", _drag_in_own_units),
-        ("anchors are a thousandth off", lambda: _anchored(lambda places: 1.001 * places)),
-        ("settings of an algorithm are dropped with friction", _settings_dropped),
-    )
-)
+DROPPED = Fault("settings of an algorithm are dropped with friction", _settings_dropped, FRICTION)
+UNJUDGED = Fault("friction along the slip, and no judge is asked", _unjudged, FRICTION)
+FAULTS = (kept, along, UNJUDGED, gained, in_own_units, anchored_elsewhere, DROPPED)

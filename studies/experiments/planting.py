@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,8 +16,22 @@ class Fault:
     """
 
     name: str
-    planted: Callable[[], Any]
+    planted: Callable[[], AbstractContextManager[None]]
     kind: str = ""
+
+
+def fault(name: str, place: Any, function: str, kind: str = "") -> Callable[[Callable[..., Any]], Fault]:
+    """A fault of a function of a module or a class: what stands in its place is given the sound one first."""
+
+    def named(faulty: Callable[..., Any]) -> Fault:
+        return Fault(name, lambda: swapped(place, function, _before(vars(place)[function], faulty)), kind)
+
+    return named
+
+
+def _before(sound: Callable[..., Any], faulty: Callable[..., Any]) -> Callable[..., Any]:
+    """A plain function, which a class binds as it did the sound one."""
+    return lambda *arguments, **options: faulty(sound, *arguments, **options)
 
 
 @contextmanager

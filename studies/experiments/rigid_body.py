@@ -6,19 +6,18 @@ surface, derivatives of its components by 8th-order differences.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere, torus
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import FULL, STRAINS, gradient_coefficients, shear_row_factors
+from studies.experiments.rows import Row, tabulated
 
 CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
 STEP = 0.015
@@ -131,33 +130,36 @@ def motions(surface: str, theta: float, slide: float) -> dict[str, Motion]:
     }
 
 
-def rigid_body_table(theta: float = 0.5, slide: float = 0.3) -> pd.DataFrame:
+@tabulated
+def rigid_body_table(theta: float = 0.5, slide: float = 0.3) -> Iterator[Row]:
     """All measures x surfaces x motions: a strain on the outer face, its declared value, the largest |E| of all 11.
 
     ``declared`` is missing where no closed form is declared. A measure with full gradients follows its plate laws on
     every surface, because its q depends on R alone.
     """
-    rows = [left_by(measure, *case, theta, slide) for measure, case in product(MEASURES.values(), CASES)]
-    table = pd.DataFrame(rows)
-    return table.assign(theta_rad=np.where(table["motion"] == "translation", 0.0, theta), slide=slide)
+    for measure, case in product(MEASURES.values(), CASES):
+        row = left_by(measure, *case, theta, slide)
+        yield row | {"theta_rad": 0.0 if row["motion"] == "translation" else theta, "slide": slide}
 
 
-def small_motions(amounts: Sequence[float] = AMOUNTS) -> pd.DataFrame:
+@tabulated
+def small_motions() -> Iterator[Row]:
     """The same under motions that halve, from which rates and coefficients are fitted.
 
     amount: an angle [rad], of a translation a share of the length of the sample.
     """
-    cases = product(amounts, MEASURES.values(), CASES)
-    return pd.DataFrame([{**left_by(measure, *case, a, a), "amount": a} for a, measure, case in cases])
+    for a, measure, case in product(AMOUNTS, MEASURES.values(), CASES):
+        yield {**left_by(measure, *case, a, a), "amount": a}
 
 
-def rotation_sweep(points: int = 73) -> pd.DataFrame:
+@tabulated
+def rotation_sweep(points: int = 73) -> Iterator[Row]:
     """Strains on the outer face over a full turn, beside the declared ones: the cases SWEPT."""
-    cases = product(np.linspace(0, 2 * np.pi, points).tolist(), SWEPT, MEASURES.values())
-    return pd.DataFrame([{**left_by(measure, *case, t, 0.0), "theta_rad": t} for t, case, measure in cases])
+    for t, case, measure in product(np.linspace(0, 2 * np.pi, points).tolist(), SWEPT, MEASURES.values()):
+        yield {**left_by(measure, *case, t, 0.0), "theta_rad": t}
 
 
-def left_by(measure: StrainMeasure, surface: str, motion: str, theta: float, slide: float) -> dict[str, Any]:
+def left_by(measure: StrainMeasure, surface: str, motion: str, theta: float, slide: float) -> Row:
     """What a motion leaves at the sample point of a surface: a row of the tables."""
     m = motions(surface, theta, slide)[motion]
     E = residual_strains(measure, surface, motion, theta, slide)

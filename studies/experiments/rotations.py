@@ -11,10 +11,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import follow
@@ -36,6 +34,7 @@ from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import StrainMeasure
 from formulations.strains.quantities import N_E
 from studies.experiments.rigid_body import rotation
+from studies.experiments.rows import Row, tabulated
 from studies.experiments.specimens import Element
 
 RADIUS, LENGTH, WIDTH, THICKNESS = 1.0, 1.0, 0.8, 0.05  # width: an angle
@@ -107,7 +106,7 @@ class Panel:
         v = np.einsum("nij,fnj->nif", frame, u).reshape(-1, 6)
         return replace(shell, prescribed=np.where(shell.discretisation.map.held, v, 0.0))
 
-    def run(self, steps: int = STEPS) -> Iterator[dict[str, Any]]:
+    def run(self, steps: int = STEPS) -> Iterator[Row]:
         """What is left after each leg; ends early where the shell does not follow."""
         shell = self.at_rest()
         x, frame = self.faces(shell)
@@ -139,7 +138,8 @@ class Panel:
             }
 
 
-def rotations_table(angle: float = ANGLE) -> pd.DataFrame:
+@tabulated
+def rotations_table() -> Iterator[Row]:
     """All measures, free and strained, there and back, and strained astray.
 
     leg: rotations done.  strain: the largest mean |E| of an element.  energy [E mm^3], energy_change: over that before
@@ -147,11 +147,10 @@ def rotations_table(angle: float = ANGLE) -> pd.DataFrame:
     there before the first one, over the panel's length.  away: the largest displacement, over the same.  outcome: of
     the path up to there; beyond one that is not converged there is nothing.
     """
-    rows = []
     for (measure, element), (body, path) in product(cases(), RUNS):
         own = {"measure": measure.name, "interpolation": element.interpolation, "body": body, "path": path}
-        rows += [own | found for found in Panel(measure, element, body == "strained", PATHS[path], angle).run()]
-    return pd.DataFrame(rows)
+        for found in Panel(measure, element, body == "strained", PATHS[path]).run():
+            yield own | found
 
 
 def cases() -> list[tuple[StrainMeasure, Element]]:

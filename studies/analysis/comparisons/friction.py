@@ -14,7 +14,7 @@ import pandas as pd
 from studies.analysis.cells.rows import holds_from
 from studies.analysis.evidence import Tables
 from studies.analysis.richardson import power_of
-from studies.experiments.friction.scenes.rubbed_scenes import DELTA, MESH
+from studies.experiments.friction.rubbed_scenes import DELTA, MESH
 from studies.result import SOLVED, UNSUPPORTED
 
 FULL = 0.01  # a force or a torque is full once it is so near to its bound, and stays so

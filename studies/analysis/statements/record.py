@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from inspect import signature
 from typing import Any
 
 import pandas as pd
 
 from studies.analysis.comparisons.friction import FLOOR
 from studies.analysis.evidence import NothingError, Tables, evaluated, read_values
-from studies.experiments.friction.scenes.agreement import AGREED
-from studies.experiments.friction.scenes.cost import cost_table
-from studies.experiments.friction.scenes.rubbed_scenes import steps_table
+from studies.experiments.friction.agreement import AGREED
+from studies.experiments.friction.rubbed_scenes import COARSE, CONTACT, MESH, MU
 
 OPENING, FINDING, LIMIT, ANSWER = "opening", "finding", "limitation", "answer"
 COLUMNS = ("statement", "page", "role", "text", "problems", "scope", "machine")
@@ -40,12 +38,15 @@ class Statement:
     machine: bool = False
 
 
-def _defaults(table: str, maker: Callable[..., pd.DataFrame]) -> dict[str, Any]:
-    """What a table of experiments is made with, by names that are not published."""
-    return {f"_{table}_{name}": each.default for name, each in signature(maker).parameters.items()}
-
-
-DEFAULTS = _defaults("cost", cost_table) | _defaults("steps", steps_table) | {"_agreed": AGREED, "_floor": FLOOR}
+# what the tables of experiments are made with, by names that are not published
+DEFAULTS: dict[str, Any] = {
+    "_cost_mesh": MESH,
+    "_cost_contact": CONTACT,
+    "_steps_mesh": COARSE,
+    "_steps_mu": MU,
+    "_agreed": AGREED,
+    "_floor": FLOOR,
+}
 
 
 def declared(declaration: Mapping[str, Any], tables: Tables) -> Iterator[Statement]:

@@ -26,15 +26,14 @@ from contact.problem import ContactProblem, ContactSolution
 from studies.arena.collected.certified import confirm_with_friction, find_with_friction
 from studies.arena.collected.collection import LEFT_OUT, Candidate, Collection, Tell, silent, sums, write
 from studies.arena.collected.rule import condition, kind
-from studies.experiments.friction.closed_forms.bars import Bar
-from studies.experiments.friction.closed_forms.rigid_bodies import SOFT
-from studies.experiments.friction.discrete.greco import frictional
+from studies.experiments.friction.bars import Bar
+from studies.experiments.friction.greco import GrecoPlate
 from studies.experiments.friction.public.public_problems import small, source
 from studies.experiments.friction.public.random_steps import dense_step, random_step
-from studies.experiments.friction.scenes.tyre_drag import tyre_drag
-from studies.experiments.solids.greco_plate import GrecoPlate
+from studies.experiments.friction.tyre_drag import tyre_drag
 
 RADIUS, TENSION = 100.0, 10.0  # mm, N: of drums
+SOFT = 1.0  # N/mm: springs that carry nothing until a rigid body slides
 DRIVEN = 10.0  # mm: whoever is driven that far slips all over
 SEEDS = range(10)
 Rubbed = Candidate[FrozenFrictionalStep]
@@ -93,7 +92,7 @@ def plates() -> Iterator[Rubbed]:
     """The GRECO plate: open, sliding and sticking in one."""
     for element, n, mu in (("Q2", 8, 1.0), ("Q2", 16, 1.0), ("Q2", 16, 0.3), ("Q1", 16, 1.0), ("Q2", 32, 1.0)):
         plate = GrecoPlate(element, n)
-        step = _frozen(frictional(plate, mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
+        step = _frozen(plate.rubbed(mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
         name = f"greco-{element}-{n}-mu{mu:g}"
         yield Candidate("greco", name, {"source": "GRECO plate with friction, SSNV128"}, step)
 

@@ -6,8 +6,10 @@ in :mod:`studies.choosing`; which sentence follows is not known here.
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -16,12 +18,13 @@ import pandas as pd
 from studies.choosing.choice import Choice
 from studies.choosing.choose import choose, loosened
 from studies.choosing.offers import Offer
+from studies.experiments.accuracy.error_coverage import settings_of
 from studies.request import text_of
 
 ERRORS = (0.05, 0.01)
 SMALL, LARGE, PATCH = "small rotations", "large rotations", "contact"
 OFFER, VARIANT, GRID, ALGORITHM = "offer", "variant", "grid", "algorithm"  # what a row is
-BUDGET, LONG = 120.0, 240.0  # s of wall time; of what has many unknowns
+BUDGET = 120.0  # s of wall time
 PROBLEM = ["scene", "settings"]  # the columns that tell problems apart
 COARSE = 0.5  # of the unknowns of the exact measure's finest grid, below which a limit rests on coarse grids
 KEYS = [*PROBLEM, "name"]
@@ -44,26 +47,15 @@ class Ask:
     budget: float = BUDGET
 
 
-ASKS = (
-    Ask(SMALL, "scordelis-lo"),
-    Ask(SMALL, "pinched-cylinder", {"shear_correction": "1000"}),
-    Ask(SMALL, "shallow-cap", {}, "limit_load_fraction"),
-    Ask(SMALL, "roof-a", {"until": "limit", "lines": "edges"}, "limit_load_fraction"),
-    Ask(SMALL, "roof-d", {"until": "limit", "lines": "edges"}, "limit_load_fraction"),
-    Ask(LARGE, "cantilever", {"load_fraction": "1"}),
-    Ask(LARGE, "sze-annulus", {"load_fraction": "1", "lines": "edges"}),
-    Ask(LARGE, "hemisphere", {"load_fraction": "1", "lines": "edges"}),
-    Ask(LARGE, "sze-pullout", {"load_fraction": "1"}, "u_B_mm"),
-    Ask(LARGE, "semicylinder", {}, None, LONG),
-    Ask(PATCH, "strip-contact", {"load_fraction": "5"}),
-    Ask(PATCH, "plate-contact", {"load_fraction": "5"}),
-    Ask(PATCH, "ring", {"delta_mm": "50"}),
-    Ask(PATCH, "tyre", {"delta_mm": "5"}, None, LONG),
-    Ask(PATCH, "tyre", {"delta_mm": "20"}, None, LONG),
-)
+def shipped_asks() -> Iterator[Ask]:
+    """Those of ``choices.csv``, regime by regime; ``budget_s``: more of what has many unknowns."""
+    with files("studies.experiments.accuracy").joinpath("choices.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            given = settings_of(row["settings"])
+            yield Ask(row["regime"], row["scene"], given, row["quantity"] or None, float(row["budget_s"]))
 
 
-def choices(asks: Iterable[Ask] = ASKS, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
+def choices(asks: Iterable[Ask] | None = None, errors: Sequence[float] = ERRORS) -> pd.DataFrame:
     """COLUMNS, rows of four kinds for each quantity and error asked for.
 
     What the smallest error takes says what larger ones take, too; where it has no answer they are asked for themselves.
@@ -74,7 +66,7 @@ def choices(asks: Iterable[Ask] = ASKS, errors: Sequence[float] = ERRORS) -> pd.
     seconds: CPU time, of a path from the grid before in the rows of variants and grids.
     """
     rows = list[dict[str, Any]]()
-    for ask in asks:
+    for ask in shipped_asks() if asks is None else asks:
         for found in _found(ask, errors):
             limit = {"limit": np.nan, "uncertainty": np.nan}
             if found.limit is not None:

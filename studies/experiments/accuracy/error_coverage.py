@@ -11,16 +11,17 @@ its own error and those of all finer ones of its family are within what was aske
 
 from __future__ import annotations
 
+import csv
 import math
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 from itertools import pairwise
 from typing import Any
 
-import pandas as pd
-
 from studies.analysis.richardson import correction
+from studies.experiments.rows import Row, tabulated
 from studies.refinement.cascade import answer, first_grid
 from studies.refinement.error_control import coarsest
 from studies.request import Request
@@ -42,59 +43,16 @@ class Case:
     settings: Mapping[str, str] = field(default_factory=dict)
 
 
-CASES = (
-    Case("cantilever", ("tip_deflection_mm", "tip_shortening_mm")),
-    Case("hemisphere", ("inward_mm", "outward_mm"), {"load_fraction": "0.25"}),
-    Case("hemisphere", ("inward_mm", "outward_mm"), {"load_fraction": "0.25", "interpolation": "isoparametric"}),
-    Case("sze-annulus", ("w_A_mm", "w_B_mm"), {"load_fraction": "0.1"}),
-    Case("sze-moment", ("tip_deflection_mm", "tip_shortening_mm"), {"load_fraction": "0.5"}),
-    Case("sze-pullout", ("w_A_even_mm", "u_B_mm"), {"load_fraction": "0.025"}),
-    Case("sze-pinched", ("w_A_mm",), {"load_fraction": "0.05"}),
-    Case("semicylinder", ("w_A_mm",), {"load_fraction": "0.25"}),
-    Case("semicylinder-0-90-0", ("w_A_mm",), {"load_fraction": "0.25"}),
-    Case("semicylinder-90-0-90", ("w_A_mm",), {"load_fraction": "0.25"}),
-    Case("roof-a", ("limit_load_fraction", "limit_w_C_even_mm"), {"until": "limit"}),
-    Case("roof-b", ("limit_load_fraction",), {"until": "limit"}),
-    Case("roof-c", ("limit_load_fraction",), {"until": "limit"}),
-    Case("roof-d", ("limit_load_fraction",), {"until": "limit"}),
-    Case("roof-e", ("limit_load_fraction",), {"until": "limit"}),
-    Case("roof-f", ("limit_load_fraction",), {"until": "limit"}),
-    Case("shallow-cap", ("limit_load_fraction", "limit_w_apex_mm")),
-    Case("pressurised-cylinder", ("stretch", "thickness_ratio")),
-    Case("pressurised-sphere", ("stretch",)),
-    Case("pressurised-torus", ("N_phi_crown_N_per_mm", "N_theta_outer_N_per_mm", "N_theta_inner_N_per_mm")),
-    Case("scordelis-lo", ("edge_deflection_mm",)),
-    Case("scordelis-lo", ("edge_deflection_mm",), {"interpolation": "isoparametric"}),
-    Case("pinched-cylinder", ("deflection_mm",)),
-    Case("pagano", ("w_bar", "sigma_x_bar", "tau_xz_bar"), {"S": "10"}),
-    Case("pagano", ("w_bar", "sigma_x_bar"), {"S": "100"}),
-    Case("strip-contact", ("half_force", "free_length", "edge_pressure")),
-    Case("heavy-strip", ("lift_force", "free_length")),
-    Case("plate-contact", ("contact_force", "contact_radius")),
-    Case("ring", ("P_R2_over_EI", "P_H2_over_EI"), {"delta_mm": "35"}),
-    Case("tyre", ("force_N", "centre_pressure_MPa", "half_length_mm"), {"delta_mm": "10"}),
-    Case("tyre", ("force_N",), {"delta_mm": "20"}),
-    Case("tyre", ("force_N",), {"delta_mm": "20", "element": "paper"}),
-    Case("tyre", ("force_N",), {"delta_mm": "10", "E_MPa": "20", "nu": "0.45"}),
-    # loads and settings that no default names
-    Case("cantilever", ("tip_deflection_mm", "tip_shortening_mm"), {"load_fraction": "0.37"}),
-    Case("hemisphere", ("inward_mm", "outward_mm"), {"load_fraction": "0.63"}),
-    Case("sze-annulus", ("w_A_mm", "w_B_mm"), {"load_fraction": "0.17"}),
-    Case("sze-moment", ("tip_deflection_mm", "tip_shortening_mm"), {"load_fraction": "0.31"}),
-    Case("sze-pullout", ("w_A_even_mm", "u_B_mm"), {"load_fraction": "0.08"}),
-    Case("sze-pinched", ("w_A_mm",), {"load_fraction": "0.033"}),
-    Case("semicylinder", ("w_A_mm",), {"load_fraction": "0.13"}),
-    Case("pressurised-cylinder", ("stretch", "thickness_ratio"), {"load_fraction": "0.6", "ends": "open"}),
-    Case("pressurised-sphere", ("stretch", "thickness_ratio"), {"load_fraction": "0.45"}),
-    Case("pagano", ("w_bar", "sigma_x_bar", "tau_xz_bar"), {"S": "27"}),
-    Case("strip-contact", ("half_force", "free_length"), {"load_fraction": "3.3", "lam_over_a": "0.15"}),
-    Case("heavy-strip", ("lift_force", "free_length"), {"load_fraction": "0.7"}),
-    Case("plate-contact", ("contact_force",), {"load_fraction": "2.7"}),
-    Case("ring", ("P_R2_over_EI", "P_H2_over_EI"), {"delta_mm": "17"}),
-    Case("tyre", ("force_N", "centre_pressure_MPa"), {"delta_mm": "13", "p0_MPa": "0.2"}),
-    Case("tyre", ("force_N",), {"delta_mm": "16", "gamma_deg": "40"}),
-    Case("tyre", ("force_N",), {"delta_mm": "12", "load": "follower"}),
-)
+def shipped_cases() -> Iterator[Case]:
+    """Those of ``error_coverage.csv``: of all scenes; then loads and settings that no default names."""
+    with files("studies.experiments.accuracy").joinpath("error_coverage.csv").open(encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            yield Case(row["scene"], row["quantities"].split(), settings_of(row["settings"]))
+
+
+def settings_of(words: str) -> dict[str, str]:
+    """Of "key=value key=value"."""
+    return dict(word.split("=") for word in words.split())
 
 
 @dataclass(frozen=True)
@@ -115,9 +73,8 @@ class Grid:
     quantities: Mapping[str, float]
 
 
-def error_coverage(
-    cases: Iterable[Case] = CASES, errors: Sequence[float] = ERRORS, finest: float = FINEST
-) -> pd.DataFrame:
+@tabulated
+def error_coverage(cases: Iterable[Case] | None = None, errors: Sequence[float] = ERRORS) -> Iterator[Row]:
     """One row a case, quantity and error: what is stated, what counts for true, and what both cost.
 
     low, high: what is stated of the relative error of the value on the last grid; value_error: that error, against
@@ -126,9 +83,8 @@ def error_coverage(
     decided: whether the true limit is known well enough to say so, or they are not, whatever it is.  seconds: CPU time
     of the answer; cheapest_s: of the cheapest grid as good, NaN where none is known; cost: the one over the other.
     """
-    rows: list[dict[str, object]] = []
-    for case in cases:
-        uniform = uniform_grids(case, finest)
+    for case in shipped_cases() if cases is None else cases:
+        uniform = uniform_grids(case)
         truths = {quantity: truth for quantity in case.quantities if (truth := limit_of_grids(uniform, quantity))}
         scene, request = first_grid(case.scene, case.settings)
         family: dict[tuple[int, int], Grid] = {}
@@ -142,14 +98,13 @@ def error_coverage(
                 least = least if math.isfinite(least) else math.nan
                 price = {"seconds": seconds, "cheapest_s": least, "cost": seconds / least}
                 row = _row(case, quantity, error, result, known=known) | price
-                rows.append(row | (_against(row, truth) if truth is not None else {}))
-    return pd.DataFrame(rows)
+                yield row | (_against(row, truth) if truth is not None else {})
 
 
-def uniform_grids(case: Case, finest: float = FINEST) -> list[Grid]:
+def uniform_grids(case: Case) -> list[Grid]:
     """Coarse to fine, those that carry the load."""
     scene, request = coarsest(case.scene, case.settings)
-    most = finest if min(request.mesh) > 1 else finest / 10
+    most = FINEST if min(request.mesh) > 1 else FINEST / 10
     found = list[Grid]()
     for times in range(10):
         n1, n2 = (n * 2**times if n > 1 else 1 for n in request.mesh)
@@ -199,10 +154,10 @@ def _meshes(result: Result) -> set[tuple[int, int]]:
     return {(int(n1), int(n2)) for n1, n2 in sides}
 
 
-def _row(case: Case, quantity: str, error: float, result: Result, *, known: bool) -> dict[str, object]:
+def _row(case: Case, quantity: str, error: float, result: Result, *, known: bool) -> Row:
     """What was asked for, and what was stated."""
     told = result.quantities
-    row: dict[str, object] = {
+    row = {
         "scene": case.scene,
         "settings": " ".join(f"{key}={value}" for key, value in case.settings.items()),
         "quantity": quantity,
@@ -218,9 +173,9 @@ def _row(case: Case, quantity: str, error: float, result: Result, *, known: bool
     return row | {"value": told[quantity]} | known_to
 
 
-def _against(row: Mapping[str, Any], truth: Truth) -> dict[str, object]:
+def _against(row: Mapping[str, Any], truth: Truth) -> Row:
     """What is stated, beside the truth."""
-    found: dict[str, object] = {"true": truth.limit, "known": truth.known}
+    found: Row = {"true": truth.limit, "known": truth.known}
     if "stated" not in row:
         return found
     known, coarser = truth.known, row["unknowns"] < truth.unknowns

@@ -9,18 +9,19 @@ setting has made: a closed form where there is one.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.load_stepping import SMALLEST
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
 from studies.experiments.extremes.maps import CONVERGED, UNTOUCHED, Found, attempt
+from studies.experiments.rows import Row, tabulated
 from studies.scenes.benchmarks import pagano
 from studies.scenes.benchmarks.sze.moment import L, circular_arc
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring, pinched_ring
@@ -168,30 +169,23 @@ def search(good: Callable[[float], bool], start: float, bound: float) -> tuple[f
     return last, float(value)
 
 
-def solved(cell: Cell, smallest: float) -> Found:
-    """A point, as the maps solve it."""
-    return attempt(cell, smallest)
-
-
+@tabulated
 def limits_table(
-    measures: Sequence[str] = tuple(MEASURES), algorithms: Sequence[str] = tuple(ALGORITHMS), solve: Solve = solved
-) -> pd.DataFrame:
+    measures: Sequence[str] = tuple(MEASURES), algorithms: Sequence[str] = tuple(ALGORITHMS), solve: Solve = attempt
+) -> Iterator[Row]:
     """A row for each limit of each measure and of each algorithm.
 
     value: the last that converges and is certified, NaN without one; bound: it was reached.  right: the last that is
     within RIGHT, too.  error, error_ordinary: relative, at ``value`` and at the ordinary one.  fails, kind, reason: the
     next value on the way, which fails, and how.
     """
-    rows = []
     for part, names in ((MEASURE, measures), (ALGORITHM, algorithms)):
-        for name in names:
-            for limit in LIMITS[part]:
-                pair = (name, limit.contact) if part == MEASURE else ("exact", name)
-                rows.append({"part": part, "name": name, **_found(limit, *pair, solve)})
-    return pd.DataFrame(rows)
+        for name, limit in product(names, LIMITS[part]):
+            pair = (name, limit.contact) if part == MEASURE else ("exact", name)
+            yield {"part": part, "name": name, **_found(limit, *pair, solve)}
 
 
-def _found(limit: Limit, measure: str, contact: str, solve: Solve) -> dict[str, Any]:
+def _found(limit: Limit, measure: str, contact: str, solve: Solve) -> Row:
     seen: dict[float, Found] = {}
 
     def good(value: float) -> bool:

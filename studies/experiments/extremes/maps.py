@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.continuation.critical_points import PathEnd
@@ -24,6 +23,7 @@ from studies.campaigns.cell import Cell
 from studies.certificate import certificate
 from studies.complete import complete
 from studies.experiments.extremes.bisection import BUDGET, Located, distance, locate
+from studies.experiments.rows import Row, tabulated
 from studies.request import Request
 from studies.result import UNSTABLE as NOT_STABLE
 from studies.scene import SceneModel, UsageError
@@ -252,22 +252,22 @@ def chart_of(name: str) -> Chart:
     return found[0]
 
 
-def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+@tabulated
+def check_table(names: Sequence[str] = WHOLE, at: Callable[[Cell], Found] = attempt) -> Iterator[Row]:
     """Maps beside all of their points: how many were asked for, and how far the boundary is from the true one."""
-    rows = []
     for chart in map(chart_of, names):
         where, found = chart.located(at)
         whole = np.full(chart.shape, "", dtype=object)
         for i, j in np.ndindex(chart.shape):
             whole[i, j] = (found.get((i, j)) or at(chart.cell(i, j))).kind
         cells, unlike = distance(where.classes, whole, rows_apart=chart.y.named), int(np.sum(where.classes != whole))
-        rows.append((chart.name, whole.size, int(where.asked.sum()), where.share, cells, unlike))
-    return pd.DataFrame(rows, columns=["map", "points", "asked", "share", "distance", "unlike"])
+        asked = {"asked": int(where.asked.sum()), "share": where.share}
+        yield {"map": chart.name, "points": whole.size, **asked, "distance": cells, "unlike": unlike}
 
 
-def extremes_table(charts: Sequence[Chart] = PAIRS, at: Callable[[Cell], Found] = attempt) -> pd.DataFrame:
+@tabulated
+def extremes_table(charts: Sequence[Chart] = PAIRS, at: Callable[[Cell], Found] = attempt) -> Iterator[Row]:
     """All points of maps, one row each: indices, values, class, whether it was asked for, and what it cost."""
-    rows = []
     for chart in charts:
         where, found = chart.located(at, whole=chart.name in WHOLE)
         for (i, j), kind in np.ndenumerate(where.classes):
@@ -277,16 +277,15 @@ def extremes_table(charts: Sequence[Chart] = PAIRS, at: Callable[[Cell], Found] 
             if own is not None:
                 row |= {"reason": own.reason, "iterations": own.iterations, "factorisations": own.factorisations}
                 row["command"] = chart.command(i, j)
-            rows.append(row)
-    return pd.DataFrame(rows)
+            yield row
 
 
-def axes_table(charts: Sequence[Chart] = PAIRS) -> pd.DataFrame:
+@tabulated
+def axes_table(charts: Sequence[Chart] = PAIRS) -> Iterator[Row]:
     """What the maps are of, one row a map; stride: cells of a block of the first grid, 1 where all are solved."""
-    rows = []
     for chart in charts:
         told = {"scene": chart.scene, **chart.options, **chart.settings}
         fixed = ", ".join(f"{key} {value}" for key, value in told.items())
+        axes = {"x_label": chart.x.label, "y_label": chart.y.label, "y_named": chart.y.named}
         stride = 1 if chart.name in WHOLE else chart.stride
-        rows.append((chart.name, chart.title, chart.x.label, chart.y.label, chart.y.named, fixed, stride))
-    return pd.DataFrame(rows, columns=["map", "title", "x_label", "y_label", "y_named", "fixed", "stride"])
+        yield {"map": chart.name, "title": chart.title, **axes, "fixed": fixed, "stride": stride}

@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 
 from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
@@ -28,6 +27,7 @@ from studies.complete import complete
 from studies.experiments.conformance import NOTICED, claims_objectivity
 from studies.experiments.invariance.problems import CYLINDER, FIRST, PLATE, TORUS, Motion, Posed, Seen, Way, renumbered
 from studies.experiments.rigid_body import rotation
+from studies.experiments.rows import Row, tabulated
 from studies.experiments.specimens import Element
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.model import TyreModel
@@ -67,19 +67,18 @@ class Answer:
     iterations: int
 
 
+@tabulated
 def symmetry_table(
     measures: Mapping[str, StrainMeasure] = MEASURES,
     algorithms: Mapping[str, Callable[[], ContactAlgorithm]] = ALGORITHMS,
-) -> pd.DataFrame:
+) -> Iterator[Row]:
     """All checks of all pairs, one row each: deviation, its two yardsticks, its class, and why where one is due."""
-    rows = []
     for name, measure in measures.items():
         inflated = {gamma: _inflated(measure, gamma) for gamma in TYRE_ANGLES}
         for algorithm_name, make in algorithms.items():
             algorithm = make()
             checks = [*_panels(measure, algorithm), *_tyres(inflated, algorithm)]
-            rows += [{"measure": name, "algorithm": algorithm_name, **check} for check in checks]
-    return pd.DataFrame(rows)
+            yield from ({"measure": name, "algorithm": algorithm_name, **check} for check in checks)
 
 
 # --- classes --------------------------------------------------------------------------------------------------------
@@ -96,7 +95,7 @@ def classified(deviation: float, rounding: float, tolerance: float, by_design: s
     return TOLERANCE if deviation <= tolerance else ACCIDENT  # NaN is an accident
 
 
-def _row(check: str, one: Answer, other: Answer, deviation: float, by_design: str = "") -> dict[str, object]:
+def _row(check: str, one: Answer, other: Answer, deviation: float, by_design: str = "") -> Row:
     """One check: ``one`` is the yardstick."""
     wrong = one.wrong or other.wrong
     verdict = classified(deviation, one.rounding, one.tolerance, by_design)
@@ -150,7 +149,7 @@ def _answer(
 # --- panels ---------------------------------------------------------------------------------------------------------
 
 
-def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[dict[str, object]]:
+def _panels(measure: StrainMeasure, algorithm: ContactAlgorithm) -> Iterator[Row]:
     """A torus posed in other ways, and panels moved as a whole, together with all that holds and presses them."""
     first = TORUS.posed(measure)
     one = solved(first, algorithm)
@@ -181,7 +180,7 @@ def solved(posed: Posed, algorithm: ContactAlgorithm, steps: int = 1) -> Answer:
     return _answer(problem, state, outcome, own, posed.seen)
 
 
-def against(check: str, one: Answer, other: Answer, by_design: str = "") -> dict[str, object]:
+def against(check: str, one: Answer, other: Answer, by_design: str = "") -> Row:
     """The row of a check: deviation, yardsticks, class and reason."""
     return _row(check, one, other, difference(one.seen, other.seen), by_design)
 
@@ -226,7 +225,7 @@ def _inflated(measure: StrainMeasure, gamma: float) -> Inflated:
     return Inflated(gamma, model, last.state, last.point.outcome)
 
 
-def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iterator[dict[str, object]]:
+def _tyres(tyres: Mapping[float, Inflated], algorithm: ContactAlgorithm) -> Iterator[Row]:
     """The pressure of a whole tyre against its images: a turn by 180 degrees about the normal, and two mirrors."""
     for gamma, tyre in tyres.items():
         _, press = tyre.model.stages()

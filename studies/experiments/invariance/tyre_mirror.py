@@ -8,7 +8,7 @@ eigenvalues. The maximum is searched for in one dimension among the stable ones,
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.complete import complete
+from studies.experiments.rows import Row
 from studies.scenes.tyre.asymmetry import central_asymmetry, mirror_asymmetry
 from studies.scenes.tyre.scene import Tyre
 from studies.walk import walk
@@ -38,7 +39,7 @@ class Sweep:
     angles: tuple[float, ...]
     delta_mm: str = "10,20"
 
-    def at(self, gamma: float, kind: str) -> dict[str, object]:
+    def at(self, gamma: float, kind: str) -> Row:
         """One angle: the largest difference of the pressure from its mirror image, all in MPa.
 
         mirror_MPa counts no contact as zero pressure, mirror_both_MPa only pairs of nodes that both touch.
@@ -47,7 +48,7 @@ class Sweep:
         settings = {"gamma_deg": f"{gamma:.6g}", "delta_mm": self.delta_mm, "element": "paper"}
         cell = Cell("", "tyre", {"measure": self.measure, "mesh": self.mesh, "model": "half"}, settings)
         _, request = complete(cell.scene, cell.settings, **cell.options)
-        row: dict[str, object] = {"measure": self.measure, "mesh": self.mesh, "gamma_deg": gamma, "kind": kind}
+        row: Row = {"measure": self.measure, "mesh": self.mesh, "gamma_deg": gamma, "kind": kind}
         row["command"] = cell.command
         model = Tyre().build(request)
         *_, last = walk(model.stages(), configured(request.contact, request.settings), request.steps)
@@ -76,14 +77,14 @@ def mirror_table(sweeps: Sequence[Sweep] = ()) -> pd.DataFrame:
     return pd.DataFrame(rows).sort_values(["mesh", "measure", "gamma_deg"], kind="stable", ignore_index=True)
 
 
-def _searched(sweep: Sweep, own: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
+def _searched(sweep: Sweep, own: Sequence[Row]) -> list[Row]:
     """Brent's search between the neighbours of the largest value of a stable state on the grid."""
     value = np.array([_stable_value(row) for row in own])
     if not value.any():
         return []
     top = int(np.argmax(value))
     low, high = (sweep.angles[min(max(i, 0), len(own) - 1)] for i in (top - 1, top + 1))
-    found: list[dict[str, object]] = []
+    found: list[Row] = []
 
     def asymmetry(gamma: float) -> float:
         found.append(sweep.at(float(gamma), "search"))
@@ -93,6 +94,6 @@ def _searched(sweep: Sweep, own: Sequence[Mapping[str, object]]) -> list[dict[st
     return found
 
 
-def _stable_value(row: Mapping[str, object]) -> float:
+def _stable_value(row: Row) -> float:
     """The asymmetry of a row, 0 where its state is none or is not stable."""
-    return float(str(row["mirror_both_MPa"])) if row.get("negative") == 0 else 0.0
+    return float(row["mirror_both_MPa"]) if row.get("negative") == 0 else 0.0

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.catalogue import ALGORITHMS
 from contact.events import EventKind, events
 from contact.problem import ContactSolution
 from studies.experiments.obstacle_problems.collection import Bounded, classic, obstacle, torsion
+from studies.experiments.rows import Row, tabulated
 
 WAYS: dict[str, tuple[str, dict[str, float]]] = {
     "trial-and-error": ("trial-and-error", {}),
@@ -70,14 +71,13 @@ def problems() -> list[Bounded]:
     return [small(), *cyclic, *sides, torsion(5.0, 22)]
 
 
-def cycles() -> pd.DataFrame:
+@tabulated
+def cycles() -> Iterator[Row]:
     """One row a problem: period of the plain set; then, for each way, its outcome and whether it noticed a cycle."""
-    rows = []
     for body in problems():
-        row: dict[str, object] = {"problem": body.name, "plain_period": plain_period(body)}
+        row: Row = {"problem": body.name, "plain_period": plain_period(body)}
         for way, (name, settings) in WAYS.items():
             found = ALGORITHMS[name](**{"epsilon": math.inf} | settings).solve(body.problem(), _begin(body))
             noticed = events(found.history, EventKind.CYCLE)
             row[way] = found.outcome.word + (", cycle detected" if noticed else "")
-        rows.append(row)
-    return pd.DataFrame(rows)
+        yield row

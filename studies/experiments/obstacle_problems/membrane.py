@@ -111,16 +111,14 @@ class Membrane:
         }
 
 
-def membrane_table(
-    meshes: Mapping[str, Sequence[int]] = MESHES, algorithms: Sequence[str] = EXACT, r0: float = 0.5
-) -> pd.DataFrame:
+def membrane_table(meshes: Mapping[str, Sequence[int]] = MESHES, algorithms: Sequence[str] = EXACT) -> pd.DataFrame:
     """Errors over the meshes for every exact algorithm, and the orders fitted to all meshes of an element.
 
     meshes: refinements by element.  unknowns, contact_nodes, iterations; apart: the largest difference of u from that
     of the first algorithm, over the largest u.  l2, h1, force, radius: see :meth:`Membrane.errors`; the orders: least
     squares of the logarithms. Single halvings would give orders that jump, as the rim passes between the nodes.
     """
-    exact, rows = SphereObstacle(r0), []
+    exact, rows = SphereObstacle(), []
     for element, levels in meshes.items():
         for level in levels:
             membrane, first = Membrane.build(element, level, exact), None

@@ -7,7 +7,6 @@ linear through the thickness, is stiffer than the body.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -43,9 +42,9 @@ def corrected(plies: Sequence[Ply], variant: Variant) -> Laminate:
     return ShearCorrected(tuple(plies), -sum(ply.thickness for ply in plies) / 2, variant.shear_correction)
 
 
-def layered(h: float, n: int, nu: float, *, to_inner: bool = False, to_outer: bool = True) -> Laminate:
-    """A homogeneous wall about its middle as n plies, thinner towards a face: lines of the solid through it."""
-    levels = spaced_lines(0.0, h, n, to_inner, to_outer)
+def layered(h: float, n: int, nu: float, *, to_inner: bool = False) -> Laminate:
+    """A homogeneous wall about its middle as n plies, thinner towards the outer face: lines of the solid through it."""
+    levels = spaced_lines(0.0, h, n, to_inner, True)
     return Laminate(tuple(Ply.isotropic(E, nu, float(t)) for t in np.diff(levels)), -h / 2)
 
 
@@ -193,43 +192,47 @@ def _beam_unit(h: float) -> float:
     return 3 * E * h**3 / (12 * (1 - NU**2)) / SPAN**3
 
 
-@dataclass(frozen=True)
-class Roof:
-    """A quarter of Scordelis and Lo's roof of any thickness; ``nu`` as there 0."""
+ROOF, EDGE, DIAPHRAGM = scordelis_lo.RADIUS, scordelis_lo.HALF_ANGLE, scordelis_lo.LENGTH / 2  # ends of a quarter
+ROOF_NU = 0.0  # as there
+DOWN = np.array([-1.0, 0.0, 0.0])
 
-    nu: float = 0.0
 
-    def _weight(self, h: float) -> float:
-        """Per volume, such that it deflects by the order of 1."""
-        return h**2 / scordelis_lo.H**3
+def roof_shell(ratio: float, n: int, variant: Variant) -> Answer:
+    """A quarter of Scordelis and Lo's roof of any thickness, on the scene's own supports.
 
-    def shell(self, ratio: float, n: int, variant: Variant) -> Answer:
-        """The scene's own supports; the weight of the volume is on the middle surface, half of it on either face."""
-        r, angle, half = scordelis_lo.RADIUS, scordelis_lo.HALF_ANGLE, scordelis_lo.LENGTH / 2
-        h = ratio * r
-        lines = spaced_lines(0.0, half, n, True), spaced_lines(0.0, angle, n, False, True)
-        grid = Grid.tensor(*lines)
-        supports = Supports.of_edges(grid, "hard-diaphragm", "symmetric", "symmetric", "free")
-        down = np.array([-1.0, 0.0, 0.0])
-        weigh = partial(area_load, density=lambda a1, a2: self._weight(h) * h * down)
-        v, body = shell_of(cylinder(r), grid, wall(h, self.nu, variant), supports, variant, weigh)
-        edge = grid.node_at(half, angle)
-        frame = body.surface.frame(*grid.nodes[edge])
-        return Answer({"edge deflection": float(down @ (v[edge].reshape(3, 2).mean(axis=1) @ frame))}, body.n_free)
+    The weight of the volume is on the middle surface, half of it on either face.
+    """
+    h = ratio * ROOF
+    grid = Grid.tensor(*_roof_lines(n))
+    supports = Supports.of_edges(grid, "hard-diaphragm", "symmetric", "symmetric", "free")
+    weigh = partial(area_load, density=lambda a1, a2: _roof_weight(h) * h * DOWN)
+    v, body = shell_of(cylinder(ROOF), grid, wall(h, ROOF_NU, variant), supports, variant, weigh)
+    edge = grid.node_at(DIAPHRAGM, EDGE)
+    frame = body.surface.frame(*grid.nodes[edge])
+    return Answer({"edge deflection": float(DOWN @ (v[edge].reshape(3, 2).mean(axis=1) @ frame))}, body.n_free)
 
-    def solid(self, ratio: float, n: int) -> Answer:
-        """The diaphragm holds all that lies in its plane."""
-        r, angle, half = scordelis_lo.RADIUS, scordelis_lo.HALF_ANGLE, scordelis_lo.LENGTH / 2
-        h = ratio * r
-        lines = spaced_lines(0.0, half, n, True), spaced_lines(0.0, angle, n, False, True)
-        body = Solid.over(cylinder(r), *lines, wall(h, self.nu, Variant()), max(1, n // 8))
-        mesh, down = body.mesh, np.array([-1.0, 0.0, 0.0])
-        body = body.hold(1, mesh.on(0, 0.0)).hold(2, mesh.on(0, 0.0)).hold(0, mesh.on(0, half)).hold(1, mesh.on(1, 0.0))
-        forces = body.body_force(lambda x, at: np.broadcast_to(self._weight(h) * down, x.shape))
-        u, unknowns = body.solve(forces)
-        edge = body.line(half, angle)[[0, -1]]
-        at_edge = np.einsum("ni,nix->x", u[edge], body.frame(mesh.parameter[edge])) / 2
-        return Answer({"edge deflection": float(down @ at_edge)}, unknowns)
+
+def roof_solid(ratio: float, n: int) -> Answer:
+    """The same; the diaphragm holds all that lies in its plane."""
+    h = ratio * ROOF
+    body = Solid.over(cylinder(ROOF), *_roof_lines(n), wall(h, ROOF_NU, Variant()), max(1, n // 8))
+    mesh = body.mesh
+    body = body.hold(1, mesh.on(0, 0.0)).hold(2, mesh.on(0, 0.0))
+    body = body.hold(0, mesh.on(0, DIAPHRAGM)).hold(1, mesh.on(1, 0.0))
+    u, unknowns = body.solve(body.body_force(lambda x, at: np.broadcast_to(_roof_weight(h) * DOWN, x.shape)))
+    edge = body.line(DIAPHRAGM, EDGE)[[0, -1]]
+    at_edge = np.einsum("ni,nix->x", u[edge], body.frame(mesh.parameter[edge])) / 2
+    return Answer({"edge deflection": float(DOWN @ at_edge)}, unknowns)
+
+
+def _roof_lines(n: int) -> tuple[np.ndarray, np.ndarray]:
+    """Closer towards the diaphragm and the free edge."""
+    return spaced_lines(0.0, DIAPHRAGM, n, True), spaced_lines(0.0, EDGE, n, False, True)
+
+
+def _roof_weight(h: float) -> float:
+    """Per volume, such that it deflects by the order of 1."""
+    return h**2 / scordelis_lo.H**3
 
 
 def _plies() -> tuple[Ply, ...]:

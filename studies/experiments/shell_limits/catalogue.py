@@ -22,7 +22,6 @@ from studies.experiments.shell_limits.ladder import (
 THIN_TO_THICK = (0.001, 0.003, 0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
 FROM_A_HUNDREDTH = (0.01, 0.03, 0.1, 0.2, 0.35, 0.5)
 LAWS: tuple[Variant, ...] = (NONSYMMETRIC, FULL_3D)
-ROOF = bending.Roof()
 
 CASES = (
     Case(
@@ -78,7 +77,7 @@ CASES = (
     ),
     Case(
         *("roof under its weight", "scordelis-lo", "h/R", FROM_A_HUNDREDTH),
-        *(ROOF.shell, ROOF.solid, (4, 8, 16, 32), (4, 8, 16)),
+        *(bending.roof_shell, bending.roof_solid, (4, 8, 16, 32), (4, 8, 16)),
         "the parabola of the shear, and layers at the free edge",
         variants=(REISSNER,),
     ),

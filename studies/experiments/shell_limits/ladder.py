@@ -18,6 +18,7 @@ from functools import partial
 from typing import Any
 
 from formulations.section.laminate import SECTIONS
+from studies.analysis.richardson import correction
 from studies.experiments.shell_limits.bodies import Answer
 
 GOOD = 0.005  # of a mesh whose cost is stated
@@ -96,9 +97,9 @@ class Ladder:
 
     def limit(self, quantity: str) -> float:
         """Richardson's of the two finest meshes."""
-        coarse, fine = (answer.values[quantity] for answer in self.answers[-2:])
-        ratio = self.meshes[-1] / self.meshes[-2]
-        return fine + (fine - coarse) / (ratio**self.order - 1)
+        values = [answer.values[quantity] for answer in self.answers[-2:]]
+        sizes = self.meshes[-1], self.meshes[-2]  # 1/n, both times the product of the numbers
+        return values[-1] + correction(sizes, values, self.order)
 
     def left(self, quantity: str) -> float:
         """What the finest mesh is off the limit, relative."""

@@ -12,7 +12,7 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from contact.friction.path import follow
 from contact.problem import ContactProblem, ContactSolution
-from studies.experiments.friction.closed_forms.bars import Bar
+from studies.experiments.friction.bars import Bar
 from studies.experiments.friction.public.random_steps import random_step
 from support.problems.frictional import manufactured
 from support.problems.planted_friction import linear, planted, tied, with_mu

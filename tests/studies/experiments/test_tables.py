@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from studies.campaigns.ladder_cells import LADDERS, cells
 from studies.campaigns.plan import identity
 from studies.campaigns.report_cells import LISTS, TABLES_OF
 from studies.experiments import tables
+from studies.experiments.rows import Row, tabulated
 from studies.experiments.tables import TABLES, make_table
 from studies.scenes import SCENES
 from studies.scenes import data as reference_data
@@ -98,14 +100,17 @@ def test_cells_are_labelled_and_take_the_settings_of_an_element() -> None:
 
 
 def test_data_beside_a_maker_decide_its_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A table that is read from a file of ours is another one where that file is."""
+    """A table that is read from a file of ours is another one where that file is: beside who makes its rows."""
 
-    def shipped() -> pd.DataFrame:
-        return pd.read_csv(tmp_path / "shipped.csv")
+    def shipped() -> Iterator[Row]:
+        yield from pd.read_csv(tmp_path / "shipped.csv").to_dict("records")
+
+    def file_of(function: object) -> str:
+        return str(tmp_path / "maker.py") if function is shipped else __file__
 
     (tmp_path / "shipped.csv").write_text("x\n1\n")
-    monkeypatch.setitem(TABLES, "shipped", shipped)
-    monkeypatch.setattr("studies.experiments.tables.inspect.getfile", lambda make: str(tmp_path / "maker.py"))
+    monkeypatch.setitem(TABLES, "shipped", tabulated(shipped))
+    monkeypatch.setattr("studies.experiments.tables.inspect.getfile", file_of)
     assert make_table("shipped", tmp_path / "store")
     assert not make_table("shipped", tmp_path / "store")
     (tmp_path / "shipped.csv").write_text("x\n2\n")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import pandas as pd
 
 CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))  # weights of the 8th-order central difference
 
@@ -20,6 +21,13 @@ def fitted_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
     assert np.all(errors > 0)
     assert np.all(np.isfinite(errors))
     return float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+def orders(table: pd.DataFrame, by: Sequence[str], number: str, errors: Sequence[str]) -> pd.DataFrame:
+    """Orders of the columns ``errors`` over the column ``number``, a row for each case that ``by`` tells apart."""
+    cases = table.groupby(list(by), sort=False)
+    rows = [{name: -fitted_order(own[number], own[name].abs()) for name in errors} for _, own in cases]
+    return pd.DataFrame(rows)
 
 
 def rotation(axis: np.ndarray, angle: float) -> np.ndarray:

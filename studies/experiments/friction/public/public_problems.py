@@ -49,6 +49,7 @@ from contact.interchange.siconos import HDF5, SiconosError, SiconosProblem, read
 from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from contact.solvers.sparse import checked_solve, factorise
 from contact.verify import judge
+from studies.experiments.rows import Row
 from studies.store.atomic import write_table
 
 SHIPPED, SMALL = "public_problems.csv", "public_problems.json"
@@ -70,7 +71,6 @@ class Tried:
 
 
 Solved = Callable[[Callable[[], Tried]], Tried]
-Row = dict[str, object]
 
 
 def algorithms() -> dict[str, ContactAlgorithm]:

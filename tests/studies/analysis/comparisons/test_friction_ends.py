@@ -10,7 +10,7 @@ import pytest
 
 from studies.analysis.comparisons.friction import FAMILIES, by_algorithm, ends, orders, step_orders
 from studies.analysis.everything import fitted
-from studies.experiments.friction.closed_forms.drum import capstan_table
+from studies.experiments.friction.bars import capstan_table
 from support.stores.friction import DRAGS, LOST, NAIVE, SOFT, TURNS, agreement, made_up_friction, moved, steps
 
 

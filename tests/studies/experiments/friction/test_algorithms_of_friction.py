@@ -12,12 +12,9 @@ from contact.catalogue import ALGORITHMS, by_the_exact_law
 from contact.coulomb import Coulomb, State
 from contact.friction.path import follow
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
-from studies.experiments.friction.closed_forms.bars import EA, Bar
-from studies.experiments.friction.closed_forms.drum import MU, N0, N1, RADIUS
-from studies.experiments.friction.closed_forms.strip import LENGTH, PULL, TAU
-from studies.experiments.friction.discrete.greco import friction_table, solve
-from studies.experiments.friction.discrete.klarbring import CASES, Springs, answers, klarbring_table
-from studies.experiments.solids.greco_plate import GrecoPlate
+from studies.experiments.friction.bars import EA, LENGTH, MU, N0, N1, PULL, RADIUS, TAU, Bar
+from studies.experiments.friction.greco import GrecoPlate, friction_table
+from studies.experiments.friction.klarbring import CASES, Springs, answers, klarbring_table
 
 EXACT = [name for name in ALGORITHMS if name not in ("trial-and-error", "regularised")]
 
@@ -83,17 +80,17 @@ def test_below_the_bound_there_is_one_answer(nt: float, mu: float, along: float,
 def test_the_greco_plate_in_all_hands(n: int) -> None:
     """The naive set alone cycles; the others agree to the last digits, on springs to the inverse of their stiffness."""
     plate = GrecoPlate("Q2", n)
-    wanted = solve(plate, algorithm("semismooth"))
+    wanted = plate.solve_rubbed(algorithm("semismooth"))
     assert wanted.outcome.converged
     largest = np.max(plate.weights * wanted.pressure)
     for name in EXACT[1:]:
-        found = solve(plate, algorithm(name))
+        found = plate.solve_rubbed(algorithm(name))
         assert found.outcome.converged, name
         assert np.array_equal(found.rubbed.state, wanted.rubbed.state), name
         assert np.max(np.abs(found.u - wanted.u)) < 1e-8 * np.max(np.abs(wanted.u)), name
         assert np.max(np.abs(found.rubbed.force - wanted.rubbed.force)) < 1e-8 * largest, name
-    assert solve(plate, algorithm("trial-and-error")).outcome.word == "cycling"
-    sprung = solve(plate, algorithm("regularised"))
+    assert plate.solve_rubbed(algorithm("trial-and-error")).outcome.word == "cycling"
+    sprung = plate.solve_rubbed(algorithm("regularised"))
     assert sprung.outcome.converged
     assert np.max(np.abs(sprung.rubbed.force - wanted.rubbed.force)) < 1e-4 * largest
 
@@ -150,5 +147,5 @@ def test_wedge_and_slope_in_all_hands(name: str) -> None:
     wedge, slope = math.atan(0.1), math.radians(26.565)
     assert state(wedge, 0.3, 0.412371 - 1e-5) == State.STICK
     assert state(wedge, 0.3, 0.412371 + 1e-5) == State.SLIP
-    assert state(slope, 0.51, 0.0) == State.STICK
+    assert state(slope, 0.5, 0.0) == State.STICK
     assert state(slope, 0.49, 0.0) == State.SLIP

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from contact.coulomb import Motion
-from studies.experiments.friction.discrete.joint_motion import (
+from studies.experiments.friction.joint_motion import (
     EA,
     FEET,
     ON_FEET,

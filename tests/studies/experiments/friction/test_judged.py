@@ -10,12 +10,10 @@ import pytest
 
 from contact.friction.path import PathState, Stage
 from contact.verify import judge
-from studies.experiments.friction.closed_forms.bars import Bar
-from studies.experiments.friction.closed_forms.drum import N0, RADIUS
-from studies.experiments.friction.closed_forms.patch import Parking, uneven
-from studies.experiments.friction.closed_forms.rolling import SQUEEZE, Wheel
-from studies.experiments.friction.closed_forms.strip import LENGTH, PULL, TAU
-from studies.experiments.friction.discrete.path_error import BLOCKS, WAY
+from studies.experiments.friction.bars import LENGTH, N0, PULL, RADIUS, TAU, Bar
+from studies.experiments.friction.patch import Parking, uneven
+from studies.experiments.friction.path_error import BLOCKS, WAY
+from studies.experiments.friction.rolling import SQUEEZE, Wheel
 from support.problems.planted_friction import with_mu
 
 

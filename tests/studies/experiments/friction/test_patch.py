@@ -3,49 +3,68 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from studies.experiments.friction.closed_forms.patch import (
+from contact.coulomb import Motion, State
+from contact.friction.path import PathState
+from studies.experiments.friction.brush import Brush
+from studies.experiments.friction.patch import (
     DISC,
     MU,
     PRESSURES,
     STIFF,
     Parking,
     parking_table,
-    sliding_table,
-    spin_table,
     uneven,
 )
-from studies.experiments.friction.closed_forms.rates import order, orders
+from support.problems.differences import fitted_order, orders
 
 EXACT = 1e-9
 ERRORS = ("moment_error", "loop_error")
 
 
-def test_a_dragged_patch_carries_its_bound_in_every_direction() -> None:
-    table = sliding_table()
-    assert (table["outcome"] == "converged").all()
-    assert (table["sliding"] == table["points"]).all()
-    np.testing.assert_allclose(table["error"], 0, atol=EXACT)
+def dragged(angle: float) -> tuple[Brush, PathState]:
+    """The uneven patch dragged so far in a direction [rad] that everything slides."""
+    way = np.array([math.cos(angle), math.sin(angle), 0.0])
+    brush = replace(uneven(), moved=lambda load: Motion(load * way, np.zeros(3), np.zeros(3)))
+    return brush, all_sliding(brush.follow([100.0, 200.0, 300.0]))
+
+
+def all_sliding(states: list[PathState]) -> PathState:
+    """The last state, in which every point slides."""
+    assert states[-1].solution.outcome.converged
+    assert np.all(states[-1].solution.rubbed.state == State.SLIP)
+    return states[-1]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, 1.2, 2.5, 4.0])
+def test_a_dragged_patch_carries_its_bound_in_every_direction(angle: float) -> None:
+    brush, state = dragged(angle)
+    force = np.linalg.norm(brush.friction(state).sum(axis=0))
+    assert force == pytest.approx(MU * brush.areas @ state.solution.pressure, rel=EXACT)
 
 
 def test_its_pressures_are_uneven_and_depend_on_friction() -> None:
     """Else the bound would be the same number in every direction, and known before."""
-    bounds = sliding_table((0.0, 2.5))["bound_N"]
-    assert abs(bounds[1] / bounds[0] - 1) > 0.05
+    one, other = (dragged(angle)[1].solution.pressure.sum() for angle in (0.0, 2.5))
+    assert abs(other / one - 1) > 0.05
     pressed = uneven().follow([0.0])[-1].solution.pressure
     assert pressed.max() / pressed.min() > 2
 
 
 def test_a_spun_patch_carries_its_bound_but_for_the_chord_of_a_step() -> None:
-    table = spin_table((0.1, 0.4))
-    assert (table["outcome"] == "converged").all()
-    assert (table["sliding"] == table["points"]).all()
-    np.testing.assert_allclose(table["error"] - table["discrete_error"], 0, atol=EXACT)
-    assert -order(table["step_rad"].to_numpy(float), table["error"].to_numpy(float)) == pytest.approx(2, abs=0.01)
+    steps, errors = (0.1, 0.4), []
+    for step in steps:
+        brush = uneven()
+        state = all_sliding(brush.follow([step * k for k in range(1, 13)]))  # steady by then
+        r = np.linalg.norm(brush.candidates.positions(state.solution.u)[:, :2], axis=1)
+        errors.append(brush.moment(state) / (MU * float((brush.areas * state.solution.pressure) @ r)) - 1)
+    np.testing.assert_allclose(errors, np.cos(np.array(steps) / 2) - 1, rtol=0, atol=EXACT)
+    assert fitted_order(steps, np.abs(errors)) == pytest.approx(2, abs=0.01)
 
 
 def test_less_friction_spins_and_drags_with_less() -> None:

@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from studies.experiments.friction.closed_forms.rates import orders
-from studies.experiments.friction.discrete.path_error import BLOCKS, MU, NORMAL, RADIUS, STIFF, WAY, path_table
+from studies.experiments.friction.path_error import BLOCKS, MU, NORMAL, RADIUS, STIFF, WAY, path_table
+from support.problems.differences import orders
 
 ERRORS = ("end_error", "work_error")
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from studies.experiments.friction.closed_forms.rolling import RADIUS, SQUEEZE, Wheel, rolling_path, rolling_table
+from studies.experiments.friction.rolling import RADIUS, SQUEEZE, Wheel, rolling_path, rolling_table
 
 ROUNDING = 1e-11  # mm
 

@@ -27,15 +27,16 @@ from studies.experiments.obstacle_problems.collection import (
     torsion,
 )
 from studies.experiments.obstacle_problems.false_success import (
+    Linearised,
     by_algorithm,
     by_word,
     contenders,
     failures,
     keeps,
     kept,
+    linearised_steps,
     table,
 )
-from studies.experiments.obstacle_problems.linearised_steps import Linearised, linearised_steps
 
 PRINTED = 6e-9  # the optima are printed to eight or nine decimals
 EXACT = 1e-9

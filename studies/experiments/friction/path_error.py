@@ -12,16 +12,17 @@ Before it sticks, u = d. A step of the path is an implicit Euler step of that, o
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
-import pandas as pd
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from contact.coulomb import Motion
-from studies.experiments.friction.closed_forms.brush import Brush
+from studies.experiments.friction.brush import Brush
+from studies.experiments.rows import Row, tabulated
 
 RADIUS, MU, NORMAL, STIFF = 10.0, 0.5, 8.0, 1.0  # mm, -, N, N/mm of the stiffer spring
 WAY = math.pi / 2 * RADIUS
@@ -87,27 +88,25 @@ def direction(way: float) -> np.ndarray:
     return np.array([math.cos(way / RADIUS), math.sin(way / RADIUS)])
 
 
-def path_table(steps: Sequence[int] = STEPS, blocks: Sequence[str] = tuple(BLOCKS)) -> pd.DataFrame:
+@tabulated
+def path_table(steps: Sequence[int] = STEPS, blocks: Sequence[str] = tuple(BLOCKS)) -> Iterator[Row]:
     """Every block in every number of load steps: u_x_mm, u_y_mm, work_N_mm at the end, and their errors.
 
     end_error: distance from the reference over its length; work_error: relative.  iterations: of Newton, in all.
     """
-    rows = []
-    for name in blocks:
-        block = BLOCKS[name]
-        exact, work = block.reference()
-        for count in steps:
-            states = block.brush.follow([WAY * k / count for k in range(1, count + 1)])
-            u, dissipated = states[-1].solution.u[:2], sum(state.dissipation for state in states)
-            rows.append(
-                {"case": name, "steps": count}
-                | {"converged": len(states) == count and states[-1].solution.outcome.converged}
-                | {"u_x_mm": float(u[0]), "u_y_mm": float(u[1]), "work_N_mm": dissipated}
-                | {"end_error": float(np.linalg.norm(u - exact) / np.linalg.norm(exact))}
-                | {"work_error": dissipated / work - 1}
-                | {"iterations": sum(state.solution.counters["newton_iterations"] for state in states)}
-            )
-    return pd.DataFrame(rows)
+    known = {name: BLOCKS[name].reference() for name in blocks}
+    for name, count in product(blocks, steps):
+        exact, work = known[name]
+        states = BLOCKS[name].brush.follow([WAY * k / count for k in range(1, count + 1)])
+        u, dissipated = states[-1].solution.u[:2], sum(state.dissipation for state in states)
+        yield (
+            {"case": name, "steps": count}
+            | {"converged": len(states) == count and states[-1].solution.outcome.converged}
+            | {"u_x_mm": float(u[0]), "u_y_mm": float(u[1]), "work_N_mm": dissipated}
+            | {"end_error": float(np.linalg.norm(u - exact) / np.linalg.norm(exact))}
+            | {"work_error": dissipated / work - 1}
+            | {"iterations": sum(state.solution.counters["newton_iterations"] for state in states)}
+        )
 
 
 def _moved(way: float) -> Motion:

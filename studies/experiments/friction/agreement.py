@@ -5,15 +5,15 @@ All are asked for the exact law, epsilon = inf, but for the regularised one, whi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from contact.coulomb import State
-from studies.experiments.friction.scenes.rubbed_scenes import solved
+from studies.experiments.friction.rubbed_scenes import solved
+from studies.experiments.rows import Row, tabulated
 from studies.result import Result
 
 AGREED = 1e-8  # of the largest force
@@ -39,21 +39,23 @@ CASES: dict[str, tuple[str, str, Mapping[str, object]]] = {
 }
 
 
-def agreement_table(cases: Sequence[str] = tuple(CASES), algorithms: Sequence[str] = tuple(ALGORITHMS)) -> pd.DataFrame:
+@tabulated
+def agreement_table() -> Iterator[Row]:
     """A row a case and algorithm, compared with semismooth at all loads that both have reached.
 
     force_error: largest difference of a normal or tangential force of a candidate, over the largest force there.
     states: candidates of all loads that one has open, sticking or slipping and the other otherwise.  judged: loads that
     the judge certifies, by the law that was asked for.  agrees: the same states, and forces to AGREED.
     """
-    return pd.DataFrame([row for case in cases for row in _compared(case, algorithms)])
+    for case in CASES:
+        yield from _compared(case)
 
 
-def _compared(case: str, algorithms: Sequence[str]) -> Iterator[dict[str, Any]]:
+def _compared(case: str) -> Iterator[Row]:
     scene, mesh, settings = CASES[case]
     settings = {**settings, "tolerance": TOLERANCE}
     first = solved(scene, settings, mesh, contact="semismooth")
-    for name in algorithms:
+    for name in ALGORITHMS:
         exact = {} if name == "regularised" else {"epsilon": np.inf}
         found = solved(scene, {**settings, **exact}, mesh, contact=name) if name != "semismooth" else first
         reached = min(len(found.steps), len(first.steps))

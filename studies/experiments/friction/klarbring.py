@@ -12,19 +12,31 @@ Source: Klarbring, Ingenieur-Archiv 60 (1990) 529-541.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.catalogue import by_the_exact_law
 from contact.coulomb import Coulomb, State
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
+from studies.experiments.rows import Row, tabulated
 
 STIFF = 1e10  # MPa/mm, of regularised
 SAME = 1e-7  # of the answer: springs give way by the inverse of their stiffness
+
+
+def in_plane(
+    contact: ContactProblem, along: sparse.csr_matrix, mu: float, start: np.ndarray | float = 0.0
+) -> ContactProblem:
+    """A plane problem with friction: slips start (m,) + along (m, n) u, and none in the second direction."""
+    slips = sparse.csr_matrix(sparse.kron(along, [[1.0], [0.0]]))
+    begun = np.zeros((len(contact.weights), 2))
+    begun[:, 0] = start
+    coefficients = np.full(len(contact.weights), mu)
+    law = Coulomb(coefficients, lambda u: begun + (slips @ u).reshape(-1, 2), lambda u: slips)
+    return replace(contact, coulomb=law)
 
 
 @dataclass(frozen=True)
@@ -48,11 +60,10 @@ class Springs:
     def problem(self) -> ContactProblem:
         """The same for an algorithm; areas are 1."""
         K = sparse.csc_matrix([[self.tt, self.nt], [self.nt, self.nn]])
-        G, S = sparse.csr_matrix([[0.0, 1.0]]), sparse.csr_matrix([[1.0, 0.0], [0.0, 0.0]])
+        G, along = sparse.csr_matrix([[0.0, 1.0]]), sparse.csr_matrix([[1.0, 0.0]])
         mechanics = linear_mechanics(K, np.array([self.along, self.off]))
-        moved = np.array([[self.slip0, 0.0]])
-        law = Coulomb(np.full(1, self.mu), lambda u: moved + (S @ u).reshape(1, 2), lambda u: S)
-        return ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1), coulomb=law)
+        contact = ContactProblem(mechanics, lambda u: G @ u, lambda u: G, np.ones(1))
+        return in_plane(contact, along, self.mu, self.slip0)
 
 
 @dataclass(frozen=True)
@@ -105,25 +116,24 @@ CASES: dict[str, Springs] = {  # K_tt, K_nt, K_nn, mu, F_t, F_n, s0
 }
 
 
-def algorithms() -> list[ContactAlgorithm]:
-    """All of the catalogue, on springs as stiff as they need be where there are any."""
-    return list(by_the_exact_law(STIFF).values())
+def algorithms(stiffness: float) -> list[ContactAlgorithm]:
+    """All of the catalogue, on springs of this stiffness [MPa/mm] where there are any."""
+    return list(by_the_exact_law(stiffness).values())
 
 
-def klarbring_table(cases: Sequence[str] = tuple(CASES)) -> pd.DataFrame:
+@tabulated
+def klarbring_table() -> Iterator[Row]:
     """A row per case and algorithm: all answers there are, how the solve ended, and which answer it ended with.
 
     found: the answer, "" where none is claimed, "wrong" where one is claimed that is none.
     """
-    rows = []
-    for case in cases:
-        springs, there_are = CASES[case], answers(CASES[case])
-        for algorithm in algorithms():
+    for case, springs in CASES.items():
+        there_are = answers(springs)
+        for algorithm in algorithms(STIFF):
             solution = algorithm.solve(springs.problem, ContactSolution.at_rest(2, 1))
             row = {"case": case, "mu_Knt_over_Ktt": springs.coupling, "answers": len(there_are)}
             row |= {"which": ", ".join(answer.word for answer in there_are), "algorithm": algorithm.name}
-            rows.append(row | {"outcome": solution.outcome.word, "found": _found(solution, there_are)})
-    return pd.DataFrame(rows)
+            yield row | {"outcome": solution.outcome.word, "found": _found(solution, there_are)}
 
 
 def _found(solution: ContactSolution, there_are: Sequence[Answer]) -> str:

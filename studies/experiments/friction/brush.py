@@ -79,11 +79,6 @@ class Brush:
         return float(np.sum(x[:, 0] * t[:, 1] - x[:, 1] * t[:, 0]))
 
 
-def dragged(way: np.ndarray) -> Callable[[float], Motion]:
-    """The plane dragged along ``way`` (2,) by the load."""
-    return lambda load: Motion(np.append(load * way, 0.0), np.zeros(3), np.zeros(3))
-
-
 def spun(load: float) -> Motion:
     """The plane turned by the load [rad] about z."""
     return Motion(np.zeros(3), np.array([0.0, 0.0, load]), np.zeros(3))

@@ -14,23 +14,20 @@ Source: the brush model of tyres, Pacejka, Tyre and Vehicle Dynamics (2012); the
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-import pandas as pd
 from numpy.polynomial import Polynomial
 
 from contact.coulomb import State
-from contact.friction.path import PathState
-from studies.experiments.friction.closed_forms.brush import Brush, dragged, spun
+from studies.experiments.friction.brush import Brush, spun
+from studies.experiments.rows import Row, tabulated
 
 MU, STIFF, PRESSURE, DISC = 0.5, 50.0, 0.5, 50.0  # -, N/mm^3, MPa, mm
 COUPLED = np.array([[40.0, 5.0, 8.0], [5.0, 60.0, -6.0], [8.0, -6.0, 50.0]])  # N/mm^3, of springs that lean
-FAR = 100.0  # mm
 SECTORS = 8
-SETTLED = 12  # steps after which nothing changes in the frame of the patch
 
 PRESSURES = {"uniform": Polynomial([PRESSURE]), "parabolic": Polynomial([PRESSURE, 0.0, -PRESSURE / DISC**2])}
 
@@ -41,41 +38,6 @@ def uneven(n: int = 8, mu: float = MU) -> Brush:
     places = np.array(list(product(x, y)))
     near = 0.01 * (1 + 0.3 * places[:, 0] / 30 - 0.2 * (places[:, 1] / 50) ** 2)
     return Brush(places, np.full(len(places), 6000.0 / len(places)), COUPLED, mu, lambda load: near, spun)
-
-
-def sliding_table(angles: Sequence[float] = (0.0, 0.5, 1.2, 2.5, 4.0)) -> pd.DataFrame:
-    """The uneven patch dragged far in every direction [rad]: force_N beside mu F_n, error relative, sliding points."""
-    rows = []
-    for angle in angles:
-        brush = replace(uneven(), moved=dragged(np.array([math.cos(angle), math.sin(angle)])))
-        state = brush.follow([FAR, 2 * FAR, 3 * FAR])[-1]
-        force, bound = (
-            float(np.linalg.norm(brush.friction(state).sum(axis=0))),
-            MU * float(brush.areas @ state.solution.pressure),
-        )
-        rows.append(_told(state) | {"angle_rad": angle, "force_N": force, "bound_N": bound, "error": force / bound - 1})
-    return pd.DataFrame(rows)
-
-
-def spin_table(steps: Sequence[float] = (0.05, 0.1, 0.2, 0.4)) -> pd.DataFrame:
-    """The uneven patch spun by steps [rad] until it is steady: moment_N_mm beside mu sum f r, error relative.
-
-    discrete_error: cos(step/2) - 1.
-    """
-    rows = []
-    for step in steps:
-        brush = uneven()
-        state = brush.follow([step * k for k in range(1, SETTLED + 1)])[-1]
-        r = np.linalg.norm(brush.candidates.positions(state.solution.u)[:, :2], axis=1)
-        moment, bound = brush.moment(state), MU * float((brush.areas * state.solution.pressure) @ r)
-        told = _told(state) | {
-            "step_rad": step,
-            "moment_N_mm": moment,
-            "bound_N_mm": bound,
-            "error": moment / bound - 1,
-        }
-        rows.append(told | {"discrete_error": math.cos(step / 2) - 1})
-    return pd.DataFrame(rows)
 
 
 @dataclass(frozen=True)
@@ -120,19 +82,15 @@ class Parking:
         return Brush(places, areas, STIFF * np.eye(3), MU, lambda load: near, spun)
 
 
-def parking_table(
-    rings: Sequence[int] = (10, 19, 40, 79),
-    cores: Sequence[float] = (1 / 3, 2 / 3),
-    pressures: Sequence[str] = tuple(PRESSURES),
-) -> pd.DataFrame:
+@tabulated
+def parking_table(rings: Sequence[int] = (10, 19, 40, 79), cores: Sequence[float] = (1 / 3, 2 / 3)) -> Iterator[Row]:
     """The disc turned until a core of ``cores`` of its radius sticks; then back as far, and forth again.
 
     core_mm: where the slip, continued from the two rings inmost of those that slip, is none.  moment_N_mm, loop_N_mm:
     at the first turn, and of the cycle after it.  Errors are relative; with 3 k + 1 rings the edge of a core of thirds
     falls alike between two of them.
     """
-    rows = []
-    for pressure, core, n in product(pressures, cores, rings):
+    for pressure, core, n in product(PRESSURES, cores, rings):
         disc = Parking(pressure, core)
         brush = disc.brush(n)
         states = brush.follow([disc.phi, -disc.phi, disc.phi])
@@ -140,13 +98,12 @@ def parking_table(
         slip = np.linalg.norm((first.anchors[:, :2] - brush.places)[::SECTORS], axis=1)
         read = _root(np.linalg.norm(brush.places, axis=1)[::SECTORS], slip, first.solution.rubbed.state[::SECTORS])
         moment = brush.moment(first)
-        rows.append(
+        yield (
             {"pressure": pressure, "core": core, "rings": n, "outcome": states[-1].solution.outcome.word}
             | {"turn_rad": disc.phi, "core_mm": read, "core_error": read / disc.c - 1}
             | {"moment_N_mm": moment, "moment_error": moment / disc.moment - 1}
             | {"loop_N_mm": loop, "loop_error": loop / disc.loop - 1}
         )
-    return pd.DataFrame(rows)
 
 
 def _root(r: np.ndarray, slip: np.ndarray, state: np.ndarray) -> float:
@@ -154,10 +111,3 @@ def _root(r: np.ndarray, slip: np.ndarray, state: np.ndarray) -> float:
     first = int(np.flatnonzero(state == State.SLIP)[0])
     (a, b), (s, t) = r[first : first + 2], slip[first : first + 2]
     return float(a - s * (b - a) / (t - s))
-
-
-def _told(state: PathState) -> dict[str, object]:
-    """Outcome, and how many points there are and slide."""
-    found = state.solution
-    slides = int(np.sum(found.rubbed.state == State.SLIP))
-    return {"outcome": found.outcome.word, "points": len(found.active), "sliding": slides}

@@ -13,12 +13,11 @@ the wheel rolled on rigidly: from where it was, all nodes on the upper plate are
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
@@ -27,10 +26,11 @@ from contact.friction.path import PathState, Stage, follow
 from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, RigidPlane
 from contact.problem import ContactProblem, ContactSolution
-from studies.experiments.friction.closed_forms.truss import Truss
+from studies.experiments.friction.truss import Truss
+from studies.experiments.rows import Row, tabulated
 
 RADIUS, RIM, SPOKE = 50.0, 1e4, 1e4  # mm, N, N
-SQUEEZE = 3.0  # mm
+SQUEEZE, NODES = 3.0, 24  # mm; of the rim of the table
 DOWN, UP = np.array([0.0, 0.0, -1.0]), np.array([0.0, 0.0, 1.0])
 
 
@@ -113,14 +113,15 @@ class Wheel:
         return (turn.out(x) - nodes).ravel()
 
 
-def rolling_path(wheel: Wheel, step: float, way: float) -> pd.DataFrame:
+@tabulated
+def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
     """Squeezed in two steps, then state by state up to ``way`` [mm] by ``step`` [mm].
 
     hub_error_mm: of the hub from s/2; middle_error_mm: from the middle between the plates.  turn_rad: of the rim, in
     the mean.  bar_mm: mean length of the bars of the rim that lie on a plate, both ends sticking; else NaN.  press_N,
     drag_N: of the lower plate.  dissipation_N_mm: of the step.
     """
-    truss, n, rows = wheel.truss, wheel.n, []
+    truss, n = wheel.truss, wheel.n
     for state in wheel.follow([-0.5, 0.0, *(step * k for k in range(1, round(way / step) + 1))]):
         found, s = state.solution, max(state.load, 0.0)
         x = truss.nodes + found.u.reshape(-1, 3)
@@ -128,7 +129,7 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> pd.DataFrame:
         sticks = (friction.state == State.STICK).reshape(2, n)
         lies = (sticks & np.roll(sticks, -1, axis=1)).any(axis=0)
         bars = np.linalg.norm(np.roll(x[:n], -1, axis=0) - x[:n], axis=1)[lies]
-        rows.append(
+        yield (
             {"way_mm": s, "outcome": found.outcome.word, "iterations": found.counters["newton_iterations"]}
             | {"hub_mm": float(x[-1, 0]), "hub_error_mm": float(x[-1, 0] - s / 2)}
             | {"middle_error_mm": float(x[-1, 2] + wheel.squeeze * (1 + min(state.load, 0.0)) / 2)}
@@ -137,26 +138,25 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> pd.DataFrame:
             | {"sticking": int(sticks.sum()), "slipping": int(np.sum(friction.state == State.SLIP))}
             | {"dissipation_N_mm": state.dissipation}
         )
-    return pd.DataFrame(rows)
 
 
+@tabulated
 def rolling_table(
-    coefficients: Sequence[float] = (0.1, 0.5), steps: Sequence[float] = (1.0, 0.5, 0.25), n: int = 24
-) -> pd.DataFrame:
+    coefficients: Sequence[float] = (0.1, 0.5), steps: Sequence[float] = (1.0, 0.5, 0.25)
+) -> Iterator[Row]:
     """A wheel rolled by a little more than two of its bars, a row each case: mu and step [mm].
 
     hub_error_mm, middle_error_mm: the largest.  slips: steps in which a node slips, once it rolls.  dissipated_N_mm: by
     these.  radius_mm: what the hub has come by while the wheel turned from one bar to the next, over that turn;
     bars_mm: n bars as they lie on a plate over 2 pi; radius_error: of the first from the second, relative.
     """
-    rows = []
     for mu, step in product(coefficients, steps):
-        pitch = 2 * RADIUS * math.sin(math.pi / n)
+        n, pitch = NODES, 2 * RADIUS * math.sin(math.pi / NODES)
         path = rolling_path(Wheel(n, mu, SQUEEZE), step, 2 * 2.1 * pitch)
         turn, rolls = path["turn_rad"].to_numpy(float), path["way_mm"] > 0
         first, last = np.interp([2 * math.pi / n, 4 * math.pi / n], turn[1:], path["hub_mm"].to_numpy(float)[1:])
         radius, bars = (last - first) * n / (2 * math.pi), float(path["bar_mm"][rolls].mean()) * n / (2 * math.pi)
-        rows.append(
+        yield (
             {"nodes": n, "mu": mu, "step_mm": step, "outcome": path["outcome"].iloc[-1]}
             | {"iterations": path["iterations"].sum(), "turn_rad": float(turn[-1])}
             | {name: float(path[name].abs().max()) for name in ("hub_error_mm", "middle_error_mm")}
@@ -164,7 +164,6 @@ def rolling_table(
             | {"dissipated_N_mm": float(path["dissipation_N_mm"][rolls].sum())}
             | {"radius_mm": radius, "bars_mm": bars, "radius_error": radius / bars - 1}
         )
-    return pd.DataFrame(rows)
 
 
 def _turn(before: np.ndarray, now: np.ndarray) -> float:

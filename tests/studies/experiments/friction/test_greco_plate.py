@@ -1,4 +1,4 @@
-"""The GRECO plate without friction: closed form, mirror image, an independent minimiser, and what must fail."""
+"""The GRECO plate: without friction, with mu = 1, and at both ends of the coefficient."""
 
 from __future__ import annotations
 
@@ -11,15 +11,29 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from contact.catalogue import ALGORITHMS
+from contact.coulomb import State
 from contact.interchange.linearised_step import freeze
 from contact.interchange.oracle import confirm
 from contact.problem import ContactSolution, Outcome, linear_mechanics
 from contact.verify import judge
-from studies.experiments.solids.greco_plate import ELEMENTS, EXACT, LOADS, SIDE, TOP, GrecoPlate, greco_table, slip
+from studies.experiments.friction.greco import (
+    ELEMENTS,
+    EXACT,
+    LOADS,
+    SIDE,
+    SLIPS,
+    TOP,
+    GrecoPlate,
+    friction_table,
+    greco_table,
+    slip,
+    tied,
+    tied_table,
+)
 
 ROUNDING = 1e-10
 SOLVED = 1e-8  # pressure at the smallest weights, where algorithms end at residuals of 1e-9 of the load
-FRICTION = 0.0286  # mm, slip at x = 0 with mu = 1, the mean of six codes
+RUBBED = 0.0286  # mm, slip at x = 0 with mu = 1, the mean of six codes
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -35,7 +49,7 @@ def test_uniform_load_is_carried_uniformly_by_every_exact_algorithm(element: str
 
 def test_without_friction_the_plate_slips_by_two_fifths_more_than_with_it() -> None:
     assert slip(0.0) == pytest.approx(1.1e8 * 1.2 / 1.3e11 * 40)
-    assert slip(0.0) / FRICTION == pytest.approx(1.42, abs=0.01)
+    assert slip(0.0) / RUBBED == pytest.approx(1.42, abs=0.01)
 
 
 @pytest.mark.parametrize("element", ELEMENTS)
@@ -98,3 +112,78 @@ def test_all_algorithms_agree_and_the_lifted_corner_converges() -> None:
     orders = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
     np.testing.assert_allclose(orders, 2, atol=0.2)
     assert abs(slips["Q2"][-1] - slips["Q2"][-2]) < 0.1 * errors[-1]  # the limit is known well enough for that
+
+
+FRICTION = -1405.3  # N/mm, on graded meshes of 9-node quadrilaterals, 64x64 and 96x96 alike
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [16, 32])
+def test_the_greco_plate_on_coarse_meshes(n: int) -> None:
+    """What they give: 5e-4 of the slips, 5e-4 of the friction; the naive set cycles."""
+    table = friction_table([n]).set_index("algorithm")
+    assert set(table.index[table["outcome"] != "converged"]) == {"trial-and-error"}
+    assert table.loc["trial-and-error", "outcome"] == "cycling"
+    assert table.loc["semismooth", "error"] < 5e-4
+    assert table.loc["semismooth", "friction_N"] == pytest.approx(FRICTION, rel=5e-4)
+
+
+@pytest.mark.slow
+def test_the_greco_plate_on_a_fine_mesh() -> None:
+    table = friction_table([64]).set_index("algorithm")
+    assert table.loc["trial-and-error", "outcome"] == "cycling"
+    for place, known in zip(("0", "1.25", "5", "7.5", "11.25"), SLIPS, strict=True):
+        assert table.loc["semismooth", f"slip_{place}"] == pytest.approx(known, rel=5e-4)
+    assert table.loc["semismooth", "friction_N"] == pytest.approx(FRICTION, rel=1e-4)
+
+
+TIED_ROUNDING = 1e-12
+# friction_of in contact.friction.laws multiplies an infinite bound by no slip, and drops what comes of it
+UNBOUNDED = pytest.mark.filterwarnings("ignore:invalid value encountered in multiply:RuntimeWarning")
+
+
+@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("element", ELEMENTS)
+def test_without_friction_the_plate_is_that_of_the_frictionless_algorithm(element: str, load: str) -> None:
+    """But for rounding, as both eliminate in other orders."""
+    plate = GrecoPlate(element, 8, load)
+    alone, found = plate.solve("semismooth"), plate.solve_rubbed(mu=0.0)
+    assert found.outcome.converged
+    assert np.array_equal(found.rubbed.state != State.OPEN, alone.active)
+    assert not found.rubbed.force.any()
+    assert found.counters["newton_iterations"] == alone.counters["newton_iterations"]
+    for value, known in ((found.u, alone.u), (found.pressure, alone.pressure)):
+        assert np.max(np.abs(value - known)) < TIED_ROUNDING * np.max(np.abs(known))
+
+
+@UNBOUNDED
+def test_with_an_infinite_coefficient_it_is_tied_or_has_no_answer() -> None:
+    """Wherever there is one, it is found; where no set of nodes will do, the solve does not claim any."""
+    table = tied_table((("Q1", 4), ("Q1", 6), ("Q2", 4)))
+    assert set(table["answers"]) == {0, 1}
+    alone = table[table["answers"] == 1]
+    assert (alone["outcome"] == "converged").all()
+    assert (alone["otherwise"] == 0).all()
+    assert (alone["difference"] < TIED_ROUNDING).all()
+    assert (table.loc[table["answers"] == 0, "outcome"] == "cycling").all()
+
+
+def test_a_tied_answer_is_one_of_the_whole_plate() -> None:
+    """Condensed and put back: balanced where nothing holds, pressed where it is held, off the plane elsewhere."""
+    plate = GrecoPlate("Q1", 6)
+    ((u, holds),) = tied(plate)
+    left = plate.stiffness @ u - plate.forces[plate.free]
+    normals, tangents = plate.across.indices, plate.along.indices
+    held = np.concatenate([normals[holds], tangents[holds]])
+    assert np.all(u[held] == 0)
+    assert np.all(left[normals[holds]] > 0)
+    assert np.all(u[normals[~holds]] > 0)
+    np.testing.assert_allclose(np.delete(left, held), 0, atol=1e-9 * np.max(np.abs(left)))
+
+
+def test_a_large_coefficient_ties_the_same_nodes() -> None:
+    plate = GrecoPlate("Q1", 6)
+    ((u, holds),) = tied(plate)
+    found = plate.solve_rubbed(mu=1e6)
+    assert np.array_equal(found.rubbed.state == State.STICK, holds)
+    np.testing.assert_allclose(found.u, u, rtol=0, atol=1e-12 * np.max(np.abs(u)))

@@ -17,6 +17,7 @@ from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.model import TyreModel
 from studies.walk import walk
 
+DELTA, MU = 10.0, 0.5  # mm, -
 REACH = 3.0  # times the travel: gaps of the inflated tyre beyond which nobody touches
 
 
@@ -45,20 +46,20 @@ class TyreDrag:
         return PathState(0.0, replace(rest, u=self.begun), self.candidates.positions(self.begun))
 
 
-def tyre_drag(mesh: str = "28x26", delta: float = 10.0, mu: float = 0.5) -> TyreDrag:
-    """Pressed by ``delta`` [mm]; the candidates are those that the press can reach; dragged at half a right angle."""
-    scene, request = complete("tyre", {"delta_mm": delta}, mesh, model="full")
+def tyre_drag(mesh: str) -> TyreDrag:
+    """Pressed by DELTA; the candidates are those that the press can reach; dragged at half a right angle."""
+    scene, request = complete("tyre", {"delta_mm": DELTA}, mesh, model="full")
     model = scene.build(request)
     assert isinstance(model, TyreModel)
     stages = list(model.stages())
     *_, last = walk(stages[:-1], Frictionless())
     problem_at, begun = stages[-1].begin(last.state)
-    chosen = problem_at(0.0).gap(last.state.u) <= REACH * delta
-    only = problem_at(delta).only
+    chosen = problem_at(0.0).gap(last.state.u) <= REACH * DELTA
+    only = problem_at(DELTA).only
     assert only is not None
-    plane = model.foundation.moved((float(np.max(model.candidates.positions(last.state.u) @ NORMAL)) - delta) * NORMAL)
+    plane = model.foundation.moved((float(np.max(model.candidates.positions(last.state.u) @ NORMAL)) - DELTA) * NORMAL)
     points = (3 * np.flatnonzero(chosen)[:, None] + np.arange(3)).ravel()
     held = model.candidates
     candidates = Candidates(held.reference[chosen], held.operator[points], held.weights[chosen])
     way = np.cross(NORMAL, [0.0, 0.0, 1.0]) + np.array([0.0, 0.0, 0.5])
-    return TyreDrag(only(chosen), candidates, plane, way / np.linalg.norm(way), mu, begun.u)
+    return TyreDrag(only(chosen), candidates, plane, way / np.linalg.norm(way), MU, begun.u)

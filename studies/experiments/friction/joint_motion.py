@@ -8,12 +8,11 @@ less than a hundredth of a millimetre.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-import pandas as pd
 from scipy import sparse
 
 from contact.algorithms.semismooth import Semismooth
@@ -22,8 +21,9 @@ from contact.friction.path import PathState, Stage, dissipation
 from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates
 from contact.problem import ContactProblem, ContactSolution
-from studies.experiments.friction.closed_forms.brush import GROUND
-from studies.experiments.friction.closed_forms.truss import Truss
+from studies.experiments.friction.brush import GROUND
+from studies.experiments.friction.truss import Truss
+from studies.experiments.rows import Row, tabulated
 
 MU, EA, SOFT = 0.5, 1e4, 2.0  # -, N, N/mm
 BENT = 0.05  # mm
@@ -71,7 +71,8 @@ def stage_at(truss: Truss, load: np.ndarray, body: Motion, ground: Motion, ancho
     return Stage(problem, slip.places)
 
 
-def joint_motion_table(loads: Sequence[str] = tuple(LOADS), motions: Sequence[Motion] = MOTIONS) -> pd.DataFrame:
+@tabulated
+def joint_motion_table() -> Iterator[Row]:
     """Each load, then all motions one after another, and the foundation moved alone from the last.
 
     A solve starts from the body carried along, its nodes put out of place by ``BENT``; or, where the foundation moves
@@ -79,12 +80,12 @@ def joint_motion_table(loads: Sequence[str] = tuple(LOADS), motions: Sequence[Mo
     since the load was there, in the frame of the foundation; normal_change_N, bar_change_N: those of normal forces and
     of bars; dissipation_N_mm.
     """
-    truss, rows = pyramid(), []
+    truss = pyramid()
     rng = np.random.default_rng(0)
-    for name in loads:
+    for name in LOADS:
         standing = replace(ContactSolution.at_rest(truss.nodes.size, len(FEET)), active=np.ones(len(FEET), bool))
         was, at = Motion.none(), PathState(0.0, standing, FEET)
-        steps = [("loaded", was), *(("together", motion) for motion in motions), ("alone", ALONE)]
+        steps = [("loaded", was), *(("together", motion) for motion in MOTIONS), ("alone", ALONE)]
         first = standing
         for index, (step, motion) in enumerate(steps):
             start, body = at.solution, motion
@@ -97,7 +98,7 @@ def joint_motion_table(loads: Sequence[str] = tuple(LOADS), motions: Sequence[Mo
             found = Semismooth().solve(stage.problem, start)
             at, was = PathState(0.0, found, stage.anchored(found.u), dissipation(stage.problem, found)), body
             first = found if step == "loaded" else first
-            rows.append(
+            yield (
                 {"load": name, "index": index, "step": step, "outcome": found.outcome.word}
                 | {"turn_rad": float(np.linalg.norm(motion.turn)), "way_mm": float(np.linalg.norm(motion.translation))}
                 | {"iterations": found.counters["newton_iterations"]}
@@ -107,4 +108,3 @@ def joint_motion_table(loads: Sequence[str] = tuple(LOADS), motions: Sequence[Mo
                 | {"bar_change_N": float(np.max(np.abs(truss.forces(found.u) - truss.forces(first.u))))}
                 | {"dissipation_N_mm": at.dissipation}
             )
-    return pd.DataFrame(rows)

@@ -1,0 +1,250 @@
+"""The GRECO plate: an elastic square on a rigid plane, pressed from above and pushed from the left, with friction and
+without.
+
+40 x 40 mm, plane strain, small strain, E = 130,000 MPa, nu = 0.2; u_x = 0 on the right side, its lower corner fixed;
+50 MPa on the top, 150 MPa on the left side. Without friction its stress is uniform and everything is known::
+
+    sigma_x = -p_left, sigma_y = -p_top,  e_x = (1 + nu)/E ((1 - nu) sigma_x - nu sigma_y),  u_x = e_x (x - L)
+
+so the bottom must carry p_top to the last digit on any mesh. Two other loads on the top have no closed form: one that
+rises to the right keeps all of the bottom pressed, which is then a plane of symmetry; one that pulls on the left lifts
+that corner off.
+
+With mu = 1 it is open, slides and sticks in one contact, and separates families of algorithms: slips and friction here
+are those of graded meshes of 9-node quadrilaterals, 64x64 and 96x96 alike. With mu = inf who touches is tied to where
+it touched. From rest, who never leaves its place is tied there, and what is left is linear: nodes that touch have no
+displacement, the others no force. Every set of nodes can be tried, by elimination alone. There may be one for which no
+node is pulled and none penetrates, or none: existence ends at a large coefficient (Klarbring, Ing.-Archiv 60 (1990)
+529-541), and the plate has such meshes.
+Source: Code_Aster SSNV128; Feijoo, Barbosa, Zouain.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.linalg import splu
+
+from contact.algorithms.semismooth import Semismooth
+from contact.catalogue import ALGORITHMS
+from contact.coulomb import State
+from contact.operations import SPENT
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
+from studies.experiments.friction.klarbring import algorithms, in_plane
+from studies.experiments.rows import Row, tabulated
+from studies.scenes.element import spaced_lines
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+SIDE, E, NU, TOP, LEFT = 40.0, 1.3e5, 0.2, 50.0, 150.0  # mm, MPa
+ELEMENTS = {"Q1": "ElementQuad1", "Q2": "ElementQuad2"}
+LOADS: dict[str, Callable[[np.ndarray], np.ndarray]] = {  # the pressure on the top over TOP at x
+    "uniform": np.ones_like,
+    "rising": lambda x: 0.5 + x / SIDE,
+    "lifting": lambda x: 4 * x / SIDE - 1.5,
+}
+EXACT = tuple(name for name in ALGORITHMS if name != "regularised")
+PLACES = (0.0, 1.25, 5.0, 7.5, 11.25)  # mm
+SLIPS = (2.8603e-2, 2.7226e-2, 2.2868e-2, 1.9808e-2, 1.5414e-2)  # mm, there, with mu = 1
+STIFF = 1e8  # MPa/mm, of regularised: penetrations of 1e-6 mm beside slips of 1e-2 mm
+TIED = (("Q1", 4), ("Q1", 6), ("Q1", 8), ("Q1", 10), ("Q2", 4), ("Q2", 5))
+
+
+def slip(x: np.ndarray | float) -> np.ndarray | float:
+    """u_x [mm] under the uniform load, without friction."""
+    return (1 + NU) / E * (-(1 - NU) * LEFT + NU * TOP) * (x - SIDE)
+
+
+@dataclass(frozen=True, eq=False)
+class GrecoPlate:
+    """The discrete square: n x n elements, lines closer towards the left and the bottom; every length is 1 mm thick.
+
+    mirrored: with its image below the plane and without any contact, for whoever wants to know the answer.
+    K (n, n) [N/mm], f (n,) [N] of the free displacements; x (m,): places of the candidates, all nodes of the bottom but
+    the fixed corner; across, along (m, n): their displacements off the plane and along it; weights (m,) [mm^2].
+    """
+
+    element: str
+    n: int
+    load: str = "uniform"
+    mirrored: bool = False
+    basis: Basis = field(init=False, repr=False)
+    free: np.ndarray = field(init=False, repr=False)
+    stiffness: sparse.csc_matrix = field(init=False, repr=False)
+    forces: np.ndarray = field(init=False, repr=False)
+    x: np.ndarray = field(init=False, repr=False)
+    across: sparse.csr_matrix = field(init=False, repr=False)
+    along: sparse.csr_matrix = field(init=False, repr=False)
+    weights: np.ndarray = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        import skfem
+        from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+        lines = spaced_lines(0, SIDE, self.n, to_start=True)
+        both = np.concatenate([-lines[:0:-1], lines]) if self.mirrored else lines
+        mesh = skfem.MeshQuad.init_tensor(lines, both)
+        scalar = getattr(skfem, ELEMENTS[self.element])()
+        basis = skfem.Basis(mesh, skfem.ElementVector(scalar))
+        K = sparse.csc_matrix(linear_elasticity(*lame_parameters(E, NU)).assemble(basis))
+        (X, Y), component = basis.doflocs, np.zeros(basis.N, int)
+        component[basis.get_dofs(elements=True).all(["u^2"])] = 1
+        bottom = np.isclose(Y, 0)
+        held = np.isclose(X, SIDE) & ((component == 0) | bottom)
+        free = np.flatnonzero(~held)
+        normal, tangent = (free[(bottom & (component == c))[free] & ~np.isclose(X[free], SIDE)] for c in (1, 0))
+        normal, tangent = normal[np.argsort(X[normal])], tangent[np.argsort(X[tangent])]
+        known = {
+            **{"basis": basis, "free": free, "stiffness": K[free][:, free], "forces": self._load(basis)},
+            **{"x": X[normal], "across": _selection(normal, free), "along": _selection(tangent, free)},
+            "weights": self._edge(basis, np.isclose(Y, 0) & (component == 1))[normal],
+        }
+        for name, value in known.items():
+            object.__setattr__(self, name, value)
+
+    @property
+    def problem(self) -> ContactProblem:
+        """The plate on the plane."""
+        K, f, G = self.stiffness, self.forces[self.free], self.across
+        return ContactProblem(linear_mechanics(K, f), lambda u: G @ u, lambda u: G, self.weights)
+
+    def rubbed(self, mu: float = 1.0) -> ContactProblem:
+        """The plate on the plane with friction."""
+        return in_plane(self.problem, self.along, mu)
+
+    def solve(self, algorithm: str) -> ContactSolution:
+        """Without friction, from rest, the constraint exact."""
+        problem = self.problem
+        rest = ContactSolution.at_rest(len(self.free), len(self.x))
+        return ALGORITHMS[algorithm](epsilon=math.inf).solve(problem, rest)
+
+    def solve_rubbed(self, algorithm: ContactAlgorithm | None = None, mu: float = 1.0) -> ContactSolution:
+        """With friction, from rest, by semismooth Newton unless another algorithm is given."""
+        rest = ContactSolution.at_rest(len(self.free), len(self.x))
+        return (algorithm or Semismooth()).solve(self.rubbed(mu), rest)
+
+    def _load(self, basis: Basis) -> np.ndarray:
+        """Nodal forces (N,) of both pressures [N]; an image has its own."""
+        from skfem import FacetBasis, LinearForm
+
+        shape = LOADS[self.load]
+
+        def on(side: Callable[[np.ndarray], np.ndarray], form: Callable) -> np.ndarray:
+            facets = basis.mesh.facets_satisfying(side, boundaries_only=True)
+            return LinearForm(form).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets, intorder=6))
+
+        forces = on(lambda x: np.isclose(x[0], 0), lambda v, w: LEFT * v[0])
+        forces = forces + on(lambda x: np.isclose(x[1], SIDE), lambda v, w: -TOP * shape(w.x[0]) * v[1])
+        if self.mirrored:
+            forces = forces + on(lambda x: np.isclose(x[1], -SIDE), lambda v, w: TOP * shape(w.x[0]) * v[1])
+        return forces
+
+    def _edge(self, basis: Basis, chosen: np.ndarray) -> np.ndarray:
+        """(N,) int N_r dx along y = 0 of the chosen functions."""
+        from skfem import FacetBasis, LinearForm
+
+        facets = basis.mesh.facets_satisfying(lambda x: np.isclose(x[1], 0), boundaries_only=not self.mirrored)
+        whole = LinearForm(lambda v, w: v[1]).assemble(FacetBasis(basis.mesh, basis.elem, facets=facets))
+        return np.where(chosen, whole, 0.0)
+
+
+def _selection(chosen: np.ndarray, free: np.ndarray) -> sparse.csr_matrix:
+    """(m, n): the chosen ones of all displacements from the free ones."""
+    columns, ones = np.searchsorted(free, chosen), np.ones(len(chosen))
+    return sparse.csr_matrix((ones, (np.arange(len(chosen)), columns)), shape=(len(chosen), len(free)))
+
+
+@tabulated
+def greco_table() -> Iterator[Row]:
+    """Without friction: every load on every mesh by every exact algorithm.
+
+    slip_mm: u_x of the lower left corner; force_N: of the plane on all but the fixed corner, per mm; lift_mm: the
+    largest gap; edge_mm: x of the first pressed node.  pressure_error: of p_top under the uniform load, relative, else
+    NaN.  apart: the largest difference of u from that of the first algorithm, over the largest u.
+    """
+    for element, n, load in product(ELEMENTS, (8, 16, 32), LOADS):
+        plate, first = GrecoPlate(element, n, load), None
+        for name in EXACT:
+            found = plate.solve(name)
+            first = found.u if first is None else first
+            off = float(np.max(np.abs(found.pressure / TOP - 1)))
+            yield {
+                **{"element": element, "elements": n, "load": load, "algorithm": name},
+                **{"outcome": found.outcome.word, "iterations": found.counters["newton_iterations"]},
+                "slip_mm": float((plate.along @ found.u)[0]),
+                "force_N": float(plate.weights @ found.pressure),
+                "lift_mm": float((plate.across @ found.u).max()),
+                "edge_mm": float(plate.x[found.active].min()),
+                "pressure_error": off if load == "uniform" else math.nan,
+                "apart": float(np.max(np.abs(found.u - first)) / np.max(np.abs(first))),
+            }
+
+
+@tabulated
+def friction_table(meshes: Sequence[int] = (16, 32)) -> Iterator[Row]:
+    """mu = 1: all algorithms on 9-node quadrilaterals: worst relative error of the five slips, sum of friction, cost.
+
+    operations: in millions, by :mod:`contact.operations`.
+    """
+    for n in meshes:
+        plate = GrecoPlate("Q2", n)
+        for algorithm in algorithms(STIFF):
+            before = SPENT.total()
+            found = plate.solve_rubbed(algorithm)
+            spent = (SPENT.total() - before) / 1e6
+            slips = np.interp(PLACES, plate.x, plate.along @ found.u)
+            row = {"elements": n, "algorithm": algorithm.name, "outcome": found.outcome.word}
+            row |= {key: found.counters[key] for key in ("newton_iterations", "factorisations")}
+            row |= {"operations": spent, "error": np.max(np.abs(slips / SLIPS - 1))}
+            row |= {f"slip_{place:g}": slip for place, slip in zip(PLACES, slips, strict=True)}
+            yield row | {"friction_N": float(np.sum(found.rubbed.force[:, 0]))}
+
+
+def tied(plate: GrecoPlate) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Every answer with mu = inf: u (n,), and who is tied (m,) bool; 2^m sets are tried on the nodes that may touch."""
+    m, f = len(plate.x), plate.forces[plate.free]
+    touching = np.concatenate([plate.across.indices, plate.along.indices])
+    inside = np.setdiff1d(np.arange(len(f)), touching)
+    K = plate.stiffness.tocsr()
+    factor = splu(K[inside][:, inside].tocsc())
+    beside = K[inside][:, touching].toarray()
+    condensed = K[touching][:, touching].toarray() - beside.T @ factor.solve(beside)
+    load = f[touching] - beside.T @ factor.solve(f[inside])
+    found = []
+    for each in product((False, True), repeat=m):
+        holds = np.array(each)
+        free = np.flatnonzero(~np.tile(holds, 2))
+        at = np.zeros(2 * m)
+        at[free] = np.linalg.solve(condensed[np.ix_(free, free)], load[free])
+        if np.all(np.where(holds, (condensed @ at - load)[:m], at[:m]) >= 0):
+            u = np.zeros(len(f))
+            u[touching], u[inside] = at, factor.solve(f[inside] - beside @ at)
+            found.append((u, holds))
+    return found
+
+
+@tabulated
+def tied_table(cases: Sequence[tuple[str, int]] = TIED) -> Iterator[Row]:
+    """mu = inf under every load on each (element, elements), beside all answers of :func:`tied`.
+
+    answers: how many there are.  tied: nodes of the first; otherwise: nodes that do something else; difference: of u
+    from it, over its largest; NaN where there is none.  iterations: of Newton.
+    """
+    for (element, n), load in product(cases, LOADS):
+        plate = GrecoPlate(element, n, load)
+        answers, found = tied(plate), plate.solve_rubbed(mu=math.inf)
+        row = {"elements": n, "element": element, "load": load, "nodes": len(plate.x), "answers": len(answers)}
+        row |= {"outcome": found.outcome.word, "iterations": found.counters["newton_iterations"]}
+        row |= {"tied": math.nan, "otherwise": math.nan, "difference": math.nan}
+        if answers:
+            u, holds = answers[0]
+            row |= {"tied": int(holds.sum()), "otherwise": int(np.sum((found.rubbed.state == State.STICK) != holds))}
+            row |= {"difference": float(np.max(np.abs(found.u - u)) / np.max(np.abs(u)))}
+        yield row

@@ -1,0 +1,195 @@
+"""Scenes with friction: the tyre pressed, dragged and turned on the spot; load steps, symmetry, and what it costs.
+
+All are solved as any scene is, by its settings ``mu``, ``drag_mm`` and ``turn_deg``. Forces are those of a whole tyre.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from contact.operations import SPENT
+from contact.problem import ContactAlgorithm
+from studies.algorithm_settings import configured
+from studies.complete import complete
+from studies.experiments.rows import Row, tabulated
+from studies.friction.observed import FORCES, FRICTION
+from studies.friction.stages import Stages
+from studies.result import Result
+from studies.scene import Stage
+from studies.scenes.data import reference_rows
+from studies.solving import solve
+from studies.walk import walk
+
+MESH, COARSE, DELTA = "42x40", "14x14", 10.0  # of the tyre, and where its load steps are counted; mm
+MU, RING_MU = 0.5, 0.4  # where no others are named
+COEFFICIENTS = (0.25, 0.5, 1.0)
+DRAGS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 16.0, 64.0)  # mm
+TURNS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 10.0, *range(20, 100, 10))  # deg: the last ones alike
+PATCH_STOPS, PATCH_STEPS = (0.5, 1.0, 2.0, 4.0, 0.0), 8  # mm: and back; load steps from stop to stop
+STEPS = (1, 2, 4, 8, 16, 32)
+COSTED = (0.5, 1.0, 2.0, 4.0, 8.0)  # mm: a drag whose cost is counted
+PROGRAMMES: dict[str, dict[str, object]] = {  # whose symmetry is asked for
+    "pressed": {},
+    "turned": {"turn_deg": (1.0, 4.0)},
+    "dragged": {"drag_mm": (1.0,)},
+}
+CONTACT, REPEATS = "semismooth", 3
+
+
+def solved(scene: str, settings: Mapping[str, object], mesh: str | None, **options: Any) -> Result:
+    """The result of a request."""
+    return solve(*complete(scene, settings, mesh, **options))
+
+
+def rubbed(mesh: str, moves: Mapping[str, object], mu: float = MU, steps: int = 1) -> Result:
+    """The whole tyre pressed with friction, then its plane moved; a drag is across."""
+    across = {"drag_deg": 90.0} if "drag_mm" in moves else {}
+    return solved("tyre", {"delta_mm": DELTA, "mu": mu, **moves, **across}, mesh, model="full", steps=steps)
+
+
+def rows(result: Result) -> Iterator[Row]:
+    """What friction has to say at each load, and whether the judge has certified it."""
+    for step in result.steps:
+        seen = {key: step[key] for key in ("delta_mm", "drag_mm", "turn_deg", "force_N", *FORCES) if key in step}
+        spent = {key: step[key] for key in ("newton_iterations", "factorisations", "substeps")}
+        yield {**seen, **spent, "failures": " ".join(step["failures"]), "outcome": result.verdict}
+
+
+@tabulated
+def dragged_table() -> Iterator[Row]:
+    """The tyre pressed, then its plane dragged across; the force and who slips at each stop, by coefficient."""
+    for mu in COEFFICIENTS:
+        yield from ({"mu": mu, **row} for row in rows(rubbed(MESH, {"drag_mm": DRAGS}, mu)))
+
+
+@tabulated
+def turned_table() -> Iterator[Row]:
+    """The tyre pressed, then its plane turned under it: the parking torque at each stop, by coefficient.
+
+    Slip is the chord of the arc of its step: once all slip, step by step of d, the torque is mu sum f r cos(d/2).
+    """
+    for mu in COEFFICIENTS:
+        yield from ({"mu": mu, **row} for row in rows(rubbed(MESH, {"turn_deg": TURNS}, mu)))
+
+
+def patch_table() -> pd.DataFrame:
+    """The candidates that touch at each stop of a drag forth and back: place, forces, slip, and whether they stick.
+
+    In PATCH_STEPS from stop to stop: pressed in one, all would slip away from the middle.
+    """
+    tables = rubbed(MESH, {"drag_mm": PATCH_STOPS}, steps=PATCH_STEPS).tables[FRICTION]
+    stops = (0.0, *PATCH_STOPS)
+    frames = [
+        table.frame().assign(stop=k, drag_mm=stops[k], mu=MU, steps=PATCH_STEPS) for k, table in enumerate(tables)
+    ]
+    return pd.concat(frames, ignore_index=True).drop(columns="delta_mm")
+
+
+def steps_table() -> pd.DataFrame:
+    """Force and dissipation of the tyre pressed and dragged by 1 mm, in so many steps each: the error of the path.
+
+    error: of a value, from the one that the two finest give by Richardson's rule at first order.
+    """
+    found = []
+    for count in STEPS:
+        result = rubbed(COARSE, {"drag_mm": 1.0}, steps=count)
+        *_, last = rows(result)
+        operations = sum(result.work.values())
+        found.append({"steps": count, **last, "operations": operations, "cpu_s": result.timing["cpu"]})
+    table = pd.DataFrame(found)
+    for name in ("friction_N", "dissipation_N_mm"):
+        *_, before, finest = table[name]
+        table[f"{name}_error"] = table[name] / (2 * finest - before) - 1
+    return table
+
+
+@tabulated
+def crushed_table() -> Iterator[Row]:
+    """The crushed ring with friction and without, shell and solid, beside what another program finds friction to add.
+
+    change, aster_change: of the force by friction [-]; that of Code_Aster is by another law of the material.
+    """
+    rows_read = reference_rows("contact_crushed_ring.csv")
+    aster = {row["delta_mm"]: row["aster_friction_N"] / row["aster_N"] - 1 for row in rows_read}
+    for scene in ("crushed-ring", "crushed-ring-solid"):
+        smooth, rough = (solved(scene, {"mu": mu}, None) for mu in (0.0, RING_MU))
+        for one, other in zip(smooth.steps, rough.steps, strict=True):
+            row = {"scene": scene, "mu": RING_MU, "delta_mm": one["delta_mm"], "smooth_N": one["force_N"]}
+            row |= {"force_N": other["force_N"], "change": other["force_N"] / one["force_N"] - 1}
+            failures = " ".join(one["failures"] + other["failures"])
+            yield {**row, "aster_change": aster.get(one["delta_mm"], np.nan), "failures": failures}
+
+
+@tabulated
+def symmetry_table() -> Iterator[Row]:
+    """What friction keeps of central symmetry: a turn by 180 degrees about the normal takes plies to plies.
+
+    pressure, traction: largest difference between a candidate and its image, over the largest; for the press, the press
+    and a turn of the plane, which are symmetric programmes, and for a drag, which is not.
+    """
+    for programme, moves in PROGRAMMES.items():
+        result = rubbed(MESH, moves)
+        yield {"programme": programme, **central(result.tables[FRICTION][-1].frame()), "outcome": result.verdict}
+
+
+def central(nodes: pd.DataFrame) -> dict[str, float]:
+    """Largest differences of forces from those of the image (-y, -z), over the largest force of the kind."""
+    place = nodes[["y_mm", "z_mm"]].to_numpy()
+    image = np.argmin(np.linalg.norm(place[:, None] + place[None], axis=2), axis=1)
+    normal = nodes["normal_N"].to_numpy()
+    pull = nodes[["friction_y_N", "friction_z_N"]].to_numpy()
+    far = np.linalg.norm(place + place[image], axis=1)
+    return {
+        "candidates": len(nodes),
+        "place_mm": float(far.max()),
+        "normal": float(np.max(np.abs(normal - normal[image])) / normal.max()),
+        "friction": float(np.max(np.linalg.norm(pull + pull[image], axis=1)) / np.linalg.norm(pull, axis=1).max()),
+    }
+
+
+def cost_table() -> pd.DataFrame:
+    """Each step: iterations, factorisations an iteration, operations [million] and CPU time [s] an iteration.
+
+    operations_ratio, time_ratio: to those of the press without friction, an iteration.  Times are the least of REPEATS,
+    each of them with both, so that a machine that slows down slows both.
+    """
+    runs = [list(_both()) for _ in range(REPEATS)]
+    table = pd.DataFrame(runs[0])
+    table["cpu_s"] = [min(run[k]["cpu_s"] for run in runs) for k in range(len(table))]
+    plain = table.iloc[0]
+    table["operations_ratio"] = table["operations"] / plain["operations"]
+    table["time_ratio"] = table["cpu_s"] / plain["cpu_s"]
+    return table
+
+
+def _both() -> Iterator[Row]:
+    for friction in ({}, {"mu": MU, "drag_mm": COSTED, "drag_deg": 90.0}):
+        scene, request = complete("tyre", {"delta_mm": DELTA, **friction}, MESH, contact=CONTACT, model="full")
+        stages: Iterable[Stage] = scene.build(request).stages()
+        stages = Stages(stages, request.settings) if friction else stages
+        yield from _steps(stages, configured(CONTACT, request.settings), rubbed=bool(friction))
+
+
+def _steps(stages: Iterable[Stage], algorithm: ContactAlgorithm, *, rubbed: bool) -> Iterator[Row]:
+    spent, clock = sum(SPENT.values()), time.process_time()
+    for visited in walk(stages, algorithm):
+        counters = visited.point.solution.counters
+        now, at = sum(SPENT.values()), time.process_time()
+        iterations = counters["newton_iterations"]
+        if len(visited.problem.weights):
+            yield {
+                "stage": visited.stage.name,
+                "friction": int(rubbed),
+                "load": visited.point.requested,
+                "outcome": visited.point.outcome.word,
+                "iterations": int(iterations),
+                "factorisations": counters["factorisations"] / iterations,
+                "operations": (now - spent) / iterations / 1e6,
+                "cpu_s": (at - clock) / iterations,
+            }
+        spent, clock = sum(SPENT.values()), time.process_time()

@@ -1,1 +1,0 @@
-"""Contact of plane elastic solids from scikit-fem with the same algorithms as shells."""
