@@ -33,12 +33,12 @@ class ShortWaves:
     amplitude: np.ndarray
 
 
-def short_waves(shell: ShellModel, u: np.ndarray, directions: int = DIRECTIONS) -> ShortWaves:
+def short_waves(shell: ShellModel, u: np.ndarray) -> ShortWaves:
     """At the middles of the elements, from their mean gradients and strains; u (n,) free displacements.
 
     D counts by its symmetric part, which is all that an energy sees.
     """
-    angles = np.arange(directions) * np.pi / directions
+    angles = np.arange(DIRECTIONS) * np.pi / DIRECTIONS
     found = [np.linalg.eigh(A) for A in acoustic_tensors(shell, u, angles)]
     values, vectors = (np.array([each[i][..., 0] for each in found]) for i in (0, 1))
     best = np.argmin(values, axis=0)

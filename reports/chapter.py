@@ -13,6 +13,7 @@ from posixpath import dirname, relpath
 from reports.markdown import Part
 from reports.store.reading import StoreError
 from reports.store.tables import Store
+from reports.template import Template
 
 ALL = "all"  # what a campaign says whose cells are those of all pages
 INDEX, INDEX_TITLE = "index.md", "Results"
@@ -44,11 +45,21 @@ class Chapter:
     def applies(self, store: Store) -> bool:
         """Is there such a page of this store? Raises StoreError when a table is missing that must be there."""
         if self.always and store.pages == ALL:
-            for name in self.needs:
-                if not store.has_table(name):
-                    raise StoreError(f"{store.path / 'tables' / name}.csv: missing, which {self.file} needs")
+            try:
+                for name in self.needs:
+                    store.table(name)
+            except StoreError as error:
+                raise StoreError(f"{error}, which {self.file} needs") from None
             return True
-        return not self.always and all(map(store.has_analysis, self.needs))
+        return not self.always and all(map(store.has, self.needs))
+
+
+def chapter(
+    text: Template, render: Callable[[Store], Part], needs: tuple[str, ...] = (), always: bool = False
+) -> Chapter:
+    """The chapter of a template: its title is the heading of the block ``page``, and one block is its question."""
+    title = text.blocks["page"][0][0].removeprefix("# ")
+    return Chapter(text.name, title, str(text("question")), render, needs, always)
 
 
 def grouped(chapters: Iterable[Chapter]) -> dict[str, list[Chapter]]:

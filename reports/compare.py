@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from difflib import SequenceMatcher
+from itertools import zip_longest
 
 from reports.markdown import END_MACHINE, MACHINE
 
@@ -25,7 +26,7 @@ def differences(page: str, committed: str, regenerated: str) -> list[str]:
     matcher = SequenceMatcher(None, [_words(text) for _, text in old], [_words(text) for _, text in new], False)
     found = []
     for kind, a0, a1, b0, b1 in matcher.get_opcodes():
-        pairs = list(_aligned(old[a0:a1], new[b0:b1]))
+        pairs = list(zip_longest(old[a0:a1], new[b0:b1], fillvalue=(0, "")))  # no partner: beside an empty line
         if kind == "equal":
             pairs = [(a, b) for a, b in pairs if not _same_numbers(a[1], b[1])]
         at = old[min(a0, len(old) - 1)][0] if old else 1
@@ -47,12 +48,6 @@ def _compared(text: str) -> Iterator[Line]:
         if not skipping:
             yield number, line
         skipping = skipping or line == MACHINE
-
-
-def _aligned(old: list[Line], new: list[Line]) -> Iterator[tuple[Line, Line]]:
-    """Pairs of lines; a line without a partner stands beside an empty one."""
-    for i in range(max(len(old), len(new))):
-        yield old[i] if i < len(old) else (0, ""), new[i] if i < len(new) else (0, "")
 
 
 def _words(line: str) -> str:

@@ -52,14 +52,24 @@ def scientific(value: float | None, decimals: int = 1) -> str:
     return formatted(value, f".{decimals}e")
 
 
+def bound(error: float) -> str:
+    """An error that is asked for, in per cent."""
+    return f"{number(100 * error)} %"
+
+
 def code(name: object) -> str:
     """A name as it is typed; a dash for none."""
     return NOTHING if name == "" else f"`{name}`"
 
 
-def said(words: str) -> str:
+def codes(names: Iterable[object]) -> str:
+    """Names as they are typed."""
+    return ", ".join(map(code, names))
+
+
+def said(words: object) -> str:
     """Words; a dash for none."""
-    return words or NOTHING
+    return str(words) if words and words == words else NOTHING
 
 
 def interval(ends: Iterable[float], decimals: int = 2) -> str:
@@ -100,12 +110,19 @@ WORDS = {
 class Line(Formatter):
     """Fills in "{name:format}" from a record, a mapping or an object, as str.format does but for the formats.
 
-    They are those of ``formatted``, "code", "said", "quantity", or ``named`` ones; without one a value is printed as it
-    is. In "{kkt[tension]:.1e}" an entry of a value is meant.
+    They are those of ``formatted``, some by name ("bound", "code", "codes", "said", "quantity") and ``named`` ones;
+    without one a value is printed as it is. In "{kkt[tension]:.1e}" an entry of a value is meant.
     """
 
     def __init__(self, named: Mapping[str, Callable[[Any], str]]) -> None:
-        self.named = {"code": code, "said": said, "quantity": quantity, **named}
+        self.named: dict[str, Callable[[Any], str]] = {
+            "bound": bound,
+            "code": code,
+            "codes": codes,
+            "said": said,
+            "quantity": quantity,
+            **named,
+        }
 
     def filled(self, text: str, record: Any) -> str:
         """The text with the values of a record."""

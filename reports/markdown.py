@@ -6,52 +6,54 @@ What they mean is not known here.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 import pandas as pd
 
-from reports.formats import Line
+from reports.formats import NOTHING, Line
 
 Form = Callable[[Any], str]
 MACHINE, END_MACHINE = "<!-- machine -->", "<!-- /machine -->"
+FOLD, END_FOLD = re.compile(r"<details><summary>(.+)</summary>"), "</details>"
+FENCE = re.compile(r"^(```.*?^```)$", re.MULTILINE | re.DOTALL)
 
 
 @dataclass(frozen=True)
 class Part:
     """A piece of a page: its text and the pictures it shows, by file name, which draw themselves when asked for."""
 
-    text: str
+    text: str = ""
     pictures: Mapping[str, Callable[[], str]] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        return self.text.strip("\n")
 
 
 def joined(*blocks: Part | str) -> Part:
     """Pieces below one another; one without text leaves no trace."""
-    parts = [block if isinstance(block, Part) else Part(block) for block in blocks]
-    pictures = {name: svg for part in parts for name, svg in part.pictures.items()}
-    return Part("\n\n".join(part.text.strip("\n") for part in parts if part.text) + "\n", pictures)
+    pictures = {name: svg for part in blocks if isinstance(part, Part) for name, svg in part.pictures.items()}
+    return Part("\n\n".join(filter(None, (str(block).strip("\n") for block in blocks))) + "\n", pictures)
 
 
 def table(title: str, header: Sequence[str], rows: Iterable[Sequence[object]], words: int = 1) -> str:
     """A table under its title line; the first columns are words, the others are numbers."""
     lines = [f"**{title}**", "", _line(header), _line([*[":--"] * words, *["--:"] * (len(header) - words)])]
-    return "\n".join([*lines, *(_line(row) for row in rows)])
+    return "\n".join([*lines, *map(_line, rows)])
 
 
-def listing(
-    title: str, records: pd.DataFrame | Iterable[Any], heads: str, line: str, words: int = 1, **named: Form
-) -> str:
-    """A table with a line a record: its heads as "a | b", and its line of what stands below them as "{x:.1f} | {y}".
-
-    The fields of the line are filled in as by ``Line``. Raises ValueError when there are not as many of one as of the
-    other.
-    """
-    names, columns = heads.split(" | "), line.split(" | ")
-    if len(names) != len(columns):
-        raise ValueError(f"{title}: {len(names)} heads over {len(columns)} columns")
-    each = records.to_dict("records") if isinstance(records, pd.DataFrame) else list(records)
-    return table(title, names, zip(*(filled(column, each, **named) for column in columns), strict=True), words)
+def by_name(
+    groups: Iterable[tuple[Sequence[object], pd.DataFrame]],
+    names: Iterable[object],
+    entry: Callable[[dict[Any, Any]], object],
+    column: str = "name",
+) -> Iterator[list[object]]:
+    """A line of a table for each group: its words, then an entry for each name, a dash where the group has none."""
+    columns = list(names)
+    for words, own in groups:
+        by = {row[column]: row for row in own.to_dict("records")}
+        yield [*words, *(entry(by[name]) if name in by else NOTHING for name in columns)]
 
 
 def filled(line: str, records: pd.DataFrame | Iterable[Any], **named: Form) -> list[str]:
@@ -61,13 +63,12 @@ def filled(line: str, records: pd.DataFrame | Iterable[Any], **named: Form) -> l
 
 
 def _line(entries: Sequence[object]) -> str:
-    return "| " + " | ".join(str(entry) for entry in entries) + " |"
+    return "| " + " | ".join(map(str, entries)) + " |"
 
 
 def prose(text: str) -> str:
-    """Text with its line ends inside paragraphs and list items taken out: how long a number is must not move words."""
-    paragraphs = [re.sub(r"\n(?!- )\s*", " ", paragraph.strip()) for paragraph in text.strip().split("\n\n")]
-    return "\n\n".join(paragraphs)
+    """Text with its line ends inside paragraphs and list items taken out."""
+    return "\n\n".join(re.sub(r"\n(?!- )\s*", " ", each.strip()) for each in text.strip().split("\n\n"))
 
 
 def picture(name: str, words: str, svg: Callable[[], str]) -> Part:
@@ -75,21 +76,11 @@ def picture(name: str, words: str, svg: Callable[[], str]) -> Part:
     return Part(f"![{words}](figures/{name})", {name: svg})
 
 
-def folded(summary: str, text: str) -> str:
-    """Text that opens on a click."""
-    return f"<details><summary>{summary}</summary>\n\n{text}\n\n</details>"
-
-
-def fold(summary: str, *blocks: Part | str) -> Part:
-    """Pieces with their pictures that open on a click."""
-    inside = joined(*blocks)
-    return Part(folded(summary, inside.text.strip("\n")), inside.pictures)
-
-
 def commands(lines: Iterable[str]) -> str:
-    """Shell commands in a fold."""
+    """Shell commands in a fold; nothing where there is none."""
     block = "\n".join(["```sh", *dict.fromkeys(lines), "```"])
-    return folded("Commands that reproduce these numbers", block)
+    summary = "Commands that reproduce these numbers"
+    return f"<details><summary>{summary}</summary>\n\n{block}\n\n{END_FOLD}" if block.count("\n") > 1 else ""
 
 
 def machine(*blocks: str) -> str:

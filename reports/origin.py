@@ -12,10 +12,12 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from reports.formats import digits
-from reports.markdown import Part, joined, listing, machine, prose, table
+from reports.markdown import Part, machine, table
 from reports.store.cells import CLASSES, Cell
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("origin")
 SHOWN = 12  # digits of a commit
 MINUTE = len("2026-01-01T00:00")  # of a date as a record has it
 
@@ -65,20 +67,12 @@ def origin(store: Store) -> str:
 
 def machines(store: Store) -> Part:
     """Whose machine the cells are from, where they are from several: how far merged ones were verified, whose times."""
-    if not store.has_analysis("machines"):
-        return Part("")
-    found = store.analysis("machines")
+    if not store.has("machines"):
+        return Part()
+    found = store.table("machines")
     if len(found) < 2 and (found["seconds"] > 0).all():
-        return Part("")
-    line = "{machine} | {cells} | {verified} | {again} | {unverified} | {seconds}"
-    rows = found.rename(columns={"solved again": "again", "unverified failure": "unverified"})
-    heads = "machine | cells | merged, verified | merged, solved again | merged, unverified failures | with times"
-    text = prose("""## Machines
-
-Cells of other stores were merged after what they claim had been recomputed from their fields; counters and times cannot
-be told from a field. Times of two machines are never ranked against each other: only those of one machine stand in the
-tables of this report, and what merged cells claim to have taken is in `cells.csv` alone, as `seconds_there`.""")
-    return joined(text, machine(listing("Cells by the machine that solved them", rows, heads, line, words=1)))
+        return Part()
+    return TEXT("machines", rows=found)
 
 
 def _solved(store: Store) -> list[Cell]:

@@ -70,7 +70,7 @@ def rendered(store: Store, *, draw: bool = True) -> dict[str, str]:
     first = index_page if store.pages == ALL else campaign_page
     made = {each.file: _made(each, store) for each in chapters}
     absent = {each.file for each in CHAPTERS} - {each.file for each in chapters}
-    made = {INDEX: first(store, listed(chapters)), **made}
+    made = {INDEX: joined(first(store, listed(chapters))), **made}
     parts = {name: Part(without_links(part.text, absent), part.pictures) for name, part in made.items()}
     pictures = {name: each() if draw else UNDRAWN for part in parts.values() for name, each in part.pictures.items()}
     texts = with_appearances({name: part.text for name, part in parts.items()}, chapters)
@@ -101,7 +101,7 @@ def _made(chapter: Chapter, store: Store) -> Part:
         tables = ", ".join(chapter.needs) or "its cells"
         raise StoreError(f"{store.path}: {chapter.file} lacks {error}, of {tables}") from error
     text = part.text.replace(f"]({FIGURES}/", f"]({relative(FIGURES, chapter.file)}/")
-    return joined(text, conclusions(store, chapter.name), Part("", part.pictures))
+    return joined(text, conclusions(store, chapter.name), Part(pictures=part.pictures))
 
 
 def without_links(text: str, absent: Collection[str]) -> str:

@@ -9,18 +9,7 @@ import numpy as np
 from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
 from formulations.strains.quantities import STRAINS
-from studies.store.vtu import write_vtu
-
-# a triquadratic hexahedron in VTK's order (vtkTriQuadraticHexahedron): corners, edges, faces, centre; 0, 1, 2 along
-# each axis
-_VTK_27 = np.array(
-    [
-        *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
-        *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
-        *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
-        *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
-    ]
-)
+from studies.store.vtu import PLACES_27, write_vtu
 
 
 def write_fields(path: Path, shell: ShellModel, u: np.ndarray, pressure: np.ndarray) -> None:
@@ -59,6 +48,7 @@ def write_solid_fields(path: Path, solid: SolidDiscretisation, u: np.ndarray, pr
     Cells: triquadratic hexahedra with the number of their ply, from inside to outside.
     """
     mesh = solid.mesh
-    order = _VTK_27 if mesh.orientation > 0 else _VTK_27[:, [1, 0, 2]]  # a hexahedron of positive volume
+    places = np.array(PLACES_27)
+    order = places if mesh.orientation > 0 else places[:, [1, 0, 2]]  # a hexahedron of positive volume
     data = {"displacement": solid.expand(u), "pressure": pressure}
     write_vtu(path, mesh.x, mesh.elements[:, order @ (9, 3, 1)], data, {"ply": mesh.ply.astype(float)})

@@ -108,6 +108,11 @@ class Request:
             fields.append("leaves")
         return {**{name: getattr(self, name) for name in fields}, **self.settings}
 
+    @property
+    def mesh_text(self) -> str:
+        """N1xN2."""
+        return "{}x{}".format(*self.mesh)
+
     def key(self, without: Collection[str] = ()) -> str:
         """Equal for two requests that differ in nothing but ``without``; not made to be read back."""
         values = self.values

@@ -94,7 +94,7 @@ class Result:
         asked = ("scene", "measure", "contact", "newton", "mesh", "model", "model_reason")
         return {
             **{name: getattr(request, name) for name in asked},
-            "mesh": f"{request.mesh[0]}x{request.mesh[1]}",
+            "mesh": request.mesh_text,
             "settings": {**request.settings, "steps": request.steps},
             "outcome": UNSUPPORTED if self.unsupported else self.outcome.word,
             "class": self.verdict,

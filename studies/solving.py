@@ -171,8 +171,7 @@ def _record_end(visited: Visited, result: Result) -> None:
 
 
 def _grid(request: Request) -> str:
-    n1, n2 = request.mesh
-    return f"{n1}x{n2}, refined" if request.leaves else f"{n1}x{n2}"
+    return f"{request.mesh_text}, refined" if request.leaves else request.mesh_text
 
 
 def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
@@ -243,7 +242,7 @@ def _record(
         result.tables.setdefault(name, []).append(table)
     result.quantities |= seen.quantities
     if seen.step is not None:
-        result.loads.append(Step.of({**seen.step, **judged, **spent}, spent))
+        result.loads.append(Step(seen.step, judged, spent))
         load, value = next(iter(seen.step.items()))
         where = f"at {load} {value:g}"
     if judged.get("failures"):

@@ -16,34 +16,35 @@ OF_THE_PATH = ("substeps", "limit_point")  # counted beside what the algorithm c
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """The load and the quantities at it {name_unit: value}, what the judge says of the state, and the counters."""
+    """seen: the load, which comes first, and the quantities at it {name_unit: value}; certificate: what the judge says
+    of the state; counters: what it has cost.
+    """
 
-    load: Mapping[str, float]
-    quantities: Mapping[str, Any]
+    seen: dict[str, Any]
     certificate: Mapping[str, Any]
     counters: Mapping[str, int]
 
-    @classmethod
-    def of(cls, entry: Mapping[str, Any], counters: Iterable[str] = ()) -> Step:
-        """An entry of ``steps``, whose first key is the load; counters: the names that its result counts."""
-        counted = {*counters, *OF_THE_PATH}
-        seen = {key: value for key, value in entry.items() if key not in counted and key not in CERTIFICATE}
-        return cls(
-            load=dict(islice(seen.items(), 1)),
-            quantities=dict(islice(seen.items(), 1, None)),
-            certificate={key: entry[key] for key in CERTIFICATE if key in entry},
-            counters={key: value for key, value in entry.items() if key in counted},
-        )
+    @property
+    def load(self) -> dict[str, float]:
+        """The load alone."""
+        return dict(islice(self.seen.items(), 1))
 
     @property
-    def seen(self) -> dict[str, Any]:
-        """The load and the quantities."""
-        return {**self.load, **self.quantities}
+    def quantities(self) -> dict[str, Any]:
+        """All that was read off beside it."""
+        return dict(islice(self.seen.items(), 1, None))
 
     @property
     def flat(self) -> dict[str, Any]:
-        """The entry of ``steps``."""
-        return {**self.seen, **self.certificate, **self.counters}
+        """The entry of ``steps`` in result.json."""
+        judged = {key: self.certificate[key] for key in CERTIFICATE if key in self.certificate}
+        return {**self.seen, **judged, **self.counters}
+
+
+def seen_in(entry: Mapping[str, Any], counters: Iterable[str]) -> dict[str, Any]:
+    """Load and quantities of an entry of ``steps``; counters: the names that its result counts."""
+    others = {*counters, *OF_THE_PATH, *CERTIFICATE}
+    return {key: value for key, value in entry.items() if key not in others}
 
 
 def unit_of(quantity: str) -> str:

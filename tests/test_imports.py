@@ -29,9 +29,9 @@ MORE = {
     "studies/commands/compare.py": {"reports"},  # and how words stand in Markdown
     "studies/commands/exchange/card.py": {"reports"},
     "studies/commands/solve.py": {"reports"},
-    "studies/door/chosen.py": {"reports"},  # as does a choice
-    "studies/door/notebook.py": {"reports"},  # and so does that of a notebook
+    "studies/door/notebook.py": {"reports"},  # as does that of a notebook, and a choice
     "studies/cli.py": {"?"},  # the module of the command that is asked for
+    "studies/scenes/__init__.py": {"?"},  # that of the scene that is asked for
     "studies/door/plugins.py": {"?"},  # modules of a user's own
     "studies/arena/solvers/base.py": {"?"},  # a solver that may not be installed
 }
@@ -165,7 +165,9 @@ light = loaded(["numpy", "scipy", "pandas"])
 sys.addaudithook(hear)
 code = main(["solve", "cantilever", "--mesh", "2x1", "--set", "load_fraction=0.1", "--out", sys.argv[1]])
 threads = len(os.listdir("/proc/self/task")) if sys.platform == "linux" else 1
-found = dict(light=light, code=code, heavy=loaded({HEAVY}), started=started, renamed=renamed, threads=threads)
+scenes = [name for name in sys.modules if name.startswith("studies.scenes.")]
+found = dict(light=light, code=code, heavy=loaded({HEAVY}), started=started, renamed=renamed)
+found |= dict(threads=threads, scenes=scenes)
 open(sys.argv[1] + "/found", "w").write(json.dumps(found))
 """
 
@@ -188,6 +190,12 @@ def test_a_solve_does_not_wait_for_what_it_may_never_need(found: dict[str, Any])
     """Each of these takes as long to load as a small solve takes."""
     assert found["code"] == 0
     assert found["heavy"] == []
+
+
+def test_a_solve_loads_its_own_scene_alone(found: dict[str, Any]) -> None:
+    assert "studies.scenes.benchmarks.cantilever" in found["scenes"]
+    others = ("studies.scenes.tyre", "studies.scenes.contact", "studies.scenes.manufactured")
+    assert [name for name in found["scenes"] if name.startswith(others) or "hemisphere" in name] == []
 
 
 def test_a_solve_starts_nothing_but_git_once_and_only_in_a_work_tree(found: dict[str, Any]) -> None:

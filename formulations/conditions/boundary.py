@@ -78,15 +78,8 @@ class Supports:
         """
         return self.hold(nodes, (1 - axis,)).hinged(nodes, (2,))
 
-    def hinged(self, nodes: np.ndarray, components: Sequence[int] = _ALL, at: str = "middle") -> Supports:
-        """Components held at the "middle", at the "inner" or at the "outer" face; the director may turn.
-
-        Raises ValueError for another place.
-        """
-        if at in FACES:
-            return self.hold(nodes, components, (at,))
-        if at != "middle":
-            raise ValueError(f"hinged at {at!r}: must be middle, inner or outer")
+    def hinged(self, nodes: np.ndarray, components: Sequence[int] = _ALL) -> Supports:
+        """Components held at the middle; the director may turn. For a hinge at a face hold that face alone."""
         middle = self.middle.copy()
         for i in components:
             middle[nodes, i] = True

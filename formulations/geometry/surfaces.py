@@ -1,8 +1,7 @@
 """Reference surfaces in orthogonal principal coordinates (a1, a2): Lamé parameters, curvatures, frame, position.
 
 A surface knows nothing of thickness, material or mesh. Add one by giving its position and the five functions
-A1, A2, k1, k2 and B of :class:`Geometry`; any surface of revolution needs only its meridian, as formulas, as functions
-(:func:`revolved`) or as points (:func:`through_points`).
+A1, A2, k1, k2 and B of :class:`Geometry`; any surface of revolution needs only its meridian (:class:`MeridianPoint`).
 
 Coordinate lines must be lines of curvature. The hyperbolic paraboloid z = x^2 - y^2 over a square in (x, y) cannot
 enter: its Cartesian lines are not orthogonal (x,1 . x,2 = -4xy), and no other coordinates help, for its edges x = const
@@ -123,58 +122,6 @@ class SurfaceOfRevolution:
         e2 = np.stack([-sin, cos, zero], axis=-1)
         e3 = np.stack([z1 * cos, z1 * sin, -r1], axis=-1)
         return np.stack([e1, e2, e3], axis=-2)
-
-
-class Curve(Protocol):
-    """A function of one variable with its derivatives, called as scipy calls its splines and polynomials."""
-
-    def __call__(self, s: np.ndarray, nu: int, /) -> np.ndarray:
-        """The derivative of order nu at s (nu = 0: the value)."""
-        ...
-
-
-def revolved(r: Curve, z: Curve) -> SurfaceOfRevolution:
-    """Any meridian r(a1), z(a1), two functions that know their first two derivatives; a1 need not be an arc length.
-
-    e3 = (z', -r')/A1 is the outward normal when the meridian runs so that the inside lies to its left.
-    """
-
-    def meridian(a1: np.ndarray) -> MeridianPoint:
-        return MeridianPoint(r(a1, 0), z(a1, 0), r(a1, 1), z(a1, 1), r(a1, 2), z(a1, 2))
-
-    return SurfaceOfRevolution(meridian)
-
-
-def through_points(points: np.ndarray) -> SurfaceOfRevolution:
-    """Meridian through measured points (n, 2) of (r, z): the interpolating cubic spline over the chord length a1.
-
-    a1 runs from 0 to the length of the polygon; when the last point is the first, the spline closes smoothly, else its
-    ends are "not a knot". Errors for points at distances d on a smooth curve: position d^4, tangent (k2, B1) d^3, k1
-    d^2, also for unequal distances (Floater, IMA J. Numer. Anal. 26 (2006) 25, recalled; the tests measure them).
-    Raises ValueError for fewer than four points, for coinciding neighbours, and when evaluated outside the points.
-    """
-    points = np.asarray(points, float)
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) < 4 or not np.all(np.isfinite(points)):
-        raise ValueError(f"a meridian needs at least four finite points (r, z), got an array of shape {points.shape}")
-    chord = np.hypot(*np.diff(points, axis=0).T)
-    if np.any(chord == 0):
-        raise ValueError(f"points {np.argmin(chord)} and {np.argmin(chord) + 1} of the meridian coincide")
-    length = np.append(0.0, np.cumsum(chord))
-    closed = np.array_equal(points[0], points[-1])
-    from scipy.interpolate import CubicSpline  # as slow to load as all the rest, and rarely needed
-
-    spline = CubicSpline(length, points, bc_type="periodic" if closed else "not-a-knot")
-
-    def coordinate(axis: int) -> Curve:
-        def curve(s: np.ndarray, nu: int, /) -> np.ndarray:
-            slack = 1e-12 * length[-1]  # the rounding of a grid line
-            if not closed and (np.min(s) < -slack or np.max(s) > length[-1] + slack):
-                raise ValueError(f"a1 must lie between 0 and {length[-1]:g}, the chord length of the points")
-            return spline(s, nu)[..., axis]
-
-        return curve
-
-    return revolved(coordinate(0), coordinate(1))
 
 
 def elliptic_torus(axis_radius: float, radial: float, axial: float) -> SurfaceOfRevolution:

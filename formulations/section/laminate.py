@@ -7,9 +7,8 @@ No geometry of the surface and no element may enter here. Stresses are second Pi
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -17,19 +16,6 @@ SECTIONS = ("constant-s33", "nonsymmetric", "full-3d")
 
 # Voigt order of a ply: 11, 22, 12 in the plane; 33; then 13, 23.
 PLANE, NORMAL, SHEAR = slice(0, 3), 3, slice(4, 6)
-
-
-class Layer(Protocol):
-    """What a laminate asks of a ply; a new kind of ply is a frozen record with these two."""
-
-    @property
-    def thickness(self) -> float:
-        """Thickness [mm]."""
-        ...
-
-    def stiffness(self) -> np.ndarray:
-        """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -70,24 +56,12 @@ class Ply:
 
     def stiffness(self) -> np.ndarray:
         """B (6, 6) [MPa] in the shell axes, Voigt order 11, 22, 12, 33, 13, 23 with engineering shears."""
-        E, G, nu = (
-            (self.E_L, self.E_T, self.E_T),
-            (self.G_LT, self.G_LT, self.G_TT),
-            (self.nu_LT, self.nu_LT, self.nu_TT),
-        )
-        return orthotropic_stiffness(E, G, nu, self.angle)
-
-
-def orthotropic_stiffness(E: Sequence[float], G: Sequence[float], nu: Sequence[float], angle: float) -> np.ndarray:
-    """B (6, 6) [MPa] in the shell axes of E1, E2, E3, G12, G13, G23, nu12, nu13, nu23 in the axes of the ply.
-
-    nu_ij: contraction along j under tension along i. Axis 1 lies at ``angle`` [rad] from a1 towards a2, axis 3 across.
-    """
-    compliance = np.diag([1 / E[0], 1 / E[1], 1 / G[0], 1 / E[2], 1 / G[1], 1 / G[2]])
-    for (i, j), value in zip(((0, 1), (0, NORMAL), (1, NORMAL)), nu, strict=True):
-        compliance[i, j] = compliance[j, i] = -value / E[i]
-    turn = strain_rotation(angle)
-    return turn.T @ np.linalg.inv(compliance) @ turn
+        compliance = np.diag([1 / self.E_L, 1 / self.E_T, 1 / self.G_LT, 1 / self.E_T, 1 / self.G_LT, 1 / self.G_TT])
+        in_plane, across = -self.nu_LT / self.E_L, -self.nu_TT / self.E_T
+        for i, j, coupling in ((0, 1, in_plane), (0, NORMAL, in_plane), (1, NORMAL, across)):
+            compliance[i, j] = compliance[j, i] = coupling
+        turn = strain_rotation(self.angle)
+        return turn.T @ np.linalg.inv(compliance) @ turn
 
 
 def check_positive(**values: float) -> None:
@@ -110,11 +84,11 @@ def strain_rotation(angle: float) -> np.ndarray:
 class Laminate:
     """Plies stacked from d_minus outwards; d_minus [mm] is the offset of the inner face from the reference surface."""
 
-    plies: tuple[Layer, ...]
+    plies: tuple[Ply, ...]
     d_minus: float
 
     @classmethod
-    def single(cls, ply: Layer) -> Laminate:
+    def single(cls, ply: Ply) -> Laminate:
         """One ply about its middle surface."""
         return cls((ply,), -0.5 * ply.thickness)
 
@@ -168,22 +142,7 @@ class Laminate:
                 D[:6, 10] = coupling
         return D
 
-    def initial_resultants(self, stresses: Sequence[Sequence[float]]) -> np.ndarray:
-        """H0 (11,) [N/mm] of initial stresses (S11, S22, S12) [MPa] in the shell axes, one triple a ply.
-
-        H0^p = sum_k S_k int N^p da3, the work of S on the face strains; transverse shears and E33 carry none.
-        The strains are linear between the faces, also in their quadratic part: N0 adds N0 h^2/4 to the bending
-        stiffness where a continuum adds N0 h^2/12. Raises ValueError unless there is one finite triple a ply.
-        """
-        S = np.asarray(stresses, float)
-        if S.shape != (len(self.plies), 3) or not np.all(np.isfinite(S)):
-            raise ValueError(f"initial stresses must be (S11, S22, S12) of {len(self.plies)} plies, got {stresses}")
-        H0 = np.zeros(11)
-        for stress, (_, one, _) in zip(S, self._thickness_moments(), strict=True):
-            H0[:6] += np.kron(stress, one)
-        return H0
-
-    def _thickness_moments(self) -> Iterator[tuple[Layer, np.ndarray, np.ndarray]]:
+    def _thickness_moments(self) -> Iterator[tuple[Ply, np.ndarray, np.ndarray]]:
         """Per ply: (ply, int N^p (2,), int N^p N^q (2, 2)); two Gauss points are exact for the quadratic products."""
         h, bottom = self.thickness, 0.0
         for ply in self.plies:

@@ -17,7 +17,7 @@ from scipy.linalg import norm
 from formulations.element.sparsity import Pattern
 from formulations.loads.pressure import Pressure
 from formulations.operations import product, spend
-from formulations.section.laminate import Laminate, Layer
+from formulations.section.laminate import Laminate, Ply
 from formulations.shell import Linearisation
 from formulations.solid.laws import VOIGT, Law, StVenantKirchhoff, tensor
 from formulations.solid_mesh import CUBE, SQUARE, SolidMesh
@@ -48,7 +48,7 @@ class SolidDiscretisation:
         mesh: SolidMesh,
         laminate: Laminate,
         fixed: np.ndarray,
-        law: Callable[[Layer], Law] = StVenantKirchhoff.of,
+        law: Callable[[Ply], Law] = StVenantKirchhoff.of,
     ) -> SolidDiscretisation:
         """Number the unknowns and evaluate the reference geometry; law: makes that of a ply, which may refuse it."""
         free = np.flatnonzero(~fixed.ravel())

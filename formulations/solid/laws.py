@@ -21,9 +21,9 @@ from typing import Protocol, Self
 
 import numpy as np
 
-from formulations.section.laminate import Layer
+from formulations.section.laminate import Ply
 
-VOIGT = ((0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2))  # order of Layer.stiffness
+VOIGT = ((0, 0), (1, 1), (0, 1), (2, 2), (0, 2), (1, 2))  # order of Ply.stiffness
 _I, _J = np.array(VOIGT).T
 _ONCE = np.where(_I == _J, 1.0, 2.0)  # how often a component stands in a symmetric tensor
 _NORMAL, _SHEAR = np.flatnonzero(_I == _J), np.flatnonzero(_I != _J)
@@ -35,7 +35,7 @@ class Law(Protocol):
     """A frozen record of the constants of one ply."""
 
     @classmethod
-    def of(cls, ply: Layer) -> Self:
+    def of(cls, ply: Ply) -> Self:
         """The law whose tangent at rest is the stiffness of the ply; raises ValueError where it has none."""
 
     def response(self, strain: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -52,7 +52,7 @@ class StVenantKirchhoff:
     B: np.ndarray
 
     @classmethod
-    def of(cls, ply: Layer) -> StVenantKirchhoff:
+    def of(cls, ply: Ply) -> StVenantKirchhoff:
         """The ply's own stiffness in the shell axes."""
         return cls(ply.stiffness())
 
@@ -76,7 +76,7 @@ class Hencky:
     mu: float
 
     @classmethod
-    def of(cls, ply: Layer) -> Hencky:
+    def of(cls, ply: Ply) -> Hencky:
         """Of an isotropic ply."""
         return cls(*lame_constants(ply))
 
@@ -115,7 +115,7 @@ class NeoHooke:
     mu: float
 
     @classmethod
-    def of(cls, ply: Layer) -> NeoHooke:
+    def of(cls, ply: Ply) -> NeoHooke:
         """Of an isotropic ply."""
         return cls(*lame_constants(ply))
 
@@ -134,7 +134,7 @@ class NeoHooke:
         return stress, tangent
 
 
-LAWS: Mapping[str, Callable[[Layer], Law]] = {
+LAWS: Mapping[str, Callable[[Ply], Law]] = {
     "svk": StVenantKirchhoff.of,
     "hencky": Hencky.of,
     "neo-hooke": NeoHooke.of,
@@ -148,7 +148,7 @@ def tensor(components: np.ndarray) -> np.ndarray:
     return full
 
 
-def lame_constants(ply: Layer) -> tuple[float, float]:
+def lame_constants(ply: Ply) -> tuple[float, float]:
     """lam and mu [MPa] of an isotropic ply; raises ValueError for any other."""
     B = ply.stiffness()
     lam, mu = float(B[0, 1]), float(B[2, 2])

@@ -143,8 +143,7 @@ def lines(axes: Axes, curves: Mapping[Any, tuple[Any, Any]], **how: Any) -> None
 
 def legend_above(figure: Figure, axes: Axes, columns: int = 4) -> None:
     """One legend for all panels, of the names in one of them."""
-    handles, names = axes.get_legend_handles_labels()
-    figure.legend(handles, names, loc="outside upper center", ncols=columns)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=columns)
 
 
 def ticks(axes: Axes, places: Iterable[float], names: Iterable[str]) -> None:

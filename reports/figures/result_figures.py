@@ -1,20 +1,21 @@
 """The pictures of one solved request, as drawn by ``footprint solve --plot``.
 
-Which pictures a scene has is decided here; how they look, in the figures of the tyre and of the benchmarks.
+Which pictures a scene has is decided here; how those of a tyre look, in figures of its own.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import takewhile
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from reports.chapters.shells import figures_benchmarks
-from reports.chapters.tyre import figures as figures_tyre
-from reports.chapters.tyre import figures_patch
-from reports.figures.drawing import Picture, drawn
+from reports.figures import patch, tyre
+from reports.figures.drawing import Picture, canvas, drawn, legend_above, look, svg
 from reports.figures.maps import Developed, along_meridian, at_delta, pressure_map
 from reports.files import write_texts
 from reports.store.cells import TYRES, Cell, load_cell
@@ -47,21 +48,21 @@ def _grid_picture(cell: Cell) -> dict[str, Picture]:
     """The grid that an error has asked for."""
     if not (cell.directory / "grid.csv").exists():
         return {}
-    return {"grid.svg": figures_benchmarks.refined_grid(cell.table("grid"))}
+    return {"grid.svg": refined_grid(cell.table("grid"))}
 
 
 def _mode_picture(cell: Cell) -> dict[str, Picture]:
     """How the wall moves where its path turns back, if it has been found to."""
     if not (cell.directory / "mode.csv").exists():
         return {}
-    return {"mode.svg": figures_patch.mode_map(cell.table("mode"), Developed.of(cell.table("profile")).per_degree)}
+    return {"mode.svg": patch.mode_map(cell.table("mode"), Developed.of(cell.table("profile")).per_degree)}
 
 
 def tyre_pictures(cell: Cell) -> dict[str, Picture]:
     """Load-deflection, pressure along psi, pressure map at the last travel, profiles; inflated alone, the profile."""
     profile = cell.table("profile")
     if not any(step["delta_mm"] for step in cell.steps):  # inflated alone
-        return {"profiles.svg": figures_tyre.profiles(profile, [])}
+        return {"profiles.svg": tyre.profiles(profile, [])}
     contact = cell.table("contact")
     reached = [step["delta_mm"] for step in cell.steps]  # in the order of the path, which may turn back
     forces = [step["force_N"] for step in cell.steps]
@@ -69,13 +70,13 @@ def tyre_pictures(cell: Cell) -> dict[str, Picture]:
     curves = {f"Δ = {delta:g} mm": along_meridian(at_delta(contact, delta)) for delta in shown}
     last = pressure_map(at_delta(contact, reached[-1]))
     limits = [bool(step.get("limit_point", 0)) for step in cell.steps]
-    turns = {"turning-back.svg": figures_tyre.turning_back(reached, forces, limits)} if any(limits) else {}
+    turns = {"turning-back.svg": tyre.turning_back(reached, forces, limits)} if any(limits) else {}
     return {
-        "load-deflection.svg": figures_tyre.load_deflection({cell.result["measure"]: (reached, forces)}),
+        "load-deflection.svg": tyre.load_deflection({cell.result["measure"]: (reached, forces)}),
         **turns,
-        "pressure-psi.svg": figures_tyre.pressure_along_psi({"φ = 0": curves}),
-        "pressure-map.svg": figures_patch.pressure_map(last, Developed.of(profile)),
-        "profiles.svg": figures_tyre.profiles(profile, shown),
+        "pressure-psi.svg": tyre.pressure_along_psi("φ = 0", curves),
+        "pressure-map.svg": patch.pressure_map(last, Developed.of(profile)),
+        "profiles.svg": tyre.profiles(profile, shown),
     }
 
 
@@ -84,8 +85,8 @@ def _load_displacement(cell: Cell) -> Picture:
     load, *columns = takewhile(lambda name: not isinstance(first[name], dict | list), first)
     named = (load, "load fraction" if load == "load_fraction" else _words(load))
     names = {name: _words(name) for name in columns}
-    drawn = cell.table("curve") if (cell.directory / "curve.csv").exists() else pd.DataFrame(cell.steps)
-    return figures_benchmarks.load_displacement({cell.scene: drawn}, names, load=named)
+    curve = cell.table("curve") if (cell.directory / "curve.csv").exists() else pd.DataFrame(cell.steps)
+    return load_displacement(cell.scene, curve, names, named)
 
 
 def _words(quantity: str) -> str:
@@ -93,3 +94,36 @@ def _words(quantity: str) -> str:
     name, _, unit = quantity.rpartition("_")
     words = name.replace("_", " ")
     return f"{words} [{unit}]" if unit in UNITS else f"{words} {unit}"
+
+
+@svg
+def load_displacement(scene: str, curve: pd.DataFrame, names: Mapping[str, str], load: tuple[str, str]) -> Figure:
+    """The load over displacements, one panel for each column of ``names`` (column -> axis label); load: such a pair."""
+    loaded, load_words = load
+    figure, panels = canvas(len(names))
+    for axes, (column, words) in zip(panels, names.items(), strict=True):
+        points = [0, *curve[column]], [0, *curve[loaded]]
+        line = "-" if "limit_point" in curve else "none"  # a curve that turns back needs its order
+        axes.plot(*points, linestyle=line, **look(0).points, fillstyle="none", label=scene)
+        axes.set(xlabel=words, ylabel=load_words)
+        if curve[[column, loaded]].min().min() >= 0:
+            axes.set(xlim=(0, None), ylim=(0, None))
+    legend_above(figure, panels[0])
+    return figure
+
+
+@svg
+def refined_grid(elements: pd.DataFrame) -> Figure:
+    """Elements in the plane of the coordinates, darker the more often they were cut."""
+    ends = elements[["a1_low", "a1_high", "a2_low", "a2_high"]].to_numpy(float)
+    corners = np.stack([ends[:, [0, 1, 1, 0]], ends[:, [2, 2, 3, 3]]], axis=-1)
+    level = elements["level"].to_numpy(float)
+    figure, (axes,) = canvas()
+    drawn = PolyCollection(list(corners), edgecolors="0.35", linewidths=0.3, cmap="Blues")
+    drawn.set_array(level)
+    drawn.set_clim(level.min() - 1, level.max() + 1)
+    axes.add_collection(drawn)
+    span = {"xlim": (ends[:, 0].min(), ends[:, 1].max()), "ylim": (ends[:, 2].min(), ends[:, 3].max())}
+    title = f"{len(elements)} elements, cut up to {int(level.max())} times"
+    axes.set(xlabel="a1 [rad or mm]", ylabel="a2 [rad or mm]", title=title, **span)
+    return figure

@@ -41,38 +41,19 @@ def report_html(
     link or a picture that leads nowhere, and for a file that has become too large.
     """
     drawn = Pictures(pictures, Counter(at for text in pages.values() for at in SHOWN.findall(text)))
-    whole = f"""<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<link rel="icon" href="data:,">
-<title>Footprint: results</title>
-<style>
-{_assets(STYLES)}
-</style>
-</head>
-<body>
-<a class="skip" href="#main">Skip to the page</a>
-<header id="top">
-<nav aria-label="Pages">
-{chr(10).join(_navigation(pages, titles, groups))}
-</nav>
-</header>
-{drawn.shared()}
-<main id="main" tabindex="-1">
-{chr(10).join(_section(name, text, pages, drawn, _up(above.get(name), titles)) for name, text in pages.items())}
-</main>
-<footer>
-{to_html(foot, partial(_target, "", pages), drawn.figure, partial(_anchor, "")) if foot else ""}
-</footer>
-<script>
-{_assets(SCRIPTS)}
-</script>
-</body>
-</html>
-"""
+    sections = (_section(name, text, pages, drawn, _up(above.get(name), titles)) for name, text in pages.items())
+    whole = (
+        (ASSETS / "report.html")
+        .read_text(encoding="utf-8")
+        .format(
+            styles=_assets(STYLES),
+            navigation="\n".join(_navigation(pages, titles, groups)),
+            shared=drawn.shared(),
+            sections="\n".join(sections),
+            foot=to_html(foot, partial(_target, "", pages), drawn.figure, partial(_anchor, "")) if foot else "",
+            scripts=_assets(SCRIPTS),
+        )
+    )
     _check_targets(whole)
     if len(whole.encode()) > LARGEST:
         raise ValueError(f"{REPORT} has {len(whole.encode())} bytes, more than {LARGEST}")

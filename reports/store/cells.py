@@ -35,7 +35,6 @@ TABLE_COLUMNS = {
     "mode": ("psi_deg", "phi_deg", "x", "y", "z"),
     "curve": ("newton_iterations", "limit_point"),
     "grid": ("a1_low", "a1_high", "a2_low", "a2_high", "level"),
-    "history": ("stage", "parameter", "iteration", "residual", "contact_nodes", "added", "removed"),
 }
 
 
@@ -44,7 +43,7 @@ class Cell:
     """One request of a campaign, and what became of it: ``ended`` is one of CLASSES.
 
     result: result.json, empty where there is none; the tables beside it are read when asked for. asked: the request, as
-    far as it went. expected: why it is expected not to go as asked, if so. group: the list of the campaign that it is
+    far as it went. group: the list of the campaign that it is
     of. shown: is it one of the cells behind the pages?
     """
 
@@ -56,7 +55,6 @@ class Cell:
     ended: str
     reason: str
     asked: Mapping[str, Any] = field(default_factory=dict)
-    expected: str = ""
     group: str = ""
     shown: bool = False
 
@@ -80,11 +78,6 @@ class Cell:
         """One record per load that was reached."""
         return list(self.result["steps"])
 
-    @property
-    def cuts(self) -> list[str]:
-        """The events of rejected attempts, in order; empty when every step was taken as asked."""
-        return [str(event) for event in self.result["cuts"]]
-
     def find_step(self, **at: float) -> dict[str, Any] | None:
         """The step with these values, e.g. ``delta_mm=20``, or None when the path did not get there."""
         return next((s for s in self.steps if all(abs(s[key] - value) < 1e-9 for key, value in at.items())), None)
@@ -103,7 +96,7 @@ class Cell:
         return float("nan") if step is None else float(step[quantity])
 
     def table(self, name: str) -> pd.DataFrame:
-        """A table of the cell (contact, profile, curve or history); raises StoreError when it is missing or damaged."""
+        """A table of the cell, by a name of TABLE_COLUMNS; raises StoreError when it is missing or damaged."""
         if name not in self._tables:
             self._tables[name] = read_table(self.directory / f"{name}.csv", TABLE_COLUMNS[name])
         return self._tables[name].copy()
@@ -143,7 +136,7 @@ def planned_cell(path: Path, row: Mapping[str, Any]) -> Cell:
         ending = read_versioned(failure, ("schema", "id", *ENDING_KEYS))
     asked = dict(row["request"] or {**row["options"], "settings": row["settings"]})
     asked.pop("model_reason", None)  # of older stores, whose requests say why a model was chosen: it decides nothing
-    about = {"expected": row.get("expected", ""), "group": row.get("group", ""), "shown": bool(row["files"])}
+    about = {"group": row.get("group", ""), "shown": bool(row["files"])}
     named = (row["label"], row["scene"], row["command"], path / "cells" / str(row["id"]))
     return Cell(*named, result, ending["class"], ending["reason"], asked, **about)
 

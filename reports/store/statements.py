@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 from reports.formats import Line
-from reports.markdown import machine, prose
+from reports.markdown import Part, machine, prose
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("statements")
 TABLES = ("statements", "statement_values")
 OPENING = "opening"
 
@@ -41,9 +43,9 @@ def statements(store: Store) -> tuple[Said, ...]:
 
 
 def _read(store: Store) -> Iterator[Said]:
-    if not all(map(store.has_analysis, TABLES)):
+    if not all(map(store.has, TABLES)):
         return
-    table, numbers = (store.analysis(name) for name in TABLES)
+    table, numbers = (store.table(name) for name in TABLES)
     numbers["word"] = numbers["word"].astype(object).where(numbers["word"].notna(), "")
     values: dict[str, dict[str, Any]] = {}
     for row in numbers.to_dict("records"):
@@ -55,26 +57,18 @@ def _read(store: Store) -> Iterator[Said]:
         yield Said(name, page, role, text, int(row["problems"]), scope, bool(row["machine"]), own)
 
 
-def said(store: Store, name: str) -> Said | None:
-    """A statement by its name; None where the campaign does not make it."""
-    return next((each for each in statements(store) if each.name == name), None)
-
-
-def sentence(store: Store, name: str) -> str:
-    """Its text, nothing where the campaign does not make it."""
-    found = said(store, name)
-    return found.text if found else ""
-
-
 def of_page(store: Store, page: str, role: str = OPENING) -> str:
     """The statements of a page that have a role, each a paragraph."""
     return "\n\n".join(each.block for each in statements(store) if (each.page, each.role) == (page, role))
 
 
-def conclusions(store: Store, page: str) -> str:
+def conclusions(store: Store, page: str) -> Part:
     """All else that is concluded from a page, as the section that it ends with; nothing where there is nothing."""
     found = [each for each in statements(store) if each.page == page and each.role != OPENING]
-    steady = "\n".join(f"- {each.text}" for each in found if not each.machine)
-    timed = "\n".join(f"- {each.text}" for each in found if each.machine)
-    blocks = ["## Conclusions" if found else "", steady, machine(timed) if timed else ""]
-    return "\n\n".join(filter(None, blocks))
+    return TEXT("conclusions", **by_machine(found)) if found else Part()
+
+
+def by_machine(found: Iterable[Said]) -> dict[str, list[Said]]:
+    """Sentences that are the same on every machine, and those that are not."""
+    known = list(found)
+    return {name: [each for each in known if each.machine == timed] for name, timed in (("steady", 0), ("timed", 1))}

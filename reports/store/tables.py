@@ -12,7 +12,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from reports.store.cells import CELL_KEYS, Cell, planned_cell
@@ -21,23 +20,12 @@ from reports.store.reading import SCHEMA, StoreError, read_table, read_versioned
 SHEETS = "sheets"  # the group of the cells that are drawn, which no other page means
 INDEX_KEYS = ("schema", "campaign", "title", "pages", "cells")
 REFERENCE_KEYS = ("scene", "quantity", "value", "at", "kind", "source", "uncertainty")
-OF_A_REQUEST = {"label", "command", "scene", "measure", "contact", "newton", "element", "model", "configuration"}
-OF_A_LADDER = {"ladder", "family", "at", "against", "largest"}
-OF_A_COMPARISON = {
-    "flag",
-    "removed",
-    "flips",
-    "ranking",
-    "ended",
-    "path_end",
-    "found_by",
-    "why",
-    "advised",
-    "best",
-    "runner_up",
-}
-OF_A_FINDING = {"cause", "causes", "refusals", "worst_scene", "error_scene", "load_key", "regime", "name", "axis"}
-WORDS = OF_A_REQUEST | OF_A_LADDER | OF_A_COMPARISON | OF_A_FINDING  # columns of the analysis that may be empty
+# columns of tables that may be empty; what is not there is an empty word
+OF_A_REQUEST = "label command scene measure contact newton element model configuration settings quantity mesh"
+OF_A_LADDER = "ladder family at against largest"
+OF_A_COMPARISON = "flag removed flips ranking ended path_end found_by why advised best runner_up verdict said"
+OF_A_FINDING = "cause causes refusals worst_scene error_scene load_key regime name axis"
+WORDS = {*f"{OF_A_REQUEST} {OF_A_LADDER} {OF_A_COMPARISON} {OF_A_FINDING}".split()}
 
 PROSE: Mapping[str, tuple[str, ...]] = {  # columns of whole sentences
     **{"statements": ("text", "scope"), "statement_values": ("word",), "sheet_parts": ("about", "source")},
@@ -109,40 +97,44 @@ class Store:
             raise StoreError(f"{self.path / 'references.json'}: no {kind} reference for {quantity} of {scene}{where}")
         return found[0]
 
-    def has_table(self, name: str) -> bool:
-        """True when a table that no campaign makes by itself has been put there."""
-        return (self.path / "tables" / f"{name}.csv").exists()
-
-    def table(self, name: str) -> pd.DataFrame:
-        """A table of the whole store, e.g. rigid_body; raises StoreError when it is missing or damaged."""
-        return read_table(self.path / "tables" / f"{name}.csv", prose=PROSE.get(name, ()))
-
-    def has_analysis(self, name: str) -> bool:
-        """True when a table is there that is of this campaign, or of none."""
-        if not self.has_table(name):
-            return False
-        found = self.table(name)
+    def has(self, name: str) -> bool:
+        """Is there a table that is of this campaign, or of none?"""
+        found = (
+            self._read(name) if (self.path / "tables" / f"{name}.csv").exists() else pd.DataFrame({"campaign": [""]})
+        )
         return "campaign" not in found or bool((found["campaign"] == self.campaign).all())
 
-    def analysis(self, name: str) -> pd.DataFrame:
-        """A table of the analysis of this campaign; raises StoreError when it is missing, damaged, or another's."""
-        if not self.has_analysis(name):
+    def table(self, name: str) -> pd.DataFrame:
+        """A table of this campaign or of the whole store; raises StoreError when it is missing or another's."""
+        found = self._read(name)
+        if not self.has(name):
             raise StoreError(f"{self.path / 'tables' / name}.csv: not of campaign {self.campaign!r}")
-        found = self.table(name)
-        for column in WORDS.intersection(found.columns):
-            found[column] = found[column].astype(object).where(found[column].notna(), "")
-        return found
+        return found.copy()
+
+    def _read(self, name: str) -> pd.DataFrame:
+        """As it stands there, with empty words for what is not; each is read once."""
+        if name not in self._tables:
+            found = read_table(self.path / "tables" / f"{name}.csv", prose=PROSE.get(name, ()))
+            empty = {
+                column: found[column].astype(object).where(found[column].notna(), "") for column in WORDS & {*found}
+            }
+            self._tables[name] = found.assign(**empty)
+        return self._tables[name]
+
+    @cached_property
+    def _tables(self) -> dict[str, pd.DataFrame]:
+        return {}
 
     def rows(self, table: str, /, **where: str) -> pd.DataFrame:
         """The rows of a table with these words; no rows where it is not there, or is another campaign's."""
-        if not self.has_analysis(table):
-            return pd.DataFrame()
-        found = self.analysis(table)
-        return found[np.logical_and.reduce([found[key].fillna("") == value for key, value in where.items()])]
+        found = self.table(table) if self.has(table) else pd.DataFrame(columns=[*where])
+        for key, value in where.items():
+            found = found[found[key].fillna("") == value]
+        return found
 
     def rules(self) -> Mapping[str, float]:
         """The thresholds by which the analysis judges, by name."""
-        return {str(name): float(value) for name, value in self.analysis("rules").iloc[0].items() if name != "campaign"}
+        return {str(name): float(value) for name, value in self.table("rules").iloc[0].items() if name != "campaign"}
 
 
 def load_store(path: Path, campaign: str | None = None) -> Store:

@@ -11,10 +11,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
-from scipy.optimize import brentq
+
+if TYPE_CHECKING:  # slow to load: a solve asks for corrections alone
+    import pandas as pd
 
 LOWEST, HIGHEST = 0.3, 12.0  # of an order that is extrapolated with
 FORMAL, SAME_ORDER = 2.0, 0.3  # of a bilinear element; successive orders this close count as one
@@ -130,7 +132,11 @@ def order_of(sizes: Sequence[float], values: Sequence[float]) -> float:
     def excess(p: float) -> float:
         return ((h1 / h2) ** p - 1) / (1 - (h3 / h2) ** p) - ratio
 
-    return float(brentq(excess, LOWEST, HIGHEST)) if excess(LOWEST) <= 0 <= excess(HIGHEST) else math.nan
+    if not excess(LOWEST) <= 0 <= excess(HIGHEST):
+        return math.nan
+    from scipy.optimize import brentq  # as slow to load as a small solve
+
+    return float(brentq(excess, LOWEST, HIGHEST))
 
 
 def order_against(sizes: Sequence[float], values: Sequence[float], reference: float, noise: float = 0.0) -> float:

@@ -23,9 +23,9 @@ import pandas as pd
 from studies.algorithm_settings import own_keys
 from studies.analysis.cells.rows import PRICES, STEP_KEYS, answers, keys, ladders, quantities, reference_rows
 from studies.analysis.richardson import limit_of
-from studies.campaigns.ladder_cells import LADDERS
 from studies.result import SOLVED, WRONG
 from studies.scenes import SCENES
+from studies.scenes.ladders import judged_of
 
 CLAIMED = (*SOLVED, WRONG)  # outcomes with a value that somebody might believe
 HOW = (
@@ -74,9 +74,7 @@ def judged(table: pd.DataFrame, scene: str) -> list[str]:
     """The quantities of a scene that are verified: those of its ladders, else those with references, else all."""
     rows = table[table["scene"] == scene]
     there = [name for name in quantities(table) if name not in STEP_KEYS and rows[f"q.{name}"].notna().any()]
-    named = dict.fromkeys(name for ladder in LADDERS if ladder.scene == scene for name in ladder.quantities)
-    if not named and scene in SCENES:
-        named = dict.fromkeys(reference.quantity for reference in SCENES[scene].references)
+    named = judged_of(SCENES[scene]) if scene in SCENES else ()
     return [name for name in named if name in there] or [name for name in there if not name.endswith("asymmetry")]
 
 

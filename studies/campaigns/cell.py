@@ -5,6 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from studies.complete import complete
+from studies.request import Request
+from studies.scene import Scene
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -21,6 +25,10 @@ class Cell:
     artefacts: bool = True
     expected: str = ""
     group: str = ""
+
+    def resolved(self) -> tuple[Scene, Request]:
+        """The scene and the request; raises UsageError when there is none."""
+        return complete(self.scene, self.settings, **self.options)
 
     @property
     def command(self) -> str:

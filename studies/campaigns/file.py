@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,14 +35,14 @@ from contact.interchange.untrusted import read_toml
 from formulations.shell import NEWTONS
 from formulations.strains.catalogue import MEASURES
 from studies.campaigns.cell import Cell
-from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.campaigns.report_cells import LISTS
 from studies.door.plugins import load_file
 from studies.request import Request, text_of
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 from studies.store.schema import Each, Kind, Named, fault, scalar, setting, whole, word
 
-SHIPPED = Path(__file__).parent
+SHIPPED = Path(__file__).parent / "shipped"
 OPTIONS = {"measures": "measure", "contacts": "contact", "newtons": "newton", "models": "model", "meshes": "mesh"}
 SETTINGS = {
     **{"sections": "section", "loads": "load", "elements": "element"},
@@ -54,8 +54,6 @@ CATALOGUES: dict[str, Mapping[str, Any]] = {
     "newtons": dict.fromkeys(NEWTONS),
     "scenes": SCENES,
 }
-KEYS = ("title", "lists", "pages", "modules", "cross")
-CROSS_KEYS = (*OPTIONS, *SETTINGS, "vary", "set", "steps")
 MOST_CELLS, MOST_KEYS, LONGEST_LABEL = 100_000, 100, 1000
 
 
@@ -64,34 +62,17 @@ def axis(value: Any) -> bool:
     return value == "all" or (isinstance(value, list) and all(map(scalar, value)))
 
 
-OF_A_CROSS: Mapping[str, Kind] = {
+OF_A_SCENE: Mapping[str, Kind] = {
     **dict.fromkeys((*OPTIONS, *SETTINGS), axis),
-    **{"name": word, "vary": Named(axis), "set": Named(setting), "steps": whole},
+    **{"vary": Named(axis), "set": Named(setting), "steps": whole},
 }
-TYPES: Mapping[str, Kind] = {
-    **dict.fromkeys(("title", "pages"), word),
-    **{"lists": axis, "modules": Each(word), "cross": Each({**OF_A_CROSS, "scenes": Named(OF_A_CROSS)})},
-}
-
-TITLES = {  # of the lists, for people
-    "tyre": "The paper's tyre: travels, loads, sections, both Newton iterations, finer meshes",
-    "benchmarks": "Scenes without contact against exact and published values",
-    "measures": "Every strain measure under growing loads, and all options of the element",
-    "solid": "The isotropic tyre as a shell and as a solid",
-    "convergence": "Ladders of meshes: orders, limits, errors",
-    "shares": "Every sampling of the thickness strain, on two meshes each",
-    "agreement": "Every contact algorithm on one tyre, by loads and sections, and by other ways",
-    "models": "Parts of the tyre beside the whole, and what they save",
-    "sheets": "The pictures of the scenes' sheets",
-    "choices": "What is enough in each regime of deformation, to 5 and 1 % (a table)",
-    "statements": "How often the interval of an error holds (a table)",
-    "experiment": "A crushed ring that was measured (tables)",
-    "truth": "Manufactured solutions (tables)",
-    "limits": "Where a shell is not enough (a table)",
-    "faults": "After how many random cases planted faults are found (a table)",
-    "arena": "The collection of frozen contact problems (tables)",
-    "friction": "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
-    "report": "All of these lists but statements, and the tables of all pages",
+CROSS: Mapping[str, Kind] = {"name": word, "scenes": Named(OF_A_SCENE), **OF_A_SCENE}
+CAMPAIGN: Mapping[str, Kind] = {
+    "title": word,
+    "lists": axis,
+    "pages": word,
+    "modules": Each(word),
+    "cross": Each(CROSS),
 }
 
 
@@ -116,7 +97,8 @@ def find(name: str, *, trust: bool = False) -> Campaign:
     if path.exists():
         return read(path)
     if name in LISTS:
-        return Campaign(name, TITLES[name], tuple(LISTS[name]()), tuple(TABLES_OF.get(name, ())))
+        listed = LISTS[name]
+        return Campaign(name, listed.title, tuple(listed.cells()), listed.tables)
     if name.endswith(".toml"):
         return read(Path(name), trust=trust)
     raise UsageError(f"campaign {name!r} must be one of {', '.join(names())}, or the path of a .toml file")
@@ -135,15 +117,16 @@ def read(path: Path, *, trust: bool = False) -> Campaign:
         raise UsageError(f"campaign {path}: {error.strerror}") from None
     except ValueError as error:
         raise UsageError(f"campaign {path}: {' '.join(str(error).split())}") from None
-    _known(path, data, KEYS)
-    if wrong := fault(data, TYPES):
+    _known(path, data, CAMPAIGN)
+    if wrong := fault(data, CAMPAIGN):
         raise UsageError(f"campaign {path}: {wrong}")
     use = _modules(path, data.get("modules", []), trust=trust)
-    cells = [cell for name in _listed(path, data, "lists", LISTS) for cell in LISTS[name]()]
+    lists = [LISTS[name] for name in _listed(path, data, "lists", LISTS)]
+    cells = [cell for listed in lists for cell in listed.cells()]
     for cross in data.get("cross", []):
         cells += _crossed(path, cross, MOST_CELLS - len(cells))
     unique = _without_repeats(path, cells)
-    tables = tuple(dict.fromkeys(table for name in data.get("lists", ()) for table in TABLES_OF.get(name, ())))
+    tables = tuple(dict.fromkeys(table for listed in lists for table in listed.tables))
     return Campaign(path.stem, data.get("title", path.stem), unique, tables, data.get("pages", ""), use)
 
 
@@ -153,8 +136,8 @@ def _modules(path: Path, names: Sequence[str], *, trust: bool) -> tuple[str, ...
     for name in names:
         if not name.isidentifier():
             raise UsageError(f"campaign {path}: modules has {name!r}, which must be the name of a module beside it")
-        place = folder / name
-        files.append(next((file for file in (place / "__init__.py",) if file.exists()), place.with_suffix(".py")))
+        package = folder / name / "__init__.py"
+        files.append(package if package.exists() else folder / f"{name}.py")
         if not files[-1].resolve().is_relative_to(folder):
             raise UsageError(f"campaign {path}: {files[-1]} leads out of the folder of the campaign")
     if files and not trust:
@@ -170,12 +153,12 @@ def _crossed(path: Path, cross: Mapping[str, Any], most: int) -> Iterator[Cell]:
 
     Of a scene without contact the contact algorithms are no axis.
     """
-    _known(path, cross, ("name", "scenes", *CROSS_KEYS))
+    _known(path, cross, CROSS)
     if not isinstance(cross.get("scenes"), Mapping):
         raise UsageError(f"campaign {path}: a cross needs its scenes, as tables [cross.scenes.NAME]")
     for scene in _listed(path, {"scenes": list(cross["scenes"])}, "scenes", SCENES):
         own = cross["scenes"][scene]
-        _known(path, own, CROSS_KEYS)
+        _known(path, own, OF_A_SCENE)
         asked = {**cross, **own}
         constant = {**cross.get("set", {}), **own.get("set", {})}
         axes = _axes(path, asked)
@@ -218,7 +201,7 @@ def _listed(path: Path, data: Mapping[str, Any], name: str, catalogue: Mapping[s
     return [text_of(value) for value in values]
 
 
-def _known(path: Path, data: Mapping[str, Any], keys: tuple[str, ...]) -> None:
+def _known(path: Path, data: Mapping[str, Any], keys: Iterable[str]) -> None:
     for key in data:
         if key not in keys:
             raise UsageError(f"campaign {path}: key {key!r} must be one of {', '.join(keys)}")

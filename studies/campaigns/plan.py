@@ -10,18 +10,18 @@ from typing import Any
 
 import numpy as np
 
+from contact.catalogue import ALGORITHMS
 from contact.problem import Linearised, without_contact
 from studies.algorithm_settings import configured
 from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
-from studies.complete import complete
 from studies.door.plugins import modules_of
 from studies.friction.settings import rubbing
 from studies.request import Request
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
 from studies.store.atomic import SCHEMA, plain
-from studies.store.source_hash import CATALOGUE, FRICTION, sources_hash
+from studies.store.source_hash import BESIDE_A_CELL, FRICTION, sources_hash
 
 SOLVERS = ("studies.solving", "studies.store.record")  # what solves a cell, besides its own scene
 
@@ -51,21 +51,22 @@ def plan(campaign: Campaign) -> list[Row]:
 
 def identity(cell: Cell) -> str:
     """Hash of all that decides the result; raises UsageError when the request is none."""
-    return _identity(complete(cell.scene, cell.settings, **cell.options)[1])
+    return _identity(cell.resolved()[1])
 
 
 def _identity(request: Request) -> str:
-    """Resolved request, schema, and the sources of what solves it and of its scene; no date, no machine."""
-    without = CATALOGUE if rubbing(request.settings) else (*CATALOGUE, *FRICTION)
+    """Resolved request, schema, and the sources of what solves it, its scene and its algorithm; no date, no machine."""
+    without = BESIDE_A_CELL if rubbing(request.settings) else (*BESIDE_A_CELL, *FRICTION)
+    parts = type(SCENES[request.scene]).__module__, ALGORITHMS[request.contact].__module__
     outside = modules_of(request.measure, request.contact, request.scene)
-    sources = sources_hash((*SOLVERS, type(SCENES[request.scene]).__module__, *outside), without=without)
+    sources = sources_hash((*SOLVERS, *parts, *outside), without=without)
     content = json.dumps(plain([SCHEMA, sources, request.data]), sort_keys=True)
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
 def _row(cell: Cell) -> Row:
     try:
-        _, request = complete(cell.scene, cell.settings, **cell.options)
+        _, request = cell.resolved()
     except UsageError as error:
         if cell.scene not in SCENES:
             raise

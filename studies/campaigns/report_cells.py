@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any
 
@@ -13,10 +13,10 @@ from formulations.element.mixed import MEMBRANES, THICKNESS_STRAINS
 from formulations.element.strain_operator import INTERPOLATIONS
 from studies.campaigns import ladder_cells as convergence_cells
 from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.campaigns.share_cells import share_cells
 from studies.campaigns.sheet_cells import sheet_cells
 from studies.request import text_of
+from studies.scenes.tyre.scene import ISOTROPIC
 
 _PAPER = {"element": "paper"}
 
@@ -26,7 +26,7 @@ def enforcements(default: float) -> tuple[tuple[str, str], ...]:
     return (("exact", "inf"),) if math.isinf(default) else (("exact", "inf"), ("epsilon", text_of(default)))
 
 
-def _tyre(label: str, settings: dict[str, str] | None = None, **options: Any) -> Cell:
+def _tyre(label: str, settings: Mapping[str, str] | None = None, **options: Any) -> Cell:
     """All of the tyre, so that its symmetry is a finding, unless ``model`` says otherwise."""
     return Cell(label, "tyre", {"model": "full", **options}, {**_PAPER, **(settings or {})})
 
@@ -177,56 +177,88 @@ MODELS = _of(
         ),
     ),
 )
-LISTS: dict[str, Callable[[], Sequence[Cell]]] = {  # made when they are asked for: catalogues grow
-    "tyre": lambda: (*TYRE, *READINGS, *BUDGET),
-    "benchmarks": lambda: BENCHMARKS,
-    "measures": lambda: OPTIONS,
-    "solid": lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
-    "convergence": lambda: CONVERGENCE,
-    "shares": lambda: tuple(share_cells()),
-    "agreement": lambda: (*agreement(), *ROBUSTNESS),
-    "models": lambda: MODELS,
-    "sheets": lambda: tuple(sheet_cells()),
-    "choices": lambda: (),  # a table alone
-    "statements": lambda: (),  # likewise
-    "experiment": lambda: (),  # tables alone
-    "truth": lambda: (),  # tables alone
-    "limits": lambda: (),  # a table alone
-    "faults": lambda: (),  # a table alone
-    "arena": lambda: (),  # likewise
-    "friction": lambda: (),  # likewise
-    "report": lambda: (
-        *(*TYRE, *READINGS, *BUDGET, *SOLID, *BENCHMARKS, *OPTIONS, *CONVERGENCE),
-        *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
+
+
+@dataclass(frozen=True)
+class CellList:
+    """A list that campaigns are put together from: its cells, and the tables of the whole store that belong to them.
+
+    cells: made when they are asked for; catalogues grow.
+    """
+
+    title: str
+    cells: Callable[[], Iterable[Cell]] = tuple
+    tables: tuple[str, ...] = ()
+
+
+LISTS: dict[str, CellList] = {
+    "tyre": CellList(
+        "The paper's tyre: travels, loads, sections, both Newton iterations, finer meshes",
+        lambda: (*TYRE, *READINGS, *BUDGET),
     ),
-}
-TABLES_OF: dict[str, Sequence[str]] = {
-    "choices": ("choices",),
-    "measures": ("rigid_body", "small_motions", "rotation_sweep", "rotations"),
-    "models": ("work_precision",),
-    "agreement": ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
-    "experiment": ("crushed_ring", "law_strain"),
-    "truth": ("manufactured", "manufactured_contact", "manufactured_statements"),
-    "limits": ("shell_limits",),
-    "faults": ("fuzz_faults",),
-    "arena": ("problems", "problems_left_out"),
-    "friction": (
-        *(
+    "benchmarks": CellList("Scenes without contact against exact and published values", lambda: BENCHMARKS),
+    "measures": CellList(
+        "Every strain measure under growing loads, and all options of the element",
+        lambda: OPTIONS,
+        ("rigid_body", "small_motions", "rotation_sweep", "rotations"),
+    ),
+    "solid": CellList(
+        "The isotropic tyre as a shell and as a solid",
+        lambda: (*(cell for cell in TYRE if cell.label.startswith("isotropic")), *SOLID),
+    ),
+    "convergence": CellList("Ladders of meshes: orders, limits, errors", lambda: CONVERGENCE),
+    "shares": CellList("Every sampling of the thickness strain, on two meshes each", share_cells),
+    "agreement": CellList(
+        "Every contact algorithm on one tyre, by loads and sections, and by other ways",
+        lambda: (*agreement(), *ROBUSTNESS),
+        ("epsilon", "cycles", "false_success", "membrane", "greco_plate"),
+    ),
+    "models": CellList("Parts of the tyre beside the whole, and what they save", lambda: MODELS, ("work_precision",)),
+    "sheets": CellList("The pictures of the scenes' sheets", sheet_cells),
+    "choices": CellList("What is enough in each regime of deformation, to 5 and 1 % (a table)", tables=("choices",)),
+    "statements": CellList("How often the interval of an error holds (a table)", tables=("error_coverage",)),
+    "experiment": CellList("A crushed ring that was measured (tables)", tables=("crushed_ring", "law_strain")),
+    "truth": CellList(
+        "Manufactured solutions (tables)",
+        tables=("manufactured", "manufactured_contact", "manufactured_statements"),
+    ),
+    "limits": CellList("Where a shell is not enough (a table)", tables=("shell_limits",)),
+    "faults": CellList("After how many random cases planted faults are found (a table)", tables=("fuzz_faults",)),
+    "arena": CellList("The collection of frozen contact problems (tables)", tables=("problems", "problems_left_out")),
+    "friction": CellList(
+        "Friction: the tyre dragged and turned, closed forms, agreement (tables)",
+        tables=(
             "friction_dragged",
             "friction_turned",
             "friction_patch",
             "friction_steps",
             "friction_symmetry",
             "friction_crushed_ring",
+            "friction_cost",
+            "friction_agreement",
+            "friction_greco",
+            "friction_klarbring",
+            "friction_strip",
+            "friction_drum",
+            "friction_capstan",
+            "friction_parking",
+            "friction_rolling",
+            "friction_path",
+            "friction_joint_motion",
+            "friction_tied",
+            "friction_public",
         ),
-        *("friction_cost", "friction_agreement", "friction_greco", "friction_klarbring", "friction_strip"),
-        *("friction_drum", "friction_capstan", "friction_parking", "friction_rolling", "friction_path"),
-        *("friction_joint_motion", "friction_tied", "friction_public"),
     ),
 }
-TABLES_OF["report"] = (
-    *(name for names in TABLES_OF.values() for name in names),
-    *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
-    *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check", "extremes_limits"),
+LISTS["report"] = CellList(
+    "All of these lists but statements, and the tables of all pages",
+    lambda: (
+        *(*TYRE, *READINGS, *BUDGET, *SOLID, *BENCHMARKS, *OPTIONS, *CONVERGENCE),
+        *(*agreement(), *ROBUSTNESS, *MODELS, *share_cells(), *sheet_cells()),
+    ),
+    (
+        *(table for name, each in LISTS.items() if name != "statements" for table in each.tables),
+        *("thickness_locking", "shear_locking", "curved_beam", "membrane_locking"),
+        *("symmetry", "mirror", "extremes", "extremes_maps", "extremes_check", "extremes_limits"),
+    ),
 )
-TABLES_OF["statements"] = ("error_coverage",)

@@ -14,7 +14,7 @@ from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan, solved_rows
 from studies.door.plugins import used
 from studies.pool.engine import engine as engine_of
-from studies.pool.process import StoreFullError
+from studies.pool.process import StoreFullError, keeping_what_is_finished
 from studies.pool.task import Limits, Task
 from studies.result import CLASSES, CRASH, MEMORY, TIME, UNSUPPORTED, WRONG
 from studies.scene import UsageError
@@ -70,20 +70,15 @@ def run(
     if resume and not archive.index_path(campaign.name).exists():
         raise UsageError(f"--resume: {store} has no campaign {campaign.name!r} yet; leave --resume out to begin it")
     rows = plan(campaign)
-    with archive.claimed():
-        try:
-            tasks = _begun(archive, campaign, rows, say, fields=fields)
-            done, summary = len(rows) - len(tasks), Summary(len(rows))
-            progress(done, len(rows), "")
-            for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
-                summary.solved += task.kind == "cell"
-                if task.kind == "table" and ended:
-                    summary.tables.append(f"{task.label} ({ended})")
-                progress(min(count + 1, len(rows)), len(rows), task.label)
-        except StoreFullError as error:
-            raise StoreFullError(
-                f"{store} takes no more: {error}; what is finished is kept, run again to go on"
-            ) from None
+    with archive.claimed(), keeping_what_is_finished(store):
+        tasks = _begun(archive, campaign, rows, say, fields=fields)
+        done, summary = len(rows) - len(tasks), Summary(len(rows))
+        progress(done, len(rows), "")
+        for count, (task, ended) in enumerate(work(tasks, store, limits), start=max(done, 0)):
+            summary.solved += task.kind == "cell"
+            if task.kind == "table" and ended:
+                summary.tables.append(f"{task.label} ({ended})")
+            progress(min(count + 1, len(rows)), len(rows), task.label)
     summary.classes = classes(archive, rows)
     progress(len(rows), len(rows), "done")
     return summary
@@ -105,9 +100,11 @@ def _begun(
     archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
 ) -> list[Task]:
     """Write the plan; what is left to do of it. Raises StoreFullError."""
+    use = (*used(), *campaign.use)
     try:
         write_plan(archive, campaign, rows)
-        return [*_tables(campaign), *_missing(archive, campaign, rows, say, fields=fields)]
+        tables = [Task("table", name, use=use) for name in campaign.tables]
+        return [*tables, *_missing(archive, rows, use, say, fields=fields)]
     except OSError as error:
         raise StoreFullError(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from None
 
@@ -125,16 +122,8 @@ def write_plan(archive: Archive, campaign: Campaign, rows: list[Row]) -> None:
     write_json(archive.index_path(campaign.name), {**told, "tables": campaign.tables, "cells": cells})
 
 
-def _tables(campaign: Campaign) -> list[Task]:
-    return [Task("table", name, use=_used(campaign)) for name in campaign.tables]
-
-
-def _used(campaign: Campaign) -> tuple[str, ...]:
-    return (*used(), *campaign.use)
-
-
 def _missing(
-    archive: Archive, campaign: Campaign, rows: list[Row], say: Callable[[str], None], *, fields: bool
+    archive: Archive, rows: list[Row], use: tuple[str, ...], say: Callable[[str], None], *, fields: bool
 ) -> list[Task]:
     """The cells without a record, or without the files that are wanted; a damaged one is set aside."""
     tasks = []
@@ -145,5 +134,5 @@ def _missing(
                 continue
         except DamagedError as error:
             say(f"{error}; set aside as {archive.set_aside(cell_id)}, solved again")
-        tasks.append(Task("cell", cell_id, cell, _used(campaign)))
+        tasks.append(Task("cell", cell_id, cell, use))
     return tasks

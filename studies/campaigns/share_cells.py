@@ -6,21 +6,15 @@ has to confirm what the coarse one says of limit points.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import LADDERS, Ladder
+from studies.campaigns.ladder_cells import LADDERS
 from studies.scenes import SCENES
+from studies.scenes.ladders import Ladder
 
 LABEL, GROUP = "share {ladder} {mesh} {share}", "shares"
-# Where a ladder stops before the load that its scene is known for: on to that load, its own on the way. Not the pinched
-# cylinder, which snaps on the way: on coarse meshes steps of the load end there with every share.
-WHOLE: Mapping[str, Mapping[str, str]] = {
-    "sze-moment": {"load_fraction": "0.5,1"},
-    "tyre": {"delta_mm": "20,35"},
-    **{f"roof-{letter}": {"until": "load"} for letter in "abcdef"},
-}
 COARSE = {"tyre": "20x20"}  # even numbers only
 COMPARED = tuple(ladder for ladder in LADDERS if ladder.settings.get("interpolation", "curvilinear") == "curvilinear")
 
@@ -36,14 +30,13 @@ def read_at(ladder: Ladder) -> dict[str, float]:
     if ladder.at:
         key, _, value = ladder.at.partition("=")
         return {key: float(value)}
-    whole = WHOLE.get(ladder.name, {})
-    return {key: float(ladder.settings[key]) for key in whole if key in ladder.settings and key != "until"}
+    return {key: float(ladder.settings[key]) for key in ladder.whole if key in ladder.settings and key != "until"}
 
 
 def share_cells() -> Iterator[Cell]:
     """Both meshes with every share; all else as in the default element."""
     for ladder in COMPARED:
-        settings = {**ladder.settings, **WHOLE.get(ladder.name, {})}
+        settings = {**ladder.settings, **ladder.whole}
         for mesh in meshes_of(ladder):
             for share in THICKNESS_STRAINS:
                 label = LABEL.format(ladder=ladder.name, mesh=mesh, share=share)

@@ -8,9 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import LADDERS
-from studies.campaigns.share_cells import WHOLE
 from studies.scenes import SCENES
+from studies.scenes.ladders import ladders_of
 
 LABEL, FRAME, GROUP = "sheet {scene}", "sheet tyre at {delta} mm", "sheets"
 FRAMES = ("1", "4", "8", "12", "16", "20")  # mm of travel
@@ -29,11 +28,11 @@ WHOLE_TYRE: Mapping[str, str] = {"model": "full"}
 
 def sheet_cell(scene: str) -> Cell:
     """The cell of a scene's sheet, for any scene of the catalogue."""
-    ladder = next((each for each in LADDERS if each.scene == scene), None)
+    ladder = next(iter(ladders_of(SCENES[scene])), None)
     n1, n2 = SCENES[scene].default_mesh
     options = {"measure": ladder.measure} if ladder else {}
     options |= {"mesh": MESHES.get(scene, f"{n1}x{n2}"), **(WHOLE_TYRE if scene == "tyre" else {})}
-    settings = {**ladder.settings, **WHOLE.get(ladder.name, {})} if ladder else {}
+    settings = {**ladder.settings, **ladder.whole} if ladder else {}
     return Cell(LABEL.format(scene=scene), scene, options, {**settings, **PRESSED.get(scene, {})}, group=GROUP)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import product
 
 import numpy as np
 import pandas as pd
@@ -12,10 +13,10 @@ from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
 from studies.analysis.cells.answers import Answers
 from studies.campaigns.sheet_cells import GROUP
-from studies.catalogue.fields import read_fields, skin
 from studies.catalogue.loads import arrows, middle_of
 from studies.catalogue.models import Built
 from studies.catalogue.supports import held_of
+from studies.store.vtu import CORNERS_8, PLACES_27, read_vtu
 
 POINTS = ("label", "scene", "point", "x", "y", "z", "ux", "uy", "uz", "pressure")
 QUADS = ("label", "a", "b", "c", "d")
@@ -31,7 +32,7 @@ def drawn_bodies(answers: Answers) -> tuple[pd.DataFrame, pd.DataFrame]:
         answer = answers.get(label) if row.get("group") == GROUP else None
         if answer is None or not (answer.files / "fields.vtu").exists():
             continue
-        fields = read_fields(answer.files / "fields.vtu")
+        fields = read_vtu(answer.files / "fields.vtu")
         faces = skin(fields.cells)
         used, numbers = np.unique(faces, return_inverse=True)
         values = np.column_stack([fields.points, fields.data["displacement"], fields.data["pressure"]])[used]
@@ -39,6 +40,29 @@ def drawn_bodies(answers: Answers) -> tuple[pd.DataFrame, pd.DataFrame]:
         points.append(body.assign(label=label, scene=row["scene"], point=np.arange(len(used)))[list(POINTS)])
         quads.append(pd.DataFrame(numbers.reshape(-1, 4), columns=QUADS[1:]).assign(label=label)[list(QUADS)])
     return _table(points, POINTS), _table(quads, QUADS)
+
+
+def skin(cells: np.ndarray) -> np.ndarray:
+    """The quadrilaterals (q, 4) of nodes that bound the body: faces of one cell alone, those of 27 nodes in four."""
+    quads = np.concatenate([cells[:, list(face)] for face in _faces(cells.shape[1])])
+    _, first, count = np.unique(np.sort(quads, axis=1), axis=0, return_index=True, return_counts=True)
+    return quads[np.sort(first[count == 1])]
+
+
+def _faces(nodes: int) -> Iterator[tuple[int, ...]]:
+    """Local nodes of the quadrilaterals on the six faces of a cell."""
+    places = CORNERS_8 if nodes == len(CORNERS_8) else PLACES_27
+    number = {place: i for i, place in enumerate(places)}
+    last = max(place[0] for place in places)
+    for axis, side in product(range(3), (0, last)):
+        one, two = (each for each in range(3) if each != axis)
+        for i, j in product(range(last), repeat=2):
+            corners = ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))
+            yield tuple(number[_place({axis: side, one: a, two: b})] for a, b in corners)
+
+
+def _place(along: dict[int, int]) -> tuple[int, int, int]:
+    return along[0], along[1], along[2]
 
 
 def marks(built: Sequence[Built]) -> pd.DataFrame:

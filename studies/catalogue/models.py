@@ -13,7 +13,6 @@ from formulations.shell import ShellModel
 from formulations.solid import SolidDiscretisation
 from studies.campaigns.cell import Cell
 from studies.campaigns.sheet_cells import sheet_cell
-from studies.complete import complete
 from studies.request import Request
 from studies.scene import Scene, SceneModel
 from studies.scenes import SCENES
@@ -63,7 +62,7 @@ def built_models() -> Iterator[Built]:
 def built(name: str) -> Built:
     """Of one scene."""
     cell = sheet_cell(name)
-    scene, request = complete(cell.scene, cell.settings, **cell.options)
+    scene, request = cell.resolved()
     model = scene.build(request)
     return Built(cell, scene, request, model, _body(model), _foundation(model, request))
 

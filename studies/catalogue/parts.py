@@ -11,18 +11,17 @@ from fractions import Fraction
 import pandas as pd
 
 from contact.catalogue import ALGORITHMS
-from formulations.section.laminate import Laminate, Layer, Ply
+from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from formulations.strains.measure import QuadraticMeasure, RigidBodyLaw, StrainMeasure
 from formulations.strains.quantities import QUANTITIES, STRAINS
-from studies.algorithm_settings import parameters_of, settings_beside
 from studies.catalogue.loads import loads, obstacle
 from studies.catalogue.models import Built
 from studies.catalogue.supports import solid_supports, supports
 from studies.catalogue.surfaces import shape_of
-from studies.door.descriptions import law_text, meaning_of, paragraphs, plain_text
-from studies.scene import Setting, SettlingScene, has_contact
+from studies.door.descriptions import describe, kinematics_of, law_text, meaning_of, paragraphs, plain_text
+from studies.scene import SettlingScene, has_contact
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.area_loads import ShearCorrected
 
@@ -66,23 +65,18 @@ def _said_of_scene(name: str) -> str:
 
 def _about_measure(measure: StrainMeasure) -> str:
     """What its slopes and stretches leave out, and its stress."""
-    shallow, thin = measure.kinematics.shallow, measure.kinematics.thin
-    slope = f"th_a = -v_3,a/A_a{'' if shallow else ' + k_a v_a'}"
-    stretch = f"zeta_a = 1{'' if thin else ' + k_a d'}"
+    slope, stretch = kinematics_of(measure)
     words = f"Slope {slope}; stretch of a face at the distance d from the reference surface {stretch}."
     return f"{words}\n\n{_conjugate(measure)}"
 
 
 def _conjugate(measure: StrainMeasure) -> str:
-    """Of what the resultants are the conjugates."""
+    """To which strain the resultants of a measure are conjugate."""
     forces = (
         "The forces are the derivative of the energy ½ E·D·E by the displacements, so that the resultants H = D E do"
     )
     forces += " the work of the very strains above whatever they leave out, and a symmetric D has a symmetric tangent."
-    exact = MEASURES["exact"]
-    both = (measure, exact)
-    formulas = [each.formulas for each in both if isinstance(each, QuadraticMeasure)]
-    if len(formulas) == 2 and formulas[0] == formulas[1]:
+    if getattr(measure, "formulas", None) == getattr(MEASURES["exact"], "formulas", ()):
         return f"{forces} H are resultants of the second Piola-Kirchhoff stress, conjugate to the strain of Green."
     return f"{forces} They are resultants of the second Piola-Kirchhoff stress only as far as the strains are Green's."
 
@@ -132,31 +126,18 @@ def _lacking(whole: dict[str, float], own: dict[str, float]) -> Iterator[str]:
 def laws() -> pd.DataFrame:
     """LAWS: the strain that a rigid motion leaves by the law of every measure, and its value at 0.1, zeta = 1.05."""
     rows = [
-        (
-            name,
-            each.name,
-            law_text(measure.rigid_body_law, each.name),
-            getattr(measure.rigid_body_law, each.name)(0.1, 1.05),
-        )
-        for name, measure in MEASURES.items()
-        for each in fields(RigidBodyLaw)
+        (name, motion.name, law_text(law, motion.name), getattr(law, motion.name)(0.1, 1.05))
+        for name, law in ((name, measure.rigid_body_law) for name, measure in MEASURES.items())
+        for motion in fields(RigidBodyLaw)
     ]
     return pd.DataFrame(rows, columns=list(LAWS))
 
 
 def settings() -> pd.DataFrame:
     """SETTINGS: of scenes and algorithms."""
-    rows = [
-        ("scene", name, *_setting(each))
-        for name, scene in SCENES.items()
-        for each in (*scene.settings, *settings_beside(scene))
-    ]
-    rows += [("algorithm", name, *_setting(each)) for name in ALGORITHMS for each in parameters_of(name)]
+    described = [describe(name) for name in (*SCENES, *ALGORITHMS)]
+    rows = [(each.kind, each.name, *row) for each in described for row in each.rows]
     return pd.DataFrame(rows, columns=list(SETTINGS))
-
-
-def _setting(setting: Setting) -> tuple[str, ...]:
-    return setting.key, setting.help, setting.unit, setting.range_text, setting.default_text
 
 
 def facts(built: Sequence[Built]) -> pd.DataFrame:
@@ -205,7 +186,7 @@ def _wall_facts(wall: Laminate) -> Iterator[tuple[str, str, str]]:
 
 
 def plies(built: Sequence[Built]) -> pd.DataFrame:
-    """PLIES: of every wall from the inside out; NaN for a layer that is not transversely isotropic."""
+    """PLIES: of every wall from the inside out."""
     rows = [
         (each.cell.scene, number, *_ply(ply))
         for each in built
@@ -215,7 +196,5 @@ def plies(built: Sequence[Built]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=list(PLIES))
 
 
-def _ply(ply: Layer) -> tuple[float, ...]:
-    if not isinstance(ply, Ply):
-        return (ply.thickness, *[math.nan] * 7)
+def _ply(ply: Ply) -> tuple[float, ...]:
     return (ply.thickness, math.degrees(ply.angle), ply.E_L, ply.E_T, ply.G_LT, ply.G_TT, ply.nu_LT, ply.nu_TT)

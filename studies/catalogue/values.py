@@ -10,12 +10,12 @@ import pandas as pd
 from studies.analysis.cells.answers import Answer, Answers, number
 from studies.analysis.cells.rows import STEP_KEYS, holding
 from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import LADDERS
 from studies.campaigns.sheet_cells import sheet_cell
 from studies.catalogue.quantities import definition, unit
 from studies.request import text_of
 from studies.scene import Reference
 from studies.scenes import SCENES
+from studies.scenes.ladders import judged_of, ladders_of
 
 COLUMNS = (
     *(
@@ -68,7 +68,7 @@ def _rows(scene: str, answers: Answers, convergence: pd.DataFrame) -> Iterator[d
     answer = answers.get(cell.label)
     found = {} if answer is None or not answer.converged else _found(answer)
     known: list[Reference] = [] if answer is None else _holding(scene, answer)
-    headlines = _headlines(scene)
+    headlines = judged_of(SCENES[scene])
     names = dict.fromkeys((*headlines, *found, *(each.quantity for each in known)))
     for quantity in names:
         if quantity in (*LOADS, *NOT_LISTED):
@@ -93,12 +93,6 @@ def _known_by_design(quantity: str, value: float) -> dict[str, Any]:
     return {"target": 0.0, "uncertainty": 0.0, "kind": "exact", "source": "the solution is given", "error": value}
 
 
-def _headlines(scene: str) -> tuple[str, ...]:
-    """What the scene's first ladder judges, else what its references name."""
-    ladder = next((each for each in LADDERS if each.scene == scene), None)
-    return ladder.quantities if ladder else tuple(dict.fromkeys(each.quantity for each in SCENES[scene].references))
-
-
 def _found(answer: Answer) -> Mapping[str, float]:
     return {name: number(value) for name, value in answer.record["quantities"].items()}
 
@@ -117,7 +111,7 @@ def _last(value: Any) -> Any:
 
 def _limit(scene: str, quantity: str, cell: Cell, convergence: pd.DataFrame) -> dict[str, Any]:
     """The extrapolated value of the first ladder of the scene, where it reads the same."""
-    ladder = next((each for each in LADDERS if each.scene == scene), None)
+    ladder = next(iter(ladders_of(SCENES[scene])), None)
     if ladder is None or convergence.empty:
         return {}
     own = convergence[(convergence["ladder"] == ladder.name) & (convergence["quantity"] == quantity)]

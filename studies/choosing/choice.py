@@ -12,10 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from studies.choosing.ladder import mesh_of
 from studies.choosing.offers import Offer
-from studies.choosing.question import Question
-from studies.choosing.trials import NOT_TRIED, Trial, beside
+from studies.choosing.trials import NOT_TRIED, Question, Trial, beside
 from studies.choosing.variants import REFERENCE
 from studies.choosing.verdict import NO_MESH, NOT_SETTLED, Verdict
 from studies.friction.settings import rubbing
@@ -113,7 +111,7 @@ class Choice:
             elif word == NO_MESH:
                 yield f"{name}: its limit is within {percent}, but surely none of its {count} grids"
             elif verdict.first == count - 1:
-                yield f"{name}: finer grids than {mesh_of(ladder.paths[-1])} were not seen, their limit is an estimate"
+                yield f"{name}: finer grids than {ladder.paths[-1].mesh} were not seen, their limit is an estimate"
         if self.verdicts and touches(self.verdicts[0].ladder.paths[-1].end):
             values = self.verdicts[0].values
             steps = 100 * np.abs(np.diff(values[-3:])) / (abs(values[-1]) or 1.0)

@@ -13,15 +13,17 @@ from typing import Any
 
 from studies.choosing.choice import Choice
 from studies.choosing.clock import Clock
-from studies.choosing.ladder import Ladder, climb_all, mesh_of
+from studies.choosing.ladder import FAILURES, Ladder, climb_all
 from studies.choosing.offers import Offer, offers_of, recommended
-from studies.choosing.question import Question
-from studies.choosing.reference import follow, limit_stated
-from studies.choosing.trials import FROM_REST, race
+from studies.choosing.rule import NONE, errors, first_enough
+from studies.choosing.trials import FROM_REST, Question, race
 from studies.choosing.variants import ELEMENT, MEASURE, MODEL, REFERENCE, Variant, variants
 from studies.choosing.verdict import Verdict, judged
-from studies.refinement.cascade import Cascade, first_grid
+from studies.refinement.cascade import FINER, TOO_FINE, Cascade, first_grid
 from studies.refinement.limits import Estimate
+from studies.refinement.nested import element_size, near
+from studies.refinement.point_loads import no_limit
+from studies.request import Request
 from studies.scene import has_contact
 
 ALGORITHM = "algorithm"
@@ -31,6 +33,7 @@ BUDGET = 60.0
 ERROR = "1%"
 CHOOSING = 0.92  # of the budget; the rest is for loading, drawing and writing
 ASIDE = 1.5  # of the seconds foreseen for a solve from rest, kept for it
+DEARER = 2.8  # seconds of the next grid over those of the last, which has half the unknowns
 
 
 def choose(
@@ -64,12 +67,12 @@ def choose(
         found.quantity, found.limit = cascade.name, limit
         _compare(found, cascade, limit, clock, progress)
         if not found.offers:
-            found.reason = f"nothing is surely within {100 * error:g} % on grids up to {mesh_of(cascade.last)}"
+            found.reason = f"nothing is surely within {100 * error:g} % on grids up to {cascade.last.mesh}"
     found.seconds = clock.spent
     return found
 
 
-def loosened(found: Choice, error: float, progress: Callable[[str], None] = lambda text: None) -> Choice:
+def loosened(found: Choice, error: float) -> Choice:
     """What the same grids say of a larger error; its own recommendation is solved from rest, within the same budget.
 
     Algorithms are not tried again. Raises ValueError where no limit is known, or the error is smaller.
@@ -80,9 +83,9 @@ def loosened(found: Choice, error: float, progress: Callable[[str], None] = lamb
     question, reference = replace(found.question, error=error), found.verdicts[0].ladder
     verdicts = [judged(each.ladder, reference, found.limit, found.quantity, error) for each in found.verdicts]
     clock, offers = Clock(CHOOSING * found.budget), offers_of(question, verdicts, found.algorithms)
-    held = recommended(offers, found.quantity, found.limit, clock, progress)
+    held = recommended(offers, found.quantity, found.limit, clock, lambda text: None)
     refused = [offer for offer in offers if not offer.holds and not offer.untried]
-    reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {mesh_of(reference.paths[-1])}"
+    reason = "" if held else f"nothing is surely within {100 * error:g} % on grids up to {reference.paths[-1].mesh}"
     answer = replace(found, question=question, verdicts=verdicts, algorithms=[], reason=reason)
     answer.offers, answer.refused, answer.seconds = held, refused, clock.spent
     return answer
@@ -113,7 +116,7 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
             if axis != ALGORITHM:
                 climb([each for each in others if each.variant.axis == axis])
             elif has_contact(question.scene):
-                meshes = mesh_of(reference.paths[0]), mesh_of(path)
+                meshes = reference.paths[0].mesh, path.mesh
                 found.algorithms = race(question, quantity, meshes, foreseen, clock, progress)
     first = offers()
     found.offers = recommended(first, quantity, limit, clock, progress)
@@ -121,3 +124,43 @@ def _compare(found: Choice, cascade: Cascade, limit: Estimate, clock: Clock, pro
     climb(others)
     known = {offer.words for offer in first}
     found.offers += [offer for offer in offers() if offer.words not in known]
+
+
+def follow(cascade: Cascade, request: Request, clock: Clock, progress: Callable[[str], None]) -> str:
+    """Follow the path on finer and finer grids until one of them is enough; returns why there are no more of them.
+
+    request: on the coarsest grid.  Raises UsageError for a quantity that the scene does not have.
+    """
+    grid: Request | None = request
+    lost, said = 0, ""
+    while grid is not None and lost < FAILURES:
+        text = grid.mesh_text
+        if cascade.grids and not clock.fits(DEARER * cascade.last.seconds):
+            return f"no time for {text}"
+        progress(f"{REFERENCE} {text}")
+        said = f"the path is not followed to its end on {text}"
+        followed = cascade.grow(grid)
+        if not followed and not cascade.grids and element_size(grid) < TOO_FINE * element_size(request):
+            break
+        lost = lost + 1 if cascade.grids and not followed else 0
+        if followed:
+            said = ""
+            cascade.check_quantity()
+            found = cascade.stated()
+            if isinstance(found, Estimate):
+                progress(f"{cascade.name} {found}")
+                if first_enough(errors(cascade.values, found), NONE, cascade.error) is not None:
+                    return ""
+        grid = near(cascade.scene, grid, FINER)
+    return said
+
+
+def limit_stated(cascade: Cascade) -> Estimate | str:
+    """The limit of the exact measure, or why there is none to compare with."""
+    if not cascade.grids:
+        return f"the path of the measure {REFERENCE} is not followed to its end on any grid"
+    limit = cascade.stated()
+    reason = no_limit(cascade.last, cascade.name, cascade.error)
+    if reason or isinstance(limit, Estimate):
+        return reason or limit
+    return f"the limit of {cascade.name} is not known: {limit}"

@@ -50,7 +50,7 @@ class Ladder:
             return
         self.lost += 1
         if self.lost >= FAILURES and not self.said:
-            self.said = f"its path is not followed to its end on {mesh_of(beside)}"
+            self.said = f"its path is not followed to its end on {beside.mesh}"
 
     def rest(self) -> None:
         """Keep of the last path its values alone: nothing is started from it any more."""
@@ -123,13 +123,8 @@ def climb_all(
             ladder.rest()
             open_.remove(ladder)
         elif not clock.fits(ladder.foreseen(along, ladder.begun(along))):
-            ladder.waits = mesh_of(path)
+            ladder.waits = path.mesh
             open_.remove(ladder)
         else:
-            yield f"{ladder.variant.axis} {ladder.variant.name} {mesh_of(path)}"
+            yield f"{ladder.variant.axis} {ladder.variant.name} {path.mesh}"
             ladder.climb(scene, path)
-
-
-def mesh_of(path: Sketch) -> str:
-    """N1xN2."""
-    return "{}x{}".format(*path.request.mesh)

@@ -7,10 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from studies.choosing.clock import Clock
-from studies.choosing.ladder import mesh_of
-from studies.choosing.question import Question
 from studies.choosing.rule import errors
-from studies.choosing.trials import FROM_REST, SLOWER, Trial, tried
+from studies.choosing.trials import FROM_REST, SLOWER, Question, Trial, tried
 from studies.choosing.verdict import Verdict
 from studies.refinement.limits import Estimate
 
@@ -112,7 +110,7 @@ def _offers(question: Question, verdicts: Sequence[Verdict], algorithms: Sequenc
         if path is None or verdict.first is None:
             continue
         for contact, ratio in ratios.items():
-            mesh = mesh_of(path)
+            mesh = path.mesh
             yield Offer(
                 question,
                 f"{variant.axis} {variant.name} {contact} {mesh}",

@@ -1,15 +1,20 @@
-"""Judged solves from rest, as a command line asks for them: what an algorithm, or a recommendation, really costs."""
+"""Judged solves from rest, as a command line asks for them: what an algorithm, or a recommendation, really costs.
+
+What is asked in all of them is a :class:`Question`.
+"""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from contact.catalogue import ALGORITHMS
 from studies.choosing.clock import Clock, until
-from studies.choosing.question import Question
-from studies.request import PartError, Request, UsageError
+from studies.choosing.variants import REFERENCE
+from studies.complete import complete
+from studies.request import PartError, Request, UsageError, text_of
 from studies.result import SOLVED, Result
 from studies.scene import Scene
 from studies.solving import solve
@@ -18,6 +23,36 @@ AGREE = 1e-6  # relative, of values of one problem: all algorithms are judged to
 REFUSED, SLOWER, NOT_TRIED = "refused", "slower", "not tried"
 PATIENCE = 2.0  # times the seconds of the algorithm asked for, after which another is stopped
 FROM_REST = 2.0  # seconds of a judged solve over those of a path from a coarser grid
+DEFAULTS = {"contact": Request.contact, "newton": Request.newton, "model": Request.model, "steps": Request.steps}
+
+
+@dataclass(frozen=True, eq=False)
+class Question:
+    """The scene by its name and with the lines of the reference; given: settings; options: of a request, typed."""
+
+    name: str
+    scene: Scene
+    given: Mapping[str, object]
+    options: Mapping[str, Any]
+    error: float
+
+    @property
+    def contact(self) -> str:
+        """The algorithm asked for."""
+        return str(self.options.get("contact", Request.contact))
+
+    def asked(self, mesh: str, options: Mapping[str, Any], settings: Mapping[str, str]) -> tuple[Scene, Request]:
+        """The scene and the request as a command line has them, some things changed; raises UsageError."""
+        return complete(self.name, {**self.given, **settings}, mesh, **self._options(options))
+
+    def command(self, mesh: str, options: Mapping[str, Any], settings: Mapping[str, str]) -> str:
+        """That command line."""
+        words = [f"--{key} {value}" for key, value in self._options(options).items() if DEFAULTS.get(key) != value]
+        words += [f"--set {key}={text_of(value)}" for key, value in {**self.given, **settings}.items()]
+        return " ".join(["footprint solve", self.name, f"--mesh {mesh}", *words, "--out DIR"])
+
+    def _options(self, changed: Mapping[str, Any]) -> dict[str, Any]:
+        return {"measure": REFERENCE, **self.options, **changed}
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from studies.choosing.ladder import Ladder, mesh_of
+from studies.choosing.ladder import Ladder
 from studies.choosing.rule import NONE, Difference, difference, errors, first_enough
 from studies.refinement.limits import FEW, Estimate, Seen
 from studies.refinement.nested import Sketch, touches
@@ -74,7 +74,7 @@ class Verdict:
             "within": None if known is None else known.within,
             "settled": None if known is None else known.settled,
             "verdict": self.word,
-            "mesh": None if path is None else mesh_of(path),
+            "mesh": None if path is None else path.mesh,
             "unknowns": None if path is None else path.unknowns,
             "error_at_most": None if self.first is None else self.most[self.first],
             "path_seconds": None if path is None else path.seconds,
@@ -89,7 +89,7 @@ class Verdict:
             {
                 "axis": self.ladder.variant.axis,
                 "name": self.ladder.variant.name,
-                "mesh": mesh_of(path),
+                "mesh": path.mesh,
                 "unknowns": path.unknowns,
                 "value": value,
                 "error_at_most": most,

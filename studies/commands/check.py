@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import argparse
+import datetime
 import sys
+import tempfile
 from pathlib import Path
 
+import pandas as pd
+
+from studies.analysis.cells.collect import collect
+from studies.campaigns.file import find
+from studies.campaigns.run import run as run_campaign
 from studies.commands import FAILED, OK
-from studies.guard.check import check_baseline, check_times, update_baseline
-from studies.guard.compare import NothingComparedError
+from studies.guard.baseline import HERE, Update, read_baseline
+from studies.guard.compare import NothingComparedError, check, failures, lines, update
+from studies.guard.times import compare_times, samples_of_both, time_lines
 from studies.scene import UsageError
 
 
@@ -33,15 +41,65 @@ def run(options: argparse.Namespace) -> int:
         raise UsageError("--time compares two stores and no baseline")
     if not options.update and (options.owner or options.reason or options.date):
         raise UsageError("--owner, --reason and --date go with --update")
+    if options.baseline is None:
+        options.baseline = HERE / f"{_name(options.campaign)}.csv"
     try:
         if options.time is not None:
-            worse = check_times(options.time[0], options.time[1], options.campaign)
-        elif options.update:
-            update_baseline(options)
-            return OK
-        else:
-            worse = check_baseline(options.campaign, options.store, options.baseline, options.engine)
+            return _check_times(options.time[0], options.time[1], options.campaign)
+        return _update(options) if options.update else _check(options)
     except NothingComparedError as error:
         print(f"footprint: check failed: {error}", file=sys.stderr)
         return FAILED
-    return FAILED if worse else OK
+
+
+def _check(options: argparse.Namespace) -> int:
+    """Print what is worse than the baseline."""
+    read_baseline(options.baseline)  # what is wrong with it is said before minutes of solving
+    table = _table(options)
+    found = check(table, options.baseline)
+    wrong = failures(found)
+    print("\n".join(lines(wrong)), end="\n" if wrong else "")
+    better = f", {len(found) - len(wrong)} better" if len(found) > len(wrong) else ""
+    verdict = f"{len(wrong)} values are not what they were" if wrong else "nothing is worse"
+    print(f"check: {len(table)} cells of {options.campaign} against {options.baseline}: {verdict}{better}")
+    if wrong:
+        print("what is meant to be so: footprint check --update --owner NAME --reason TEXT")
+    return FAILED if wrong else OK
+
+
+def _update(options: argparse.Namespace) -> int:
+    """Replace the baseline, print what changed; the request is checked before anything is solved."""
+    try:
+        date = datetime.date.fromisoformat(options.date) if options.date else datetime.date.today()
+    except ValueError:
+        raise UsageError(f"date = {options.date!r} must be YYYY-MM-DD") from None
+    signed = Update(options.owner, options.reason, date, options.campaign)
+    table = _table(options)
+    found = update(table, options.baseline, signed)
+    print("\n".join(lines(found)), end="\n" if found else "")
+    print(f"{options.baseline}: {len(table)} cells, {len(found)} values beyond the bounds of before")
+    return OK
+
+
+def _name(campaign: str) -> str:
+    """The name under which a store knows a campaign that was given by its name or its file."""
+    return Path(campaign).stem if campaign.endswith(".toml") else campaign
+
+
+def _table(options: argparse.Namespace) -> pd.DataFrame:
+    """The collected campaign of a store, or, without one, solved now and thrown away."""
+    if options.store is not None:
+        return collect(options.store, _name(options.campaign))
+    found = find(options.campaign)
+    with tempfile.TemporaryDirectory(prefix="footprint-") as directory:
+        print(run_campaign(found, Path(directory), options.engine).line, file=sys.stderr)
+        return collect(Path(directory), found.name)
+
+
+def _check_times(before: Path, now: Path, campaign: str) -> int:
+    """Print what is slower than before beyond the noise."""
+    times = compare_times(*samples_of_both(before, now, _name(campaign)))
+    slower = int((times["verdict"] == "slower").sum())
+    print("\n".join(time_lines(times)), end="\n" if (times["verdict"] != "same").any() else "")
+    print(f"check: times of {len(times)} cells of {campaign}: {slower} are slower")
+    return FAILED if slower else OK

@@ -14,12 +14,11 @@ from studies.choosing.choice import Choice
 from studies.choosing.choose import BUDGET, ERROR, choose
 from studies.choosing.offers import Offer
 from studies.commands import INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.options import add_settings, pairs, progress_line
-from studies.door.chosen import write_choice
+from studies.commands.options import add_settings, add_solving, check_directory, named, pairs, progress_line
 from studies.door.columns import columns
+from studies.door.notebook import write_choice
 from studies.refinement.cascade import parse_budget
 from studies.refinement.error_control import parse_error
-from studies.scene import UsageError
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,25 +29,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--budget", default=f"{BUDGET:g}s", metavar="SECONDS", help=f"of wall time, default {BUDGET:g}s"
     )
-    parser.add_argument("--contact", default="semismooth", help="the algorithm of reference; by default semismooth")
-    parser.add_argument("--newton", default="mixed", help="plain or mixed, the default")
-    parser.add_argument("--mesh", help="N1xN2, the coarsest grid; by default a quarter of that of the scene")
-    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
-    parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
+    mesh = "N1xN2, the coarsest grid; by default a quarter of that of the scene"
+    add_solving(parser, "the algorithm of reference; by default semismooth", mesh)
     add_settings(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the answer goes")
 
 
 def run(options: argparse.Namespace) -> int:
     """Choose, write and print; 3 where nothing is surely within the error. What is interrupted writes nothing."""
-    if options.out.exists() and not options.out.is_dir():
-        raise UsageError(f"--out {options.out} is a file, not a directory")
+    check_directory(options.out)
     error, budget = parse_error(options.error), parse_budget(options.budget)
-    named = {name: getattr(options, name) for name in ("contact", "newton", "model", "steps")}
+    how = named(options, "contact", "newton", "model", "steps")
     given = pairs(options.settings)
     try:
         with np.errstate(over="ignore", invalid="ignore"), progress_line() as tell:
-            found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **named)
+            found = choose(options.scene, given, error, budget, options.of, tell, options.mesh, **how)
     except KeyboardInterrupt:
         print("footprint: interrupted; nothing is written", file=sys.stderr)
         return INTERRUPTED

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 from studies.request import UsageError
 from studies.shown import behind, printable
@@ -24,6 +25,37 @@ def add_store(parser: argparse.ArgumentParser) -> None:
 def add_trust(parser: argparse.ArgumentParser) -> None:
     """``--trust``."""
     parser.add_argument("--trust", action="store_true", help="import the modules beside a campaign file that it names")
+
+
+def add_solving(parser: argparse.ArgumentParser, contact: str, mesh: str) -> None:
+    """How a scene is solved; contact, mesh: the help of these two."""
+    parser.add_argument("--contact", default="semismooth", help=contact)
+    parser.add_argument("--newton", default="mixed", help="plain or mixed, the default")
+    parser.add_argument("--mesh", help=mesh)
+    add_model(parser)
+    parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
+
+
+def add_model(parser: argparse.ArgumentParser) -> None:
+    """``--model NAME``."""
+    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
+
+
+def named(options: argparse.Namespace, *names: str) -> dict[str, Any]:
+    """Options by name."""
+    return {name: getattr(options, name) for name in names}
+
+
+def check_directory(path: Path) -> None:
+    """Raise UsageError for an --out that cannot be a directory."""
+    if path.exists() and not path.is_dir():
+        raise UsageError(f"--out {path} is a file, not a directory")
+
+
+def check_file(path: Path, option: str = "--out") -> None:
+    """Raise UsageError for an option that cannot be a file."""
+    if path.is_dir():
+        raise UsageError(f"{option} {path} is a directory, not a file")
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:

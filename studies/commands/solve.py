@@ -12,7 +12,15 @@ import numpy as np
 from contact.problem import Outcome
 from studies import branching
 from studies.commands import FAILED, INTERRUPTED, NOT_CONVERGED, OK
-from studies.commands.options import add_settings, pairs, progress_line
+from studies.commands.options import (
+    add_settings,
+    add_solving,
+    check_directory,
+    check_file,
+    named,
+    pairs,
+    progress_line,
+)
 from studies.complete import complete
 from studies.door.columns import columns
 from studies.friction.settings import rubbing
@@ -33,14 +41,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """The request and where its result goes."""
     parser.add_argument("scene", help="footprint list scenes")
     parser.add_argument("--measure", default="exact", help="of strain, footprint list measures; by default exact")
-    parser.add_argument("--contact", default="semismooth", help="footprint list algorithms; by default semismooth")
-    parser.add_argument("--newton", default="mixed", help="plain or mixed, the default")
-    parser.add_argument("--mesh", help="N1xN2, elements along both directions; by default that of the scene")
+    mesh = "N1xN2, elements along both directions; by default that of the scene"
+    add_solving(parser, "footprint list algorithms; by default semismooth", mesh)
     parser.add_argument("--error", metavar="E", help="refine the grid until a quantity is known that well, e.g. 1%%")
     parser.add_argument("--of", metavar="QUANTITY", help="the quantity of --error; by default the force, or the first")
     parser.add_argument("--budget", metavar="SECONDS", help="of --error: the best answer in that time, e.g. 5s")
-    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
-    parser.add_argument("--steps", type=int, default=1, help="load steps between two requested loads")
     add_settings(parser)
     parser.add_argument("--out", type=Path, required=True, metavar="DIR", help="where the result goes")
     parser.add_argument("--plot", action="store_true", help="draw pictures, too")
@@ -58,9 +63,7 @@ def run(options: argparse.Namespace) -> int:
 
 
 def _run(options: argparse.Namespace) -> int:
-    given = pairs(options.settings)
-    named = {name: getattr(options, name) for name in ("measure", "contact", "newton", "model", "steps")}
-    scene, request, wanted = _asked(options, given, **named)
+    scene, request, wanted = _asked(options)
     _check_places(options, scene)
     with progress_line() as tell:
         try:
@@ -105,14 +108,12 @@ def _say_why(result: Result) -> int:
 
 def _check_places(options: argparse.Namespace, scene: Scene) -> None:
     """Raise UsageError where nothing could be written, before anything is solved."""
-    if options.out.exists() and not options.out.is_dir():
-        raise UsageError(f"--out {options.out} is a file, not a directory")
+    check_directory(options.out)
     if options.freeze is None:
         return
     if not has_contact(scene):
         raise UsageError(f"{options.scene} has no contact to freeze")
-    if options.freeze.is_dir():
-        raise UsageError(f"--freeze {options.freeze} is a directory, not a file")
+    check_file(options.freeze, "--freeze")
     if not options.freeze.parent.is_dir() and options.freeze.parent.resolve() != options.out.resolve():
         raise UsageError(f"--freeze {options.freeze}: there is no directory {options.freeze.parent}")
 
@@ -128,19 +129,20 @@ def _drawn(out: Path) -> list[str]:
         raise UsageError(str(error)) from None
 
 
-def _asked(options: argparse.Namespace, given: dict[str, str], **named: object) -> tuple[Scene, Request, float | None]:
+def _asked(options: argparse.Namespace) -> tuple[Scene, Request, float | None]:
     """The scene, the request, on the first grid where an error is asked for, and that error."""
+    given, how = pairs(options.settings), named(options, "measure", "contact", "newton", "model", "steps")
     if options.error is None:
         if options.of is not None:
             raise UsageError("--of names the quantity of --error: give both")
         if options.budget is not None:
             raise UsageError("--budget bounds the time of --error: give both")
-        return *complete(options.scene, given, options.mesh, **named), None
+        return *complete(options.scene, given, options.mesh, **how), None
     from studies.refinement.cascade import first_grid
     from studies.refinement.error_control import parse_error
 
     wanted = parse_error(options.error)
-    return *first_grid(options.scene, given, options.mesh, **named), wanted
+    return *first_grid(options.scene, given, options.mesh, **how), wanted
 
 
 def _solved(

@@ -107,13 +107,18 @@ def _of_measure(measure: StrainMeasure) -> Iterator[str]:
     if formulas:
         yield from ("", "strains of a face, of l, w, t = lam, om, th over zeta and beta = (v+ - v-)/h:")
         yield from (f"  {strain:4s} = {formula}" for strain, formula in formulas.items())
-        yield f"  th_a = -v_3,a/A_a{'' if measure.kinematics.shallow else ' + k_a v_a'}"
-        yield f"  zeta_a = 1{'' if measure.kinematics.thin else ' + k_a d'}"
+        yield from (f"  {formula}" for formula in kinematics_of(measure))
     else:
         yield from ("", *paragraphs(measure)[1:])
     yield from ("", "strain left by a rigid motion (amount or angle theta, stretch zeta of the face), by its law:")
     yield from columns([(f.name, law_text(measure.rigid_body_law, f.name)) for f in fields(RigidBodyLaw)], "  ")
     yield from ("", f"source: {measure.reference}")
+
+
+def kinematics_of(measure: StrainMeasure) -> tuple[str, str]:
+    """The slope and the stretch of a face, with what the measure keeps of them."""
+    shallow, thin = measure.kinematics.shallow, measure.kinematics.thin
+    return f"th_a = -v_3,a/A_a{'' if shallow else ' + k_a v_a'}", f"zeta_a = 1{'' if thin else ' + k_a d'}"
 
 
 def law_text(laws: RigidBodyLaw, motion: str) -> str:

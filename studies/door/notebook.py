@@ -19,7 +19,6 @@ from studies.choosing.choice import Choice
 from studies.choosing.choose import BUDGET, ERROR
 from studies.complete import complete
 from studies.door import descriptions
-from studies.door.chosen import write_choice
 from studies.door.descriptions import Description
 from studies.door.plugins import load_entry_points
 from studies.friction.settings import rubbing
@@ -31,6 +30,9 @@ from studies.scene import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+AS_ASKED = "as asked for"  # of the element of the reference
+FIGURES = {"measure": "measures.svg", "element": "elements.svg"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,3 +238,25 @@ def describe(name: str) -> Description:
     """A scene, a measure or an algorithm; raises UsageError for an unknown name."""
     load_entry_points()
     return descriptions.describe(name)
+
+
+def write_choice(found: Choice, out: Path) -> None:
+    """The pictures, the tables, and choice.json, which comes last."""
+    from reports.figures.choice import error_over_seconds
+    from reports.files import write_texts
+
+    pictures = {}
+    for axis, name in FIGURES.items():
+        named = [row["name"] for row in found.variants if row["axis"] == axis]
+        if found.limit is None or not named:
+            continue
+        reference = (
+            found.verdicts[0].grids
+            if axis == "measure"
+            else [row | {"name": AS_ASKED} for row in found.verdicts[0].grids]
+        )
+        others = [row for verdict in found.verdicts[1:] for row in verdict.grids if row["axis"] == axis]
+        rows = [*reference, *others]
+        pictures[name] = error_over_seconds(rows, found.quantity, found.question.error, found.limit.uncertainty)()
+    write_texts(out / "figures", pictures)
+    found.write(out, [f"figures/{name}" for name in pictures])

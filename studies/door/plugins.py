@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import importlib
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, MutableMapping
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import Any
@@ -18,7 +18,7 @@ from formulations.strains.catalogue import MEASURES
 from studies.scene import UsageError
 from studies.scenes import SCENES
 
-GROUPS: dict[str, dict[str, Any]] = {
+GROUPS: dict[str, MutableMapping[str, Any]] = {
     "footprint.measures": MEASURES,
     "footprint.contact": ALGORITHMS,
     "footprint.scenes": SCENES,
@@ -89,7 +89,7 @@ def modules() -> set[str]:
     return set(_module_of.values())
 
 
-def _enter(entry: EntryPoint, group: str, catalogue: dict[str, Any]) -> None:
+def _enter(entry: EntryPoint, group: str, catalogue: MutableMapping[str, Any]) -> None:
     said = f"plug-in {entry.name!r} of {group} ({entry.value})"
     before = catalogue.get(entry.name)
     try:

@@ -11,12 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from studies.catalogue.fields import PLACES_27
 from studies.exchange.bricks import INNER, LATTICE, OUTER, SWAPPED
 from studies.exchange.problem import LoadStep, Material, Problem
 from studies.scenes import SCENES
 from studies.store.atomic import plain
-from studies.store.vtu import write_vtu
+from studies.store.vtu import PLACES_27, write_vtu
 
 FORMAT = "footprint-problem 1"
 UNITS = {"length": "mm", "force": "N", "stress": "MPa", "angle": "rad"}

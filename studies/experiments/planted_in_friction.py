@@ -18,7 +18,7 @@ from studies.certificate import certificate
 from studies.experiments.planting import Fault, fault, swapped
 from studies.friction.settings import DRAG, MU
 from studies.friction.stages import Stages
-from studies.fuzz import rubbed
+from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
 from studies.request import Value
 
@@ -106,7 +106,7 @@ def _settings_dropped() -> Iterator[None]:
         found = sound(contact, settings)
         return type(found)(epsilon=found.epsilon) if MU.key in settings else found
 
-    with swapped(solving, "configured", configured), swapped(rubbed, "configured", configured):
+    with swapped(solving, "configured", configured), swapped(state_laws, "configured", configured):
         yield
 
 

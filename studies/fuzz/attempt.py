@@ -172,22 +172,30 @@ def quiet() -> Iterator[None]:
         yield
 
 
-def attempt(asked: Asked, seed: int) -> Attempt:
-    """Solve and judge; raises Broken where a law for one solve is broken."""
+@contextmanager
+def no_traceback() -> Iterator[None]:
+    """Whatever is raised inside breaks a law: raises Broken."""
     with quiet():
         try:
-            scene, request = asked.request(seed)
-            model: Any = Watched(scene)
-            result = solve(model, request)
-            result.as_json()
-            for name in result.tables:
-                result.table(name)
-        except UsageError as error:
-            return Attempt(asked, REFUSED, one_line(str(error)))
+            yield
         except Broken:
             raise
         except Exception as error:
             raise Broken("no traceback", place(error)) from error
+
+
+def attempt(asked: Asked, seed: int) -> Attempt:
+    """Solve and judge; raises Broken where a law for one solve is broken."""
+    with no_traceback():
+        try:
+            scene, request = asked.request(seed)
+            model: Any = Watched(scene)
+            result = solve(model, request)
+        except UsageError as error:
+            return Attempt(asked, REFUSED, one_line(str(error)))
+        result.as_json()
+        for name in result.tables:
+            result.table(name)
     if result.unsupported:
         return Attempt(asked, REFUSED, one_line(result.unsupported), result)
     if result.verdict == WRONG:

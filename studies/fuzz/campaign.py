@@ -15,11 +15,10 @@ from typing import Any
 import pandas as pd
 
 from studies.fuzz.cases import kind_of
-from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report, command_of
-from studies.fuzz.record import NAME as NAME
-from studies.fuzz.record import task_id
+from studies.fuzz.examine import BROKEN, EXPLAINED, PASSED, UNCOMPARED, Report, command_of, task_id
+from studies.fuzz.examine import NAME as NAME
 from studies.pool.engine import engine as engine_of
-from studies.pool.process import StoreFullError
+from studies.pool.process import keeping_what_is_finished
 from studies.pool.task import Limits, Task
 from studies.result import CRASH, MEMORY, TIME
 from studies.scene import UsageError
@@ -87,18 +86,13 @@ def run(
     names = [task_id(seed, each) for seed, each in zip(seeds, kinds, strict=True)]
     if resume and not any(archive.record_path(name).exists() for name in names):
         raise UsageError(f"--resume: {store} has no case of {NAME!r} of these sources yet; leave --resume out")
-    with archive.claimed():
-        try:
-            tasks = [Task(NAME, name) for name in names if not _there(archive, name)]
-            progress(cases - len(tasks), cases, NAME)
-            for count, (task, _) in enumerate(work(tasks, store, limits), start=cases - len(tasks) + 1):
-                progress(count, cases, task.label)
-            rows = [_row(archive, *case) for case in zip(names, seeds, kinds, strict=True)]
-            write_table(archive.tables / "fuzz.csv", table_of(rows))
-        except StoreFullError as error:
-            raise StoreFullError(
-                f"{store} takes no more: {error}; what is finished is kept, run again to go on"
-            ) from None
+    with archive.claimed(), keeping_what_is_finished(store):
+        tasks = [Task(NAME, name) for name in names if not _there(archive, name)]
+        progress(cases - len(tasks), cases, NAME)
+        for count, (task, _) in enumerate(work(tasks, store, limits), start=cases - len(tasks) + 1):
+            progress(count, cases, task.label)
+        rows = [_row(archive, *case) for case in zip(names, seeds, kinds, strict=True)]
+        write_table(archive.tables / "fuzz.csv", table_of(rows))
     return Summary(rows, len(tasks))
 
 

@@ -11,7 +11,11 @@ from studies.fuzz.attempt import Broken, Passed, place, quiet
 from studies.fuzz.cases import FRICTION, SCENE, Asked, kind_of
 from studies.fuzz.comparing import AGREES
 from studies.fuzz.near import request_of
+from studies.result import CONVERGED, WRONG
+from studies.store.atomic import SCHEMA, as_text
+from studies.store.source_hash import sources_hash
 
+NAME = "fuzz"  # how the names of cases in a store begin
 PASSED, EXPLAINED, UNCOMPARED, BROKEN = "agrees", "explained", "not compared", "broken"
 HARDEST = 100
 TRIES = 40  # requests that are tried to make one smaller
@@ -40,11 +44,6 @@ class Report:
     def row(self) -> dict[str, Any]:
         """As plain data."""
         return asdict(self)
-
-    @property
-    def command(self) -> str:
-        """The command that replays it."""
-        return command_of(self.seed, self.kind)
 
 
 def command_of(seed: int, kind: str) -> str:
@@ -114,3 +113,17 @@ def _breaks(seed: int, asked: Asked, law: str) -> bool:
     except Exception as error:  # a request that the laws themselves cannot take is not the same finding
         return bool(place(error)) and False
     return False
+
+
+def task_id(seed: int, kind: str) -> str:
+    """Name of a case in the store: its kind, its number and the sources that decide it."""
+    return f"{NAME}-{sources_hash([__name__])[:12]}-{kind}-{seed}"
+
+
+def record_of(name: str) -> str:
+    """Examine the case of a name; the text of its record, which has what every record of the store has."""
+    _, kind, seed = name.rsplit("-", 2)
+    report = examine(int(seed), kind, smaller=True)
+    told = {"schema": SCHEMA, "id": name, "class": WRONG if report.verdict == BROKEN else CONVERGED}
+    empty: dict[str, Any] = {"settings": {}, "quantities": {}, "steps": [], "counters": {}, "timing_s": {}, "files": []}
+    return as_text({**told, **empty, "scene": report.kind, "reason": report.said, "case": report.row})

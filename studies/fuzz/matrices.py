@@ -16,7 +16,7 @@ from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome, linear_mechanics
 from contact.verify import claim, judge
 from studies.algorithm_settings import configured, parameters_of
-from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, one_line, place, quiet, watched
+from studies.fuzz.attempt import CONVERGED, ENDED, REFUSED, Broken, Passed, no_traceback, one_line, quiet, watched
 from studies.fuzz.comparing import Answer, compared
 from studies.fuzz.values import drawn, generator
 
@@ -79,13 +79,9 @@ def check(seed: int) -> Passed:
     refused = algorithm.supports(problem)
     if refused is not None:
         return Passed(REFUSED, said=one_line(refused))
+    with no_traceback():
+        found = algorithm.solve(watched(problem), ContactSolution.at_rest(len(answer.u), len(answer.pressure)))
     with quiet():
-        try:
-            found = algorithm.solve(watched(problem), ContactSolution.at_rest(len(answer.u), len(answer.pressure)))
-        except Broken:
-            raise
-        except Exception as error:
-            raise Broken("no traceback", place(error)) from error
         return _judged(algorithm, problem, found, answer)
 
 

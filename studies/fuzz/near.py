@@ -1,26 +1,27 @@
-"""Requests near hard ones: a request of :mod:`studies.fuzz.hard` with one thing changed, and how that list is grown.
+"""Requests near hard ones: one of the file hard_requests.txt with one thing changed.
 
-A case is still its number: it chooses the request and the change. No result enters here but the table of a campaign.
+The file lists near-misses and findings of earlier campaigns, a command a line: those whose ``hard`` in the table of a
+campaign was largest. A case is still its number: it chooses the request and the change.
 """
 
 from __future__ import annotations
 
 import shlex
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.algorithm_settings import settings_of
 from studies.friction.settings import DRAG, MU, TURN
-from studies.fuzz.cases import FRICTION, SCENE, Asked, asked_of
-from studies.fuzz.hard import COMMANDS
+from studies.fuzz.cases import FRICTION, Asked, asked_of
 from studies.fuzz.values import drawn, generator
 from studies.scene import has_contact
 from studies.scenes import SCENES
 
+COMMANDS = tuple(Path(__file__).with_name("hard_requests.txt").read_text(encoding="utf-8").splitlines())
 NEAR = 0.25  # share of the requests that are near a hard one
 WIDE = 0.5  # powers of ten by which a number is changed
 PATHS = (DRAG.key, TURN.key)
@@ -108,12 +109,3 @@ def _numbers(text: str) -> list[float]:
     except ValueError:
         return []
     return found if np.all(np.isfinite(found)) else []
-
-
-def grown(cases: pd.DataFrame, most: int) -> list[str]:
-    """The hardest requests of a campaign, of each scene and outcome no more than a fair share, for the list."""
-    own = cases[cases["kind"].isin([SCENE, FRICTION]) & (cases["hard"] > 0) & ~cases["about"].str.contains("refined")]
-    own = own.assign(scene=own["about"].str.split().str[2]).sort_values(["hard", "seed"], ascending=[False, True])
-    turn = own.groupby(["kind", "scene", "word"]).cumcount()
-    chosen = own.assign(turn=turn).sort_values("turn", kind="stable").head(most)
-    return [text.removeprefix("footprint solve ").removesuffix(" --out DIR") for text in chosen["about"]]

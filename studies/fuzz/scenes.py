@@ -7,8 +7,7 @@ whole; in other units. Derivatives of the converged problem are always compared 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,13 +16,13 @@ from studies.algorithm_settings import configured, settings_of
 from studies.analysis.comparisons.disagreements import ASYMMETRIES, BEYOND, LOAD_STEPS, SYMMETRY, UNSTABLE, Facts, why
 from studies.friction.observed import FORCES
 from studies.friction.settings import MU, SLIDING, rubbing
-from studies.fuzz import rubbed, stable
+from studies.fuzz import state_laws
 from studies.fuzz.attempt import CONVERGED, Attempt, Broken, Passed, attempt, hardness, quiet
 from studies.fuzz.cases import Asked
 from studies.fuzz.comparing import AGREES, ALIKE, MARGIN, TOLERANCE, Answer, compared, error_of, unstable
-from studies.fuzz.derivatives import mismatches
 from studies.fuzz.values import generator
 from studies.request import Request, text_of
+from studies.result import Result
 from studies.scene import has_contact
 from studies.scenes import SCENES
 
@@ -43,16 +42,17 @@ def check(seed: int, asked: Asked) -> Passed:
     one = attempt(asked, seed)
     if one.kind != CONVERGED:
         return Passed(one.word, said=one.reason, hard=hardness(one.result))
-    _differences(one, seed)
-    stable.as_told(one.found, _answer(one))
-    stable.when_finer(one, seed)
-    rubbed.check(one)
+    state_laws.check(one, _answer(one), seed)
     laws = _laws(asked)
     if not laws:
         return Passed(one.word, hard=hardness(one.result))
     # a draw that stays the same where other laws come or go
     law = max(laws, key=lambda name: generator(seed, f"law: {name}").random() ** (1 / OFTEN.get(name, 1)))
-    return Passed(one.word, law, laws[law](one, seed), hardness(one.result))
+    try:
+        said = laws[law](one, seed)
+    except _NotComparedError as error:
+        said = str(error)
+    return Passed(one.word, law, said, hardness(one.result))
 
 
 def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
@@ -74,6 +74,18 @@ def _laws(asked: Asked) -> dict[str, Callable[[Attempt, int], str]]:
     if asked.scene in SCALED:
         found["units"] = _scaled
     return found
+
+
+class _NotComparedError(Exception):
+    """The other way of solving has no answer; one line."""
+
+
+def _solved(asked: Asked, seed: int) -> Attempt:
+    """Another request, solved; raises _NotComparedError where it does not converge."""
+    other = attempt(asked, seed)
+    if other.kind != CONVERGED:
+        raise _NotComparedError(f"not compared, {other.word}: {other.reason}")
+    return other
 
 
 # --- the same problem, solved in another way --------------------------------------------------------------------------
@@ -98,10 +110,7 @@ def _fades(one: Attempt, seed: int) -> str:
     own = {setting.key for setting in settings_of(one.found.request.contact)}  # of which friction has not all
     still = {key: value for key, value in one.asked.settings.items() if key not in slides | own | {MU.key}}
     asked = replace(one.asked, settings=still).with_options(model=one.found.request.model)
-    none = attempt(asked, seed)
-    if none.kind != CONVERGED:
-        return f"not compared, {none.word}: {none.reason}"
-    return _same(none, asked.with_settings(**{MU.key: FAINT}), seed)
+    return _same(_solved(asked, seed), asked.with_settings(**{MU.key: FAINT}), seed)
 
 
 def _newton(one: Attempt, seed: int) -> str:
@@ -120,9 +129,7 @@ def _steps(one: Attempt, seed: int) -> str:
 
 def _same(one: Attempt, asked: Asked, seed: int) -> str:
     """What a comparison of last states says; raises Broken where nothing explains the difference."""
-    other = attempt(asked, seed)
-    if other.kind != CONVERGED:
-        return f"not compared, {other.word}: {other.reason}"
+    other = _solved(asked, seed)
     said = compared(_answer(one), _answer(other))
     if not said:
         raise Broken("one answer", f"unlike {asked.command}")
@@ -140,21 +147,12 @@ def _answer(one: Attempt) -> Answer:
     return Answer(end.problem, end.point.solution, algorithm, found.ways, not found.on_the_way, tight)
 
 
-def _differences(one: Attempt, seed: int) -> None:
-    """Raises Broken for a derivative that is none."""
-    answer = _answer(one)
-    with quiet():
-        wrong = mismatches(answer.problem, answer.state.u, answer.state.pressure, generator(seed, "direction"))
-    if wrong:
-        raise Broken("derivatives", ", ".join(f"{name} off by {value:.1e}" for name, value in wrong.items()))
-
-
 # --- another problem with the same answer -----------------------------------------------------------------------------
 
 
 def _whole(one: Attempt, seed: int) -> str:
     """A part of the tyre and all of it; resultants of friction are of the part alone."""
-    return _quantities(one, one.asked.with_options(model="full"), seed, 1.0, 1.0, left=FORCES)
+    return Reported(left=FORCES).compare(one, one.asked.with_options(model="full"), seed)
 
 
 def _panel_units(one: Attempt, seed: int) -> str:
@@ -168,7 +166,7 @@ def _panel_units(one: Attempt, seed: int) -> str:
     factor = stress / before["stress_unit"] / (length / before["length_unit"])
     stiff = {key: factor * request.number(key) for key in known if known[key].unit == STIFFNESS}
     asked = one.asked.with_settings(**units, **{key: text_of(value) for key, value in stiff.items()})
-    return _quantities(one, asked, seed, 1.0, 1.0)
+    return Reported().compare(one, asked, seed)
 
 
 def _scaled(one: Attempt, seed: int) -> str:
@@ -183,75 +181,77 @@ def _scaled(one: Attempt, seed: int) -> str:
             continue
         factor = length ** power[0] * stress ** power[1]
         settings[key] = text_of(tuple(factor * v for v in value) if isinstance(value, tuple) else factor * value)
-    return _quantities(one, replace(one.asked, settings=settings), seed, length, stress)
+    return Reported(length, stress).compare(one, replace(one.asked, settings=settings), seed)
 
 
-def _quantities(one: Attempt, asked: Asked, seed: int, length: float, stress: float, left: Collection[str] = ()) -> str:
-    """What a comparison of what both report says, but for what is left out, the other's over its units; raises Broken.
+@dataclass(frozen=True)
+class Reported:
+    """Forces and pressures that two solves report, which are continuous in the state.
 
-    Forces and pressures are compared: what is continuous in the state.
+    length, stress: the units of the other solve.  left: quantities that are not compared.
     """
-    other = attempt(asked, seed)
-    if other.kind != CONVERGED:
-        return f"not compared, {other.word}: {other.reason}"
-    worst, apart = _worst(one, other, length, stress, left)
-    if apart <= ALIKE:
-        return AGREES
-    answers = [_answer(each) for each in (one, other)]
-    with quiet():
-        errors = [error_of(each) for each in answers]
-        counts = [unstable(each) for each in answers]
-    if apart <= MARGIN * max(errors):
-        return f"{TOLERANCE}: {worst} apart by {apart:.1e}"
-    if any(counts):
-        return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, {worst} apart by {apart:.1e}"
-    facts = [
-        Facts(
-            friction=rubbing(each.found.request.settings),
-            steps=each.found.ways,
-            stable=True,
-            model=each.found.request.model,
-            asymmetry=_asymmetry(each.found.loads[-1].quantities),
-        )
-        for each in (one, other)
-    ]
-    cause = why(*facts)
-    many = _many_enough(one, other, seed, length, stress, left) if cause in (LOAD_STEPS, BEYOND) else 0
-    if many:  # two answers of large steps; what smaller ones lead to is one
-        return f"{LOAD_STEPS}: {worst} apart by {apart:.1e}, one answer in {many} times as many"
-    if cause == SYMMETRY:
-        return f"{SYMMETRY}: {facts[0].model} and {facts[1].model} model, {worst} apart by {apart:.1e}"
-    raise Broken("one answer", f"{worst} apart by {apart:.1e}, unlike {asked.command}")
+
+    length: float = 1.0
+    stress: float = 1.0
+    left: Collection[str] = ()
+
+    def compare(self, one: Attempt, asked: Asked, seed: int) -> str:
+        """What a comparison with another request says; raises Broken where nothing explains the difference."""
+        other = _solved(asked, seed)
+        worst, apart = self._worst(one, other)
+        if apart <= ALIKE:
+            return AGREES
+        answers = [_answer(each) for each in (one, other)]
+        with quiet():
+            errors = [error_of(each) for each in answers]
+            counts = [unstable(each) for each in answers]
+        if apart <= MARGIN * max(errors):
+            return f"{TOLERANCE}: {worst} apart by {apart:.1e}"
+        if any(counts):
+            return f"{UNSTABLE}: {counts[0]} and {counts[1]} eigenvalues are negative, {worst} apart by {apart:.1e}"
+        facts = [_facts(each.found) for each in (one, other)]
+        cause = why(*facts)
+        many = self._many_enough(one, other, seed) if cause in (LOAD_STEPS, BEYOND) else 0
+        if many:  # two answers of large steps; what smaller ones lead to is one
+            return f"{LOAD_STEPS}: {worst} apart by {apart:.1e}, one answer in {many} times as many"
+        if cause == SYMMETRY:
+            return f"{SYMMETRY}: {facts[0].model} and {facts[1].model} model, {worst} apart by {apart:.1e}"
+        raise Broken("one answer", f"{worst} apart by {apart:.1e}, unlike {asked.command}")
+
+    def _many_enough(self, one: Attempt, other: Attempt, seed: int) -> int:
+        """How many times as many load steps lead both to one answer, 0 where none of FINER does."""
+        for many in FINER:
+            first, second = (
+                attempt(each.asked.with_options(steps=str(many * each.found.request.steps)), seed)
+                for each in (one, other)
+            )
+            if first.kind == second.kind == CONVERGED and self._worst(first, second)[1] <= ALIKE:
+                return many
+        return 0
+
+    def _worst(self, one: Attempt, other: Attempt) -> tuple[str, float]:
+        """The quantity that differs most, and by how much, relative."""
+        mine, theirs = (each.found.loads[-1].quantities for each in (one, other))
+        compared = [key for key in mine if key.endswith(("_N", "_MPa")) and key not in self.left]
+        return max(((key, self._apart(mine, theirs, key)) for key in compared), key=lambda item: item[1])
+
+    def _apart(self, mine: Mapping[str, float], theirs: Mapping[str, float], key: str) -> float:
+        """Relative; of the resultant of friction, which may cancel or be next to none, over the largest force."""
+        power = next(powers for end, powers in PRODUCTS.items() if key.endswith(end))
+        one, other = mine[key], theirs[key] / (self.length ** power[0] * self.stress ** power[1])
+        forces = [abs(value) for name, value in mine.items() if name.endswith("_N") and np.isfinite(value)]
+        most = max(forces) if key == "friction_N" else 0.0
+        size = max(abs(one), abs(other), most)
+        return float(np.abs(one - other) / size) if 0 < size < np.inf else 0.0
 
 
-def _many_enough(one: Attempt, other: Attempt, seed: int, length: float, stress: float, left: Collection[str]) -> int:
-    """How many times as many load steps lead both to one answer, 0 where none of FINER does."""
-    for many in FINER:
-        first, second = (
-            attempt(each.asked.with_options(steps=str(many * each.found.request.steps)), seed) for each in (one, other)
-        )
-        if first.kind == second.kind == CONVERGED and _worst(first, second, length, stress, left)[1] <= ALIKE:
-            return many
-    return 0
-
-
-def _worst(one: Attempt, other: Attempt, length: float, stress: float, left: Collection[str]) -> tuple[str, float]:
-    """The quantity that differs most, and by how much, as :func:`_apart`."""
-    mine, theirs = ({**each.found.loads[-1].quantities} for each in (one, other))
-    compared = [key for key in mine if key.endswith(("_N", "_MPa")) and key not in left]
-    apart = {key: _apart(mine, theirs, key, length, stress) for key in compared}
-    return max(apart.items(), key=lambda item: item[1])
-
-
-def _asymmetry(quantities: Mapping[str, Any]) -> tuple[float, ...]:
-    return tuple(float(quantities.get(f"{name}_asymmetry", 0.0)) for name in ASYMMETRIES)
-
-
-def _apart(mine: Mapping[str, float], theirs: Mapping[str, float], key: str, length: float, stress: float) -> float:
-    """Relative; of the resultant of friction, which may cancel or be next to none, over the largest force."""
-    power = next(powers for end, powers in PRODUCTS.items() if key.endswith(end))
-    one, other = mine[key], theirs[key] / (length ** power[0] * stress ** power[1])
-    forces = [abs(value) for name, value in mine.items() if name.endswith("_N") and np.isfinite(value)]
-    most = max(forces) if key == "friction_N" else 0.0
-    size = max(abs(one), abs(other), most)
-    return float(np.abs(one - other) / size) if 0 < size < np.inf else 0.0
+def _facts(found: Result) -> Facts:
+    """What may explain why another answer differs."""
+    quantities = found.loads[-1].quantities
+    return Facts(
+        friction=rubbing(found.request.settings),
+        steps=found.ways,
+        stable=True,
+        model=found.request.model,
+        asymmetry=tuple(float(quantities.get(f"{name}_asymmetry", 0.0)) for name in ASYMMETRIES),
+    )

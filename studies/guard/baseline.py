@@ -128,8 +128,30 @@ def read_baseline(path: Path) -> pd.DataFrame:
     return table
 
 
-def record_update(path: Path, record: Mapping[str, object]) -> None:
-    """Add a line to the list of updates beside the baseline ``path``."""
-    log = path.parent / UPDATES
-    known = [pd.read_csv(log, dtype=str)] if log.exists() else []
-    write_table(log, pd.concat([*known, pd.DataFrame([record])], ignore_index=True))
+@dataclass(frozen=True)
+class Update:
+    """Who replaces a baseline, why and when, by which campaign; raises UsageError without an owner or a reason."""
+
+    owner: str
+    reason: str
+    date: datetime.date
+    campaign: str
+
+    def __post_init__(self) -> None:
+        if not self.owner.strip() or not self.reason.strip():
+            raise UsageError("a baseline is updated with --owner NAME and --reason TEXT only")
+
+    def record(self, path: Path, now: pd.DataFrame, changed: str) -> None:
+        """Add a line to the list of updates beside the baseline ``path``; now: its new values."""
+        line = {
+            "date": self.date.isoformat(),
+            "owner": self.owner.strip(),
+            "reason": " ".join(self.reason.split()),
+            "campaign": self.campaign,
+            "cells": now["label"].nunique(),
+            "values": len(now),
+            "changed": changed,
+        }
+        log = path.parent / UPDATES
+        known = [pd.read_csv(log, dtype=str)] if log.exists() else []
+        write_table(log, pd.concat([*known, pd.DataFrame([line])], ignore_index=True))

@@ -7,7 +7,6 @@ change, no cell and no value may be missing, and none may be there that the base
 
 from __future__ import annotations
 
-import datetime
 import math
 from collections import defaultdict
 from collections.abc import Iterator
@@ -25,10 +24,10 @@ from studies.guard.baseline import (
     OUTCOME,
     TOLERANCES,
     Bound,
+    Update,
     bound_of,
     read_baseline,
     read_bounds,
-    record_update,
 )
 from studies.result import CONVERGED, SOLVED
 from studies.scene import UsageError
@@ -154,16 +153,12 @@ def failures(findings: list[Finding]) -> list[Finding]:
     return [finding for finding in findings if finding.what != "better"]
 
 
-def update(
-    table: pd.DataFrame, baseline: Path, owner: str, reason: str, date: datetime.date, campaign: str
-) -> list[Finding]:
+def update(table: pd.DataFrame, baseline: Path, signed: Update) -> list[Finding]:
     """Replace the baseline by the table and record it; returns what changed.
 
-    Raises UsageError without owner and reason, for an empty table, one with cells the machine has not finished, or one
-    with values that no bound covers. Nothing is written then.
+    Raises UsageError for an empty table, one with cells the machine has not finished, or one with values that no bound
+    covers. Nothing is written then.
     """
-    if not owner.strip() or not reason.strip():
-        raise UsageError("a baseline is updated with --owner NAME and --reason TEXT only")
     if table.empty:
         raise UsageError("zero cells: an empty campaign is no baseline")
     unfinished = table[table[OUTCOME].isin(UNFINISHED)]
@@ -181,18 +176,7 @@ def update(
     counts = pd.Series([finding.what for finding in found], dtype=str).value_counts()
     changed = ", ".join(f"{n} {what}" for what, n in counts.items()) if shared else "first baseline"
     write_table(baseline, now)
-    record_update(
-        baseline,
-        {
-            "date": date.isoformat(),
-            "owner": owner.strip(),
-            "reason": " ".join(reason.split()),
-            "campaign": campaign,
-            "cells": now["label"].nunique(),
-            "values": len(now),
-            "changed": changed or "nothing beyond the bounds",
-        },
-    )
+    signed.record(baseline, now, changed or "nothing beyond the bounds")
     return found
 
 

@@ -1,4 +1,4 @@
-"""Is a cell slower than before, or is it the machine? Raw samples of two stores, against the noise of each cell.
+"""Is a cell slower than before, or is it the machine? Samples of the timing lane of two stores, cell by cell.
 
 A cell has become slower when Mann and Whitney's rank test says so after Benjamini and Hochberg's control of false
 discoveries over all cells, and its median has moved by more than three times what it moves by itself (the floor of an
@@ -8,12 +8,17 @@ A/A comparison of its own samples), and by more than a share that matters.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
+from statistics import median
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.stats import false_discovery_control, mannwhitneyu
 
 from studies.guard.compare import NothingComparedError
+from studies.scene import UsageError
+from studies.store.times import DRIFT, read_times
 
 FEWEST = 8  # samples a side: 1/C(16, 8) = 7.8e-5 is the first p that survives the control over a hundred cells
 SIGNIFICANT = 0.01  # of the adjusted p
@@ -21,6 +26,29 @@ FLOORS, SHARE = 3.0, 0.03  # least change of the median: over the floor, and rel
 SPLITS, COVER = 400, 0.95  # random halves of a cell's samples, and the quantile of their differences
 SEED = 2004
 COLUMNS = ("label", "samples", "before_s", "now_s", "change", "floor", "p", "verdict")
+
+
+def samples_of_both(before: Path, now: Path, campaign: str) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Warm times of the timing lane in two stores, a row a sample: label, seconds, block.
+
+    Raises UsageError without any, and when the canary of one store runs at another speed than the other's.
+    """
+    told = [read_times(store, campaign) for store in (before, now)]
+    sides = tuple(_samples(store, each) for store, each in zip((before, now), told, strict=True))
+    quiet = [median(pair[0] for pair in each["canaries"] if pair[2]) for each in told]
+    if not abs(quiet[1] / quiet[0] - 1) <= DRIFT:
+        raise UsageError(
+            f"the canary takes {quiet[1] / quiet[0]:.2f} times what it took: another machine, or another state of it"
+        )
+    return sides[0], sides[1]
+
+
+def _samples(store: Path, told: dict[str, Any]) -> pd.DataFrame:
+    rounds, cells = told["rounds"], told["cells"]
+    rows = [(cell["label"], seconds, i // rounds) for cell in cells for i, seconds in enumerate(cell["warm"])]
+    if not rows:
+        raise UsageError(f"{store}: every block of times was discarded, the machine was not quiet")
+    return pd.DataFrame(rows, columns=["label", "seconds", "block"])
 
 
 def floor_of(samples: np.ndarray, blocks: np.ndarray | None = None) -> float:

@@ -121,7 +121,7 @@ def _table(task: Task, folder: Path | None) -> str:
 
 
 def _fuzz(task: Task, folder: Path | None) -> str:
-    from studies.fuzz.record import record_of
+    from studies.fuzz.examine import record_of
 
     return record_of(task.id)
 

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import threading
 import weakref
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
@@ -36,6 +36,16 @@ ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 
 class StoreFullError(OSError):
     """The store takes nothing any more."""
+
+
+@contextlib.contextmanager
+def keeping_what_is_finished(store: Path) -> Iterator[None]:
+    """Say of a store that takes nothing more that what was finished is in it; raises StoreFullError."""
+    try:
+        yield
+    except StoreFullError as error:
+        said = f"{store} takes no more: {error}; what is finished is kept, run again to go on"
+        raise StoreFullError(said) from None
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ from studies.refinement.nested import (
     touches,
     ways,
 )
-from studies.refinement.point_loads import HALVINGS, growth
+from studies.refinement.point_loads import no_limit
 from studies.refinement.records import record_estimate, record_grids, record_loads
 from studies.refinement.trees import Family, parts_of
 from studies.request import Request
@@ -95,7 +95,18 @@ class Cascade:
 
     def stated(self) -> Estimate | str:
         """What all grids so far say of the limit, or why they do not."""
-        return self._limit([each.quantities.get(self.name, math.nan) for each in self.grids])
+        return self._limit(self.values)
+
+    @property
+    def values(self) -> list[float]:
+        """Of the quantity, by grid; NaN where one does not have it."""
+        return [each.quantities.get(self.name, math.nan) for each in self.grids]
+
+    def check_quantity(self, most: int = ENOUGH) -> None:
+        """Raise UsageError where more grids than ``most`` do not have the quantity, and none does."""
+        if len(self.grids) > most and not any(self.name in each.quantities for each in self.grids):
+            has = ", ".join(self.last.quantities)
+            raise UsageError(f"{self.scene.name} has no quantity {self.name!r}; it has {has}")
 
     def at_loads(self) -> list[Estimate | str]:
         """The same at every requested load; empty where loads do not have the quantity."""
@@ -109,7 +120,7 @@ class Cascade:
         return [
             {
                 "quantity": self.name,
-                "mesh": "{}x{}".format(*each.request.mesh),
+                "mesh": each.mesh,
                 "unknowns": each.unknowns,
                 "value": each.quantities.get(self.name),
                 "seconds": each.seconds,
@@ -184,7 +195,7 @@ def answer(
     widths: list[tuple[float, float]] = []
     judged: Result | None = None  # on the last grid
     while asked is not None and not late:
-        progress("{}x{}".format(*asked.mesh))
+        progress(asked.mesh_text)
         if widths and _more(widths, error, ways(request)) <= ALMOST * FINER ** ways(request):
             answered = cascade.solved(asked, progress)  # what is foreseen to be the last is solved once
             if answered is None:
@@ -193,10 +204,10 @@ def answer(
         elif not cascade.grow(asked) and (cascade.grids or element_size(asked) < TOO_FINE * element_size(request)):
             break
         if cascade.grids:
-            _check_quantity(cascade, ENOUGH)
+            cascade.check_quantity()
             found = cascade.stated()
             if isinstance(found, Estimate):
-                progress(f"{cascade.name} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
+                progress(f"{cascade.name} {found}")
                 widths.append((cascade.last.size, found.uncertainty))
                 if found.uncertainty <= error:
                     break
@@ -226,16 +237,12 @@ def _stated(result: Result, cascade: Cascade, found: Estimate | str) -> bool:
     name, error = cascade.name, cascade.error
     record_grids(result, cascade.rows())
     if name not in result.quantities:
-        _check_quantity(cascade, 0)
+        cascade.check_quantity(0)
         result.reason = f"the finest grid has no {name}, though a coarser one has it"
         return False
-    grows = growth(result, name)
-    if HALVINGS * grows > error * abs(result.quantities[name]):
-        grown = f"it grows by {100 * grows / abs(result.quantities[name]):.2g} % with every halving of the elements"
-        result.reason = f"{name} has no limit in a theory with shear under a point load: {grown}"
-        return False
-    if isinstance(found, str):
-        result.reason = f"the error of {name} is not known: {found}"
+    endless = no_limit(result, name, error)
+    if isinstance(found, str) or endless:
+        result.reason = endless or f"the error of {name} is not known: {found}"
         return False
     value, sketched = result.quantities[name], cascade.last.quantities[name]
     if abs(value - sketched) > max(found.uncertainty, LOOSEST) * max(abs(value), abs(sketched)):
@@ -254,13 +261,6 @@ def _for_cuts(scene: Scene, request: Request) -> Request:
         return request
     n1, n2 = map(max, request.mesh, scene.coarsest_mesh)
     return replace(request, mesh=(n1, n2))
-
-
-def _check_quantity(cascade: Cascade, most: int) -> None:
-    """Raise UsageError where more grids than ``most`` do not have the quantity, and none does."""
-    if len(cascade.grids) > most and not any(cascade.name in each.quantities for each in cascade.grids):
-        has = ", ".join(cascade.last.quantities)
-        raise UsageError(f"{cascade.scene.name} has no quantity {cascade.name!r}; it has {has}")
 
 
 def _more(widths: Sequence[tuple[float, float]], error: float, ways: int) -> float:

@@ -1,7 +1,7 @@
 """A quantity to an error: grids refined where it is decided, until its limit is known well enough.
 
 Each round solves on a grid and on the one with all its elements cut, and says what the limit is and how well it is
-known (:mod:`studies.refinement.rounds`). Where that is not well enough, the difference between the two shows which
+known (:mod:`studies.refinement.records`). Where that is not well enough, the difference between the two shows which
 elements to cut (:mod:`studies.refinement.indicators`), and the next round begins. A grid whose elements have modes by
 themselves is none: its mesh is made finer across them, and the round begins again.
 """
@@ -17,9 +17,16 @@ from studies.complete import complete
 from studies.refinement.goal import OnGrid, on_grid
 from studies.refinement.indicators import indicators
 from studies.refinement.nested import quarter
-from studies.refinement.point_loads import HALVINGS, growth
-from studies.refinement.records import at_loads, of_rounds, record_estimate, record_loads, record_rounds
-from studies.refinement.rounds import Round, estimate
+from studies.refinement.point_loads import no_limit
+from studies.refinement.records import (
+    Round,
+    at_loads,
+    estimate,
+    of_rounds,
+    record_estimate,
+    record_loads,
+    record_rounds,
+)
 from studies.refinement.trees import Family
 from studies.request import Request
 from studies.result import Result
@@ -114,15 +121,13 @@ def solve_to_error(
         seconds = time.process_time() - start, fine.timing["cpu"]
         rounds.append(Round(value, finer_value, unknowns, most_unknowns, *seconds, rim, coarse.timing["cpu"]))
         seen_at.append(at_loads(coarse, fine, quantity, rounds[-1]))
-        grows = growth(fine, quantity)
-        if HALVINGS * grows > error * abs(finer_value):
-            record_rounds(fine, quantity, rounds)
-            grown = f"it grows by {100 * grows / abs(finer_value):.2g} % with every halving of the elements"
-            fine.reason = f"{quantity} has no limit in a theory with shear under a point load: {grown}"
+        record_rounds(fine, quantity, rounds)
+        reason = no_limit(fine, quantity, error)
+        if reason:
+            fine.reason = reason
             return fine, False
         found = estimate(rounds)
-        progress(f"{quantity} {found.limit:.6g} +- {100 * found.uncertainty:.2g} %")
-        record_rounds(fine, quantity, rounds)
+        progress(f"{quantity} {found}")
         record_estimate(fine, quantity, found, error)
         record_loads(fine, quantity, of_rounds(seen_at))
         if len(rounds) >= FEWEST and found.uncertainty <= error:

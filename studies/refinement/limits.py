@@ -36,6 +36,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from studies.analysis.richardson import correction
+
 SAFETY = 1.5
 SURE = 0.25  # of the last correction, where two of them have shown the order
 SHOWN = (0.7, 1.4)  # of the factor by which the order 2 has corrections fall
@@ -63,6 +65,9 @@ class Estimate:
     limit: float
     uncertainty: float
     error: float
+
+    def __str__(self) -> str:
+        return f"{self.limit:.6g} +- {100 * self.uncertainty:.2g} %"
 
     @property
     def interval(self) -> dict[str, float]:
@@ -109,8 +114,8 @@ def limit_of(grids: Sequence[Seen], *, touching: bool = False) -> Estimate | str
     if not (math.isfinite(before) and math.isfinite(now)) or abs(now) > max(abs(before), LARGE * abs(last.value)):
         return GROWING
     corrections = [
-        change / ((coarse.size / fine.size) ** 2 - 1)
-        for change, coarse, fine in ((before, first, middle), (now, middle, last))
+        correction((coarse.size, fine.size), (coarse.value, fine.value))
+        for coarse, fine in ((first, middle), (middle, last))
     ]
     limit, known_before = last.value + corrections[1], middle.value + corrections[0]
     falls = corrections[0] / (corrections[1] or math.inf) / (middle.size / last.size) ** 2

@@ -88,7 +88,7 @@ def solve_with_error(
     asked = coarser_grids(scene, request)
     grids = list[Sketch]()
     for each in reversed(asked):
-        progress("{}x{}".format(*each.mesh))
+        progress(each.mesh_text)
         found = sketch(scene, each, grids[-1] if grids else None)
         if found is not None:
             grids.append(found)
@@ -123,7 +123,7 @@ def _too_few(scene: Scene, asked: Sequence[Request], grids: Sequence[Sketch]) ->
     if len(asked) < TWICE:
         return NO_GRIDS.format("{}x{}".format(*enough(scene)))
     missing = [each for each in asked if each not in [grid.request for grid in grids]]
-    return FAILED.format(" and ".join("{}x{}".format(*each.mesh) for each in reversed(missing))) if missing else ""
+    return FAILED.format(" and ".join(each.mesh_text for each in reversed(missing))) if missing else ""
 
 
 def _state(result: Result, grids: Sequence[Sketch], too_few: str) -> None:

@@ -81,6 +81,11 @@ class Sketch:
         return self.visits[-1]
 
     @property
+    def mesh(self) -> str:
+        """N1xN2."""
+        return self.request.mesh_text
+
+    @property
     def size(self) -> float:
         """Of the elements, over that of a single one."""
         return element_size(self.request)

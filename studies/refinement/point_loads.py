@@ -45,6 +45,15 @@ def growth(result: Result | Sketch, quantity: str) -> float:
     return 0.0 if np.isnan(total) else abs(total)
 
 
+def no_limit(result: Result | Sketch, quantity: str, error: float) -> str:
+    """Why a quantity of the last state has no limit to a relative error under a point load; empty where it has."""
+    grows, size = growth(result, quantity), abs(result.quantities.get(quantity, np.nan))
+    if not HALVINGS * grows > error * size:
+        return ""
+    grown = f"it grows by {100 * grows / size:.2g} % with every halving of the elements"
+    return f"{quantity} has no limit in a theory with shear under a point load: {grown}"
+
+
 def sinks(shell: ShellModel) -> dict[int, float]:
     """F/(phi S) [mm] of the nodes that carry normal forces alone, beside no other node that does."""
     assert shell.forces is not None

@@ -1,43 +1,77 @@
-"""The catalogue of scenes: one file a scene, one line here."""
+"""The catalogue of scenes: one file a scene, one line here. A module is loaded when one of its scenes is asked for."""
 
 from __future__ import annotations
 
-from studies.scene import Scene
-from studies.scenes.benchmarks.cantilever import Cantilever
-from studies.scenes.benchmarks.hemisphere import Hemisphere
-from studies.scenes.benchmarks.hyperboloid import FreeHyperboloid
-from studies.scenes.benchmarks.pagano import Pagano
-from studies.scenes.benchmarks.pinched_cylinder import PinchedCylinder
-from studies.scenes.benchmarks.pressurised import PressurisedCylinder, PressurisedSphere, PressurisedTorus
-from studies.scenes.benchmarks.roofs import ROOFS
-from studies.scenes.benchmarks.scordelis_lo import ScordelisLo
-from studies.scenes.benchmarks.shallow_cap import ShallowSphericalCap
-from studies.scenes.benchmarks.sze.annulus import SlitAnnulus
-from studies.scenes.benchmarks.sze.moment import RolledCantilever
-from studies.scenes.benchmarks.sze.pinched import PinchedBetweenDiaphragms
-from studies.scenes.benchmarks.sze.pullout import PullOut
-from studies.scenes.benchmarks.sze.semicylinder import SEMICYLINDERS
-from studies.scenes.contact.crushed_ring import CrushedRing
-from studies.scenes.contact.crushed_ring_solid import SolidRing
-from studies.scenes.contact.heavy_strip import HeavyStrip
-from studies.scenes.contact.panel import Panel
-from studies.scenes.contact.plate import PlateContact
-from studies.scenes.contact.ring import Ring
-from studies.scenes.contact.strip import ClampedStrip
-from studies.scenes.manufactured.contact_scene import ManufacturedContact
-from studies.scenes.manufactured.scene import Manufactured
-from studies.scenes.tyre.scene import Tyre
-from studies.scenes.tyre.solid import SolidTyre
+import importlib
+from collections.abc import Iterator, Mapping, MutableMapping
 
-_ALL: tuple[Scene, ...] = (
-    *(Tyre(), Cantilever(), Hemisphere()),
-    *(SlitAnnulus(), RolledCantilever(), PullOut(), PinchedBetweenDiaphragms(), *SEMICYLINDERS),  # nonlinear
-    *(*ROOFS, ShallowSphericalCap()),
-    *(PressurisedCylinder(), PressurisedSphere(), PressurisedTorus()),
-    *(ScordelisLo(), PinchedCylinder(), FreeHyperboloid(), Pagano()),  # linear
-    *(ClampedStrip(), HeavyStrip(), PlateContact(), Ring(), Panel()),  # contact
-    *(CrushedRing(), SolidRing()),  # an experiment
-    SolidTyre(),
-    *(Manufactured(), ManufacturedContact()),
-)
-SCENES: dict[str, Scene] = {scene.name: scene for scene in _ALL}
+from studies.scene import Scene
+
+MODULES: Mapping[str, str] = {  # whose SCENES have the scene of a name
+    "tyre": "studies.scenes.tyre.scene",
+    "cantilever": "studies.scenes.benchmarks.cantilever",
+    "hemisphere": "studies.scenes.benchmarks.hemisphere",
+    # nonlinear
+    "sze-annulus": "studies.scenes.benchmarks.sze.annulus",
+    "sze-moment": "studies.scenes.benchmarks.sze.moment",
+    "sze-pullout": "studies.scenes.benchmarks.sze.pullout",
+    "sze-pinched": "studies.scenes.benchmarks.sze.pinched",
+    "semicylinder": "studies.scenes.benchmarks.sze.semicylinder",
+    "semicylinder-0-90-0": "studies.scenes.benchmarks.sze.semicylinder",
+    "semicylinder-90-0-90": "studies.scenes.benchmarks.sze.semicylinder",
+    **{f"roof-{letter}": "studies.scenes.benchmarks.roofs" for letter in "abcdef"},
+    "shallow-cap": "studies.scenes.benchmarks.shallow_cap",
+    "pressurised-cylinder": "studies.scenes.benchmarks.pressurised",
+    "pressurised-sphere": "studies.scenes.benchmarks.pressurised",
+    "pressurised-torus": "studies.scenes.benchmarks.pressurised",
+    # linear
+    "scordelis-lo": "studies.scenes.benchmarks.scordelis_lo",
+    "pinched-cylinder": "studies.scenes.benchmarks.pinched_cylinder",
+    "free-hyperboloid": "studies.scenes.benchmarks.hyperboloid",
+    "pagano": "studies.scenes.benchmarks.pagano",
+    # contact
+    "strip-contact": "studies.scenes.contact.strip",
+    "heavy-strip": "studies.scenes.contact.heavy_strip",
+    "plate-contact": "studies.scenes.contact.plate",
+    "ring": "studies.scenes.contact.ring",
+    "panel": "studies.scenes.contact.panel",
+    # an experiment, and solids
+    "crushed-ring": "studies.scenes.contact.crushed_ring",
+    "crushed-ring-solid": "studies.scenes.contact.crushed_ring_solid",
+    "tyre-solid": "studies.scenes.tyre.solid",
+    # exact solutions that are given
+    "manufactured": "studies.scenes.manufactured.scene",
+    "manufactured-contact": "studies.scenes.manufactured.contact_scene",
+}
+
+
+class Catalogue(MutableMapping[str, Scene]):
+    """Scenes by name, ours and those that are put in; names are known without loading anything."""
+
+    def __init__(self) -> None:
+        self._scenes: dict[str, Scene | None] = dict.fromkeys(MODULES)  # None: not loaded yet
+
+    def __getitem__(self, name: str) -> Scene:
+        scene = self._scenes[name]
+        if scene is None:
+            scenes: tuple[Scene, ...] = importlib.import_module(MODULES[name]).SCENES
+            scene = self._scenes[name] = next(each for each in scenes if each.name == name)
+        return scene
+
+    def __setitem__(self, name: str, scene: Scene) -> None:
+        self._scenes[name] = scene
+
+    def __delitem__(self, name: str) -> None:
+        del self._scenes[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._scenes)
+
+    def __len__(self) -> int:
+        return len(self._scenes)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._scenes
+
+
+SCENES = Catalogue()

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from studies.campaigns.cell import Cell
-from studies.complete import complete
 from studies.result import Result
 from studies.scene import UsageError
 from studies.solving import solve
@@ -15,7 +14,7 @@ from studies.store.schema import as_line
 
 def record_of(cell_id: str, cell: Cell, directory: Path | None) -> str:
     """Solve a cell and tell; a scene that refuses to be built is a record, too. Raises what solving raises."""
-    scene, request = complete(cell.scene, cell.settings, **cell.options)
+    scene, request = cell.resolved()
     try:
         result = solve(scene, request)
     except UsageError as error:

@@ -1,4 +1,4 @@
-"""Unstructured grids as files of VTK (XML, binary, compressed), for ParaView and its like.
+"""Unstructured grids as files of VTK (XML, binary, compressed), for ParaView and its like; and such files read back.
 
 https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html. What the points and cells are does not enter.
 """
@@ -6,15 +6,30 @@ https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html. What th
 from __future__ import annotations
 
 import base64
+import re
 import sys
 import zlib
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 CELLS = {8: 12, 27: 29}  # nodes of a hexahedron -> its type: VTK_HEXAHEDRON, VTK_TRIQUADRATIC_HEXAHEDRON
 FAST = 1  # of the compression: the last bits of a float are noise, more effort leaves the file as long
+HEAD = 44  # letters of the head of a block: four whole numbers of 8 bytes in base 64
+ARRAY = re.compile(
+    rb'<DataArray type="(Float64|Int64)" Name="([^"\n]{1,60})"(?: NumberOfComponents="(\d{1,9})")?[^>\n]{0,200}>\n'
+    rb"([A-Za-z0-9+/=]*)\n</DataArray>"
+)
+# where the nodes of a hexahedron lie along its axes, 0, 1 or 2, in VTK's order: corners, edges, faces, centre
+CORNERS_8 = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+PLACES_27 = (
+    *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
+    *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
+    *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
+    *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
+)
 Data = Mapping[str, np.ndarray]
 
 
@@ -52,3 +67,49 @@ def _array(name: str, values: np.ndarray) -> Iterator[str]:
     yield f'<DataArray type="{kind}" Name="{name}"{components} format="binary">'
     yield (base64.b64encode(head) + base64.b64encode(packed)).decode("ascii")
     yield "</DataArray>"
+
+
+@dataclass(frozen=True)
+class PackedArray:
+    """An array of a file as it stands there: its type, how many components a row has (0: no rows), its text."""
+
+    dtype: np.dtype
+    components: int
+    text: bytes
+
+    def unpacked(self, most: int = 0) -> bytes:
+        """Its bytes, no more than ``most`` of them unless that is 0; raises ValueError for what is no such text."""
+        try:
+            return zlib.decompressobj().decompress(base64.b64decode(self.text[HEAD:], validate=True), most)
+        except zlib.error as error:
+            raise ValueError(str(error)) from None
+
+    @property
+    def values(self) -> np.ndarray:
+        """The array (n,), or (n, components)."""
+        values = np.frombuffer(self.unpacked(), self.dtype)
+        return values.reshape(-1, self.components) if self.components else values
+
+
+def packed_arrays(text: bytes) -> dict[str, PackedArray]:
+    """The arrays of a file that :func:`write_vtu` has written, by name."""
+    return {
+        name.decode("ascii", "replace"): PackedArray(np.dtype(kind.decode().lower()), int(width or 0), packed)
+        for kind, name, width, packed in ARRAY.findall(text)
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """points (N, 3); cells (e, 8 or 27): their nodes; data by name: (N,) or (N, 3) of points, (e,) of cells."""
+
+    points: np.ndarray
+    cells: np.ndarray
+    data: dict[str, np.ndarray]
+
+
+def read_vtu(path: Path) -> Grid:
+    """What :func:`write_vtu` has written."""
+    arrays = {name: packed.values for name, packed in packed_arrays(path.read_bytes()).items()}
+    points, nodes, ends, _ = (arrays.pop(name) for name in ("Points", "connectivity", "offsets", "types"))
+    return Grid(points, nodes.reshape(len(ends), -1), arrays)

@@ -17,12 +17,11 @@ from contact.problem import ContactSolution
 from studies.request import Request
 from studies.result import CONVERGED, SOLVED, UNSTABLE, UNSUPPORTED, WRONG
 from studies.scene import CurveStage, Stage, moved
-from studies.step import Step
+from studies.step import seen_in
 from studies.store.atomic import plain
 from studies.store.tables import Table
-from studies.trust.field import arrays_of, as_written
 from studies.trust.foreign import ClaimError, Foreign
-from studies.trust.recompute import Opened, Recomputed
+from studies.trust.recompute import Opened, Recomputed, arrays_of, as_written
 
 AGREE, RESOLVED = 1e-9, 1e-6  # relative
 SHAKEN = 8  # times what other last digits make of a quantity
@@ -161,7 +160,7 @@ def _word(step: Mapping[str, Any]) -> str:
 def _quantities(record: Mapping[str, Any], found: Recomputed) -> Iterator[str]:
     """The headline ones and those of the last load; those that a whole curve alone can tell are yielded."""
     told = record["quantities"]
-    last = dict(Step.of(record["steps"][-1], record["counters"]).seen)
+    last = seen_in(record["steps"][-1], record["counters"])
     seen, shaken = dict(found.seen.step or {}), dict(found.shaken.step or {})
     for each, ours, others in (
         (last, seen, shaken),

@@ -31,7 +31,7 @@ MOST_CELLS = 50_000  # of a plan
 FIELDS = "fields.vtu"
 ID, NAME, TABLE = re.compile(r"[0-9a-f]{16}"), re.compile(r"[\w-]{1,100}"), re.compile(r"[a-z_]{1,60}\.csv")
 ORIGIN = ("version", "commit", "date", "packages", "blas", "machine")
-OPTIONS = ("measure", "contact", "newton", "model", "mesh", "steps")
+OPTIONS = {**dict.fromkeys(("measure", "contact", "newton", "model", "mesh"), str), "steps": int}  # of a cell
 KEPT = (  # of a record; whatever else stands there is left
     *("schema", "id", "scene", "measure", "contact", "newton", "mesh", "model", "model_reason", "settings"),
     *("outcome", "class", "path_end", "reason", "notes", "quantities", "steps", "cuts", "counters", "work"),
@@ -155,18 +155,13 @@ def _cell(row: Any) -> tuple[Cell, str | None]:
         raise ClaimError("plan", "a row of it has no label, or no scene")
     if not isinstance(options, dict) or not isinstance(settings, dict):
         raise ClaimError("plan", f"{told[0]!r} has no options, or no settings")
-    known = all(key in OPTIONS and isinstance(value, _kind(key)) for key, value in options.items())
+    known = all(isinstance(value, OPTIONS.get(key, ())) for key, value in options.items())
     words = all(map(word, settings.values()))
     if not words or not known or not isinstance(cell_id, str | None):
         raise ClaimError("plan", f"{told[0]!r} asks for what no cell can ask for")
     label, scene, expected, group = told
     files = row.get("files") is True
     return Cell(label, scene, dict(options), dict(settings), artefacts=files, expected=expected, group=group), cell_id
-
-
-def _kind(option: str) -> type:
-    """What the value of an option is."""
-    return int if option == "steps" else str
 
 
 def _checked(data: Mapping[str, Any], cell_id: str) -> dict[str, Any]:

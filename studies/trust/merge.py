@@ -3,7 +3,7 @@
 - A cell is asked for by its label and settings; request and identity are found here. Another identity means other
   sources or another request: it is refused.
 - A cell that claims an equilibrium is taken when its field bears it out (:mod:`studies.trust.claims`), or when it was
-  solved again (:mod:`studies.trust.again`). Without either it is refused.
+  solved again. Without either it is refused.
 - Of a cell that claims none only that, and its reason, are taken: an unverified failure, no quantity and no load of it.
 - A cell that is here stays as it is. When it says the same, nothing is to be done; when not, that is named.
 - Its seconds are kept apart: they are of another machine, and nothing bears them out.
@@ -14,8 +14,12 @@ Each record comes last and whole, so that a merge that was stopped is gone on wi
 
 from __future__ import annotations
 
+import secrets
+import tempfile
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from contextlib import closing, contextmanager
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +29,13 @@ from studies.campaigns.cell import Cell
 from studies.campaigns.file import Campaign
 from studies.campaigns.plan import Row, plan
 from studies.campaigns.run import Progress, write_plan
+from studies.door.plugins import used
+from studies.pool.process import Children
+from studies.pool.task import Limits, Task
 from studies.request import Request, UsageError
 from studies.store.atomic import as_text, write_by, write_text
 from studies.store.layout import Archive, DamagedError
 from studies.store.provenance import provenance
-from studies.trust.again import Again, drawn, solving
 from studies.trust.claims import Verified, check_request, claims_success, verify
 from studies.trust.foreign import FIELDS, ClaimError, Foreign
 
@@ -38,29 +44,60 @@ VERIFIED, SOLVED_AGAIN, UNVERIFIED = "verified", "solved again", "unverified fai
 STATUSES = (VERIFIED, SOLVED_AGAIN, UNVERIFIED)
 NOT_SOLVED, ALREADY = "not solved there", "here already"
 LARGEST, LARGEST_SOLID = 20_000, 4_096  # elements that are built to recompute a claim: about a GiB
-SAME = 1e-6  # relative: quantities of two machines that say the same
 OF_A_FAILURE = ("quantities", "counters", "work", "timing_s", "path_end")  # which nothing bears out
+ALL = "all"  # of the cells, solved again
+VALUES, COUNTS, FEW = 1e-6, 0.1, 2  # relative, of quantities and of counters, of which a few are never too many
 
 
-@dataclass(frozen=True)
-class Asked:
-    """A cell of the foreign plan: as it is asked for, its row as planned here, the identity that it claims."""
+Check = Callable[[str, Cell, Mapping[str, Any]], None]  # of a cell by its identity and what it claims
 
-    cell: Cell
-    row: Row
-    claimed: str | None
+
+@contextmanager
+def solving_again() -> Iterator[Check]:
+    """What solves a cell here, in a process with the usual limits; its record is gone with it.
+
+    The check raises ClaimError where the cell comes to something else.
+    """
+    with closing(Children()) as children, tempfile.TemporaryDirectory() as folder:
+        aside = Archive(Path(folder))
+
+        def check(cell_id: str, cell: Cell, record: Mapping[str, Any]) -> None:
+            task = Task("cell", cell_id, replace(cell, artefacts=False), used())
+            ended, ours = children.perform(task, folder, Limits()), aside.record(cell_id)
+            if ours is None:
+                raise ClaimError("outcome", f"claimed {record['class']!r}, solved again it ends in {ended!r}")
+            compare(record, ours)
+
+        yield check
+
+
+def compare(
+    record: Mapping[str, Any], ours: Mapping[str, Any], said: str = "solved again {}", *, counted: bool = True
+) -> None:
+    """Class and quantities and, where ``counted``, loads and counters; raises ClaimError for the first that differs.
+
+    said: of the value that ours has.
+    """
+    if record["class"] != ours["class"]:
+        raise ClaimError("class", f"claimed {record['class']!r}, {said.format(repr(ours['class']))}")
+    if counted and len(record["steps"]) != len(ours["steps"]):
+        raise ClaimError("steps", f"claimed {len(record['steps'])} loads, {said.format(len(ours['steps']))}")
+    compared = {"quantities": (VALUES, 0.0), "counters": (COUNTS, FEW)}
+    for kind in ("quantities", "counters") if counted else ("quantities",):
+        share, least = compared[kind]
+        for name, value in ours[kind].items():
+            told = record[kind].get(name)
+            numbers = isinstance(told, int | float) and isinstance(value, int | float)
+            if told != value and not (numbers and abs(told - value) <= max(share * abs(value), least)):
+                raise ClaimError(name, f"claimed {told}, {said.format(value)}")
 
 
 @dataclass
 class Summary:
     """How a merge has ended: cells by what became of them, and a line on each that was refused."""
 
-    counts: dict[str, int] = field(default_factory=dict)
+    counts: Counter[str] = field(default_factory=Counter)
     refused: list[str] = field(default_factory=list)
-
-    def count(self, what: str) -> None:
-        """One more."""
-        self.counts[what] = self.counts.get(what, 0) + 1
 
     @property
     def line(self) -> str:
@@ -86,16 +123,17 @@ def merge(
     names = foreign.campaigns()
     with archive.claimed():
         asked = dict(_asked(foreign, archive, names, summary, say))
-        new = [
-            cell_id for cell_id in asked if not archive.record_path(cell_id).exists() and _is_there(foreign, cell_id)
-        ]
-        with solving(drawn(new, again)) as checks:
-            for done, (cell_id, each) in enumerate(asked.items()):
-                progress(done, len(asked), each.cell.label)
+        theirs = Archive(source)
+        new = [each for each in asked if not archive.record_path(each).exists() and theirs.record_path(each).exists()]
+        lot = secrets.SystemRandom().sample(new, min(again, len(new)))  # nobody can know which beforehand
+        with solving_again() as check:
+            for done, (cell_id, (row, claimed)) in enumerate(asked.items()):
+                progress(done, len(asked), row.cell.label)
                 try:
-                    summary.count(_taken(foreign, archive, cell_id, each, checks))
+                    taken = _taken(foreign, archive, cell_id, row, claimed, check if cell_id in lot else None)
+                    summary.counts[taken] += 1
                 except ClaimError as refused:
-                    _refuse(summary, say, f"{each.cell.label} ({cell_id}): {refused}")
+                    _refuse(summary, say, f"{row.cell.label} ({cell_id}): {refused}")
         progress(len(asked), len(asked), "done")
     return summary
 
@@ -105,14 +143,13 @@ def _refuse(summary: Summary, say: Callable[[str], None], line: str) -> None:
     say(line)
 
 
-def _is_there(store: Foreign | Archive, cell_id: str) -> bool:
-    return Archive(store.root).record_path(cell_id).exists()
-
-
 def _asked(
     foreign: Foreign, archive: Archive, names: list[str], summary: Summary, say: Callable[[str], None]
-) -> Iterator[tuple[str, Asked]]:
-    """The cells that are solved, by their identity here; a plan that is not here yet is written."""
+) -> Iterator[tuple[str, tuple[Row, str | None]]]:
+    """The cells that are solved, by their identity here: planned here, and the identity that the foreign plan claims.
+
+    A plan that is not here yet is written.
+    """
     for name in names:
         rows = []
         try:
@@ -128,7 +165,7 @@ def _asked(
                 continue
             rows.append(row)
             if row.id is not None:
-                yield row.id, Asked(cell, row, claimed)
+                yield row.id, (row, claimed)
             elif claimed is not None:
                 _refuse(summary, say, f"{cell.label} ({claimed}): request: {row.reason}")
         if not archive.index_path(name).exists():
@@ -136,34 +173,32 @@ def _asked(
             write_plan(archive, Campaign(name, title, tuple(row.cell for row in rows)), rows)
 
 
-def _taken(foreign: Foreign, archive: Archive, cell_id: str, asked: Asked, checks: Again) -> str:
-    """What has become of a cell, in a word; raises ClaimError."""
-    if asked.claimed is None:
+def _taken(foreign: Foreign, archive: Archive, cell_id: str, row: Row, claimed: str | None, check: Check | None) -> str:
+    """What has become of a cell, in a word; check: solves it again, where that is asked for. Raises ClaimError."""
+    if claimed is None:
         return NOT_SOLVED
-    if asked.claimed != cell_id:
-        said = f"claimed {asked.claimed}, here it is {cell_id}: other sources, or another request"
+    if claimed != cell_id:
+        said = f"claimed {claimed}, here it is {cell_id}: other sources, or another request"
         raise ClaimError("identity", said)
     record = foreign.record(cell_id)
     if record is None:
         return NOT_SOLVED
-    assert asked.row.request is not None
-    _check_size(asked.cell.scene, asked.row.request)
+    assert row.request is not None
+    _check_size(row.cell.scene, row.request)
     if _is_here(archive, cell_id, record):
         return ALREADY
-    request = Request.of(asked.row.request)
+    request = Request.of(row.request)
     check_request(record, request)
     success = claims_success(record)
-    again = cell_id in checks.lot
-    if again:
-        checks.check(cell_id, asked.cell, record)
+    if check is not None:
+        check(cell_id, row.cell, record)
     if success and FIELDS in record["files"]:
         found = _verified(record, request, foreign)
         tables = {name: foreign.table(cell_id, name) for name in record["files"] if name != FIELDS}
         _keep_files(archive.files(cell_id), found.fields, tables)
         return _keep(archive, foreign, {**record, "model_reason": request.model_reason}, VERIFIED, found.claimed)
-    if again:
-        claimed = ["times", "machine"]
-        return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, claimed)
+    if check is not None:
+        return _keep(archive, foreign, {**record, "files": []}, SOLVED_AGAIN, ["times", "machine"])
     if success:
         raise ClaimError("field", "none is kept to bear it out: footprint run --fields keeps them, or --again all")
     empty: dict[str, Any] = {key: {} for key in OF_A_FAILURE}
@@ -197,13 +232,7 @@ def _is_here(archive: Archive, cell_id: str, record: Mapping[str, Any]) -> bool:
         raise ClaimError("here", f"{error}; footprint run sets it aside") from None
     if ours is None:
         return False
-    if ours["class"] != record["class"]:
-        raise ClaimError("class", f"claimed {record['class']!r}, the cell here has {ours['class']!r} and stays")
-    for name, value in ours["quantities"].items():
-        told = record["quantities"].get(name)
-        numbers = isinstance(told, int | float) and isinstance(value, int | float)
-        if told != value and not (numbers and abs(told - value) <= SAME * abs(value)):
-            raise ClaimError(name, f"claimed {told}, the cell here has {value} and stays")
+    compare(record, ours, "the cell here has {} and stays", counted=False)
     return True
 
 

@@ -21,7 +21,7 @@ from reports.site import rendered
 from reports.store.tables import load_store
 from studies.analysis.everything import written
 from studies.campaigns.cell import Cell
-from studies.campaigns.ladder_cells import LADDERS, Ladder
+from studies.campaigns.ladder_cells import LADDERS
 from studies.campaigns.plan import Row
 from studies.campaigns.report_cells import LISTS
 from studies.campaigns.sheet_cells import GROUP as SHEETS
@@ -35,6 +35,7 @@ from studies.experiments.obstacle_problems.false_success import COLUMNS as CLAIM
 from studies.experiments.rotations import RUNS
 from studies.scenes import SCENES
 from studies.scenes.data import DATA
+from studies.scenes.ladders import Ladder
 from studies.solving import resolve
 from studies.store.atomic import SCHEMA, plain, write_json, write_table, write_text
 from support.stores.answers import write_answers
@@ -445,7 +446,7 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def _fill(root: Path) -> None:
-    rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"]())]
+    rows = [write_cell(cell, root / "cells" / str(i)).as_json() for i, cell in enumerate(LISTS["report"].cells())]
     references = [{"scene": name, **asdict(r)} for name, scene in SCENES.items() for r in scene.references]
     shutil.copytree(DATA, root / "references", ignore=shutil.ignore_patterns("*.py", "__pycache__"))
     write_json(root / "references.json", {"schema": SCHEMA, "references": references})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from reports.chapters.limits import ring_part
+from reports.chapters.limits import shell_limits
 from reports.store import reading
 from studies.analysis.comparisons import error_budget
 from studies.store import atomic
@@ -12,7 +12,7 @@ from studies.store import atomic
 
 @pytest.mark.parametrize(
     ("here", "there"),
-    [(ring_part.PARTS, error_budget.PARTS), (reading.SCHEMA, atomic.SCHEMA)],
+    [(shell_limits.PARTS, error_budget.PARTS), (reading.SCHEMA, atomic.SCHEMA)],
     ids=["parts of the budget", "schema of records"],
 )
 def test_a_constant_on_both_sides_is_one(here: object, there: object) -> None:

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import studies.analysis
-from reports.chapters.overview.solved import summary_table
+from reports.chapters.overview.outcomes import summary_table
 from reports.store.tables import Store
 from studies.analysis.everything import written
 from studies.analysis.outcomes import SUMMARY_COLUMNS, contact_summary, outcomes
@@ -40,7 +40,7 @@ def store_of(path: Path, table: pd.DataFrame) -> Store:
 
 
 def test_a_cost_is_that_of_what_both_solve(tmp_path: Path) -> None:
-    text = summary_table(store_of(tmp_path, sweep()))
+    text = str(summary_table(store_of(tmp_path, sweep())))
     assert unfounded(text) == []
     assert "| `lcp` | 7 | 8 | 87.5 % | 1 | 0 | 0.50 [0.50, 0.50] | 7 (2) |" in text
 
@@ -48,7 +48,7 @@ def test_a_cost_is_that_of_what_both_solve(tmp_path: Path) -> None:
 def test_too_few_problems_make_no_ratio(tmp_path: Path) -> None:
     """Four problems of one scene."""
     few = store_of(tmp_path, cells("strip-contact", "half_force", 2.0, "load_fraction=5", contacts=CONTACTS))
-    assert unfounded(summary_table(few)) == []
+    assert unfounded(str(summary_table(few))) == []
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
 import pytest
 
 from reports.compare import differences, same_number
 from reports.formats import digits, fixed, percent, scientific, share
-from reports.markdown import listing, machine, prose
+from reports.markdown import machine, prose
 
 
 @pytest.mark.parametrize(
@@ -47,18 +45,6 @@ def test_zero_has_no_sign_in_any_format() -> None:
     assert digits(-0.0, 3) == "0.00"
     assert scientific(-0.0) == "0"
     assert fixed(None, 2) == scientific(None) == percent(None) == "–"
-
-
-def test_a_line_of_a_table_prints_a_dash_for_what_is_not_there_and_needs_as_many_heads() -> None:
-    records = [
-        {"a.b": math.nan, "kkt": {"tension": 0.0}, "name": ""},
-        {"a.b": -1e-9, "kkt": {"tension": 2e-9}, "name": "x"},
-    ]
-    line = "{a.b:+.1%} | {kkt[tension]:.1e} of {name} | {name:code} | {a.b:own}"
-    text = listing("Title", records, "a | b | c | d", line, own=lambda value: "own")
-    assert text.splitlines()[4:] == ["| – | 0 of  | – | own |", "| 0.0 % | 2.0e-09 of x | `x` | own |"]
-    with pytest.raises(ValueError, match="Title: 1 heads over 2 columns"):
-        listing("Title", records, "a", "{name} | {name}")
 
 
 def test_prose_joins_lines_but_not_items() -> None:

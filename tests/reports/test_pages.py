@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 import pytest
 
 from reports.chapter import INDEX_TITLE, Chapter
-from reports.chapters.overview.solved import summary_table
+from reports.chapters.overview.outcomes import summary_table
 from reports.compare import differences
 from reports.contents import CHAPTERS
 from reports.figures.result_figures import draw_result
@@ -25,15 +23,10 @@ from reports.site import check_pages, compare_pages, rendered, write_pages
 from reports.store.reading import StoreError
 from reports.store.tables import load_store
 from studies.campaigns.report_cells import LISTS
-from studies.store.atomic import write_json, write_table, write_text
+from studies.store.atomic import write_table, write_text
+from support.pages.changed import edit_json, place
 
 PAGES = ["index.md", *(each.file for each in CHAPTERS)]
-
-
-def edit_json(path: Path, change: Callable[[dict[str, Any]], object]) -> None:
-    data = json.loads(path.read_text(encoding="utf-8"))
-    change(data)
-    write_json(path, data)
 
 
 def replace_in(path: Path, old: str, new: str) -> None:
@@ -48,7 +41,7 @@ def as_solved(directory: Path) -> Path:
     return directory
 
 
-PAPER = next(number for number, cell in enumerate(LISTS["report"]()) if cell.label == "paper")
+PAPER = next(number for number, cell in enumerate(LISTS["report"].cells()) if cell.label == "paper")
 DAMAGES: dict[str, tuple[Callable[[Path], object], str]] = {
     "no store": (lambda root: shutil.rmtree(root), "no such directory"),
     "no index": (lambda root: (root / "campaigns/report.json").unlink(), ": no campaign"),
@@ -126,9 +119,9 @@ def same_bytes(store: Path, files: dict[str, str], tmp_path: Path) -> None:
 def test_which_algorithm_is_faster_moves_nothing_outside_of_what_is_of_the_machine(own_store: Path) -> None:
     """Rows stand in the order of their seconds, which another machine may have in another order."""
     path = own_store / "tables" / "contact_summary.csv"
-    here = summary_table(load_store(own_store))
+    here = str(summary_table(load_store(own_store)))
     write_table(path, pd.read_csv(path)[::-1])
-    there = summary_table(load_store(own_store))
+    there = str(summary_table(load_store(own_store)))
     assert here != there
     assert differences("page", here, there) == []
 
@@ -186,7 +179,7 @@ def test_every_picture_of_a_page_is_written_and_every_written_picture_is_shown(f
 @pytest.mark.usefixtures("undrawn")
 def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
     """All fail but the one without which there is no page; what was never reached is not in the store."""
-    for i, cell in enumerate(LISTS["report"]()):
+    for i, cell in enumerate(LISTS["report"].cells()):
         if cell.label == "paper":
             continue
         directory = own_store / "cells" / str(i)
@@ -202,8 +195,7 @@ def test_cells_that_did_not_converge_are_shown(own_store: Path) -> None:
 
 
 def test_without_the_travel_of_the_printed_table_there_is_no_page(own_store: Path) -> None:
-    number = next(i for i, cell in enumerate(LISTS["report"]()) if cell.label == "paper")
-    path = own_store / "cells" / f"{number}.json"
+    path = own_store / "cells" / f"{PAPER}.json"
     edit_json(path, lambda result: result.update(steps=result["steps"][:3], reason="it cycles"))
     with pytest.raises(StoreError, match="cell 'paper' has no step at delta_mm = 20: it cycles"):
         rendered(load_store(own_store), draw=False)
@@ -314,8 +306,7 @@ def test_a_state_that_is_not_certified_is_counted_and_named(own_store: Path) -> 
     count = int(re.search(r"of each of the (\d+) states", text)[1])
     assert f"certifies {count} of them" in text
     assert "Not certified" not in text
-    labels_of = [cell.label for cell in LISTS["report"]()]
-    path = own_store / "cells" / f"{labels_of.index('hemisphere 16')}.json"
+    path = place(own_store, "hemisphere 16").with_suffix(".json")
     edit_json(path, lambda result: result["steps"][-1].update(failures=["energy"]))
     text = page.render(load_store(own_store)).text
     assert f"certifies {count - 1} of them" in text

@@ -7,12 +7,10 @@ from collections.abc import Iterable, Mapping
 from functools import partial
 
 from reports.chapter import Chapter, relative
-from reports.chapters.catalogue.algorithm_sheet import algorithm_sheet
-from reports.chapters.catalogue.measure_sheet import measure_sheet
 from reports.chapters.catalogue.pictures import thumbnails
-from reports.chapters.catalogue.scene_sheet import pressed, scene_sheet
-from reports.chapters.catalogue.words import NEEDS, Catalogue, Sheet
-from reports.markdown import Part, joined, picture, prose, table
+from reports.chapters.catalogue.sheets import algorithm_sheet, measure_sheet, pressed, scene_sheet
+from reports.chapters.catalogue.words import NEEDS, TEXT, Catalogue, Sheet
+from reports.markdown import Part, joined, picture
 from reports.store.tables import Store
 
 NAMED = r"(`{part}`|\| {part} \||footprint solve {part} |--(measure|contact) {part} )"
@@ -23,30 +21,15 @@ RENDERED = {"scene": scene_sheet, "measure": measure_sheet, "algorithm": algorit
 def gallery(store: Store) -> Part:
     """The page."""
     catalogue = Catalogue.of(store)
-    scenes, measures, algorithms = (list(catalogue.sheets(kind)) for kind in RENDERED)
-    drawn = [(each.part, body) for each in scenes if (body := catalogue.body(each.part)) is not None]
-    head = f"""# Gallery
-
-{len(scenes)} scenes, {len(measures)} strain measures and {len(algorithms)} contact algorithms, each with a sheet that
-has its data; {len(drawn)} scenes are drawn as they are deformed at their last load, coloured by the length of the
-displacement from zero (dark) to its largest value (light), small motions magnified."""
+    parts = {f"{kind}s": list(catalogue.sheets(kind)) for kind in RENDERED}
+    counts = {f"{kind}_count": len(parts[f"{kind}s"]) for kind in RENDERED}
+    drawn = [(each.part, body) for each in parts["scenes"] if (body := catalogue.body(each.part)) is not None]
     shown = []
-    for first in range(0, len(drawn), MOST):
-        bodies = [(name, name, body) for name, body in drawn[first : first + MOST]]
-        names = ", ".join(name for name, _ in drawn[first : first + MOST])
-        shown.append(picture(f"gallery-{first // MOST + 1}.svg", f"Deformed shapes: {names}", thumbnails(bodies)))
-    lists = (("Scenes", scenes), ("Strain measures", measures), ("Contact algorithms", algorithms))
-    return joined(
-        prose(head),
-        *shown,
-        pressed(catalogue),
-        *(f"## {title}\n\n{_listed(title, parts)}" for title, parts in lists),
-    )
-
-
-def _listed(title: str, parts: list[Sheet]) -> str:
-    rows = [(f"[{each.part}]({each.name}.md)", each.meaning) for each in parts]
-    return table(title, ["sheet", "what it is"], rows, words=2)
+    for number, first in enumerate(range(0, len(drawn), MOST), start=1):
+        bodies = drawn[first : first + MOST]
+        words = f"Deformed shapes: {', '.join(name for name, _ in bodies)}"
+        shown.append(picture(f"gallery-{number}.svg", words, thumbnails(bodies)))
+    return TEXT("gallery", **parts, **counts, drawn=len(drawn), pictures=joined(*shown), pressed=pressed(catalogue))
 
 
 def sheets(store: Store) -> list[Chapter]:

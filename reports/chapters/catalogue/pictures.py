@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from functools import partial
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial, wraps
 from html import escape
+from typing import ParamSpec
 
 import numpy as np
 import pandas as pd
@@ -15,18 +16,22 @@ from reports.figures.drawing import Picture
 from reports.figures.relief import BANDS, View, Window, outline, palette, raster, webp
 from reports.formats import formatted
 
+P = ParamSpec("P")
 WIDE, HIGH, TOP, FOOT = 470, 330, 24, 64  # points: of a panel, above and below it
 BAR, STEPS = 170, 2  # points: length of the colour bar; and its ticks
 GREY, LOWER = 0.86, 0.4  # of what bears no value; share of the tyre's points that the filmstrip shows
 FONT = "DejaVu Sans,Verdana,sans-serif"
 
 
-def sheet_picture(body: Body, marks: pd.DataFrame, scene: str) -> Picture:
+def later(draw: Callable[P, str]) -> Callable[P, Picture]:
+    """Makes of a function that draws one that returns its picture, still to be drawn."""
+    return wraps(draw)(lambda *args, **options: partial(draw, *args, **options))
+
+
+@later
+def sheet_picture(body: Body, marks: pd.DataFrame, scene: str) -> str:
     """Both panels beside one another."""
-    return partial(_sheet, body, marks, view_of(scene))
-
-
-def _sheet(body: Body, marks: pd.DataFrame, view: View) -> str:
+    view = view_of(scene)
     both = [*_at_rest(body, marks, view, (0, TOP)), *_deformed(body, marks, view, (WIDE + 20, TOP))]
     return svg(2 * WIDE + 20, HIGH + TOP + FOOT, both)
 
@@ -119,12 +124,9 @@ def axes(view: View, at: tuple[float, float], length: float = 24.0) -> Iterator[
         yield text(name, at[0] + 1.35 * length * way[0], at[1] - 1.35 * length * way[1] + 4, 11, "middle")
 
 
-def filmstrip(bodies: Sequence[tuple[str, Body]], columns: int = 3) -> Picture:
+@later
+def filmstrip(bodies: Sequence[tuple[str, Body]], columns: int = 3) -> str:
     """Bodies under their words with the contact pressure on them, all at one scale and with one bar."""
-    return partial(_filmstrip, list(bodies), columns)
-
-
-def _filmstrip(bodies: list[tuple[str, Body]], columns: int) -> str:
     width, height = 320, 250
     largest = max(float(body.pressure.max()) for _, body in bodies)
     seen = [FROM_BELOW.of_points(body.rest + body.u) for _, body in bodies]
@@ -144,21 +146,18 @@ def _filmstrip(bodies: list[tuple[str, Body]], columns: int) -> str:
     return svg(columns * width, foot + 36, parts)
 
 
-def thumbnails(bodies: Sequence[tuple[str, str, Body]], columns: int = 4) -> Picture:
-    """Small pictures of deformed bodies over the names of their scenes; names, scenes and bodies."""
-    return partial(_thumbnails, list(bodies), columns)
-
-
-def _thumbnails(bodies: list[tuple[str, str, Body]], columns: int) -> str:
+@later
+def thumbnails(bodies: Sequence[tuple[str, Body]], columns: int = 4) -> str:
+    """Small pictures of deformed bodies over the names of their scenes."""
     width, height = 240, 170
     parts = []
-    for number, (words, scene, body) in enumerate(bodies):
+    for number, (scene, body) in enumerate(bodies):
         x, y = width * (number % columns), (height + 26) * (number // columns)
         seen = view_of(scene).of_points(body.rest + body.magnified * body.u)
         found = raster(seen, body.quads, body.moved, Window.around(seen, width, height, margin=0.08))
         colours = palette(found.value, 0.0, float(body.moved.max()))
         parts += [
             image(webp(found, colours), width, height, (x, y)),
-            text(words, x + width / 2, y + height + 14, 12, "middle"),
+            text(scene, x + width / 2, y + height + 14, 12, "middle"),
         ]
     return svg(columns * width, (height + 26) * -(-len(bodies) // columns), parts)

@@ -5,26 +5,25 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from textwrap import dedent
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 
 from reports.chapters.catalogue.bodies import Body
-from reports.formats import said
-from reports.markdown import listing
+from reports.formats import share
+from reports.markdown import Part
 from reports.store.tables import Store
+from reports.template import Template
 
 TABLES = ("parts", "settings", "facts", "plies", "terms", "laws", "values", "answers", "marks", "points", "quads")
 NEEDS = tuple(f"sheet_{name}" for name in TABLES)
 FRAME = "sheet tyre at "  # how the labels of the filmstrip begin
-SETTING_HEADS = "setting | default | unit | range | meaning"
-SETTING_LINE = "{key:code} | {default:said} | {unit} | {range} | {meaning}"
 KINDS = {"scene": "Scene", "measure": "Strain measure", "algorithm": "Contact algorithm"}
 
 
-@dataclass(frozen=True)
-class Sheet:
-    """A row of the table of parts."""
+class Sheet(NamedTuple):
+    """A row of the table of parts, with the name and the title of its page."""
 
     kind: str
     part: str
@@ -32,16 +31,8 @@ class Sheet:
     about: str
     source: str
     module: str
-
-    @property
-    def name(self) -> str:
-        """Of its page."""
-        return f"sheets/{self.kind}-{self.part}"
-
-    @property
-    def title(self) -> str:
-        """Of its page."""
-        return f"{KINDS[self.kind]}: {self.part}"
+    name: str
+    title: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +46,7 @@ class Catalogue:
     @classmethod
     def of(cls, store: Store) -> Catalogue:
         """Reads them all."""
-        tables = {name: store.analysis(f"sheet_{name}") for name in TABLES}
+        tables = {name: store.table(f"sheet_{name}") for name in TABLES}
         quads = dict(iter(tables["quads"].groupby("label", sort=False)))
         bodies = {}
         for label, own in tables["points"].groupby("label", sort=False):
@@ -74,8 +65,10 @@ class Catalogue:
     def sheets(self, *kinds: str) -> Iterator[Sheet]:
         """The parts of some kinds, in the order of their catalogues."""
         parts = self.tables["parts"].fillna("")
-        columns = ["kind", "part", "meaning", "about", "source", "module"]
-        yield from (Sheet(*map(str, row)) for row in parts.loc[parts["kind"].isin(kinds), columns].to_numpy())
+        for row in parts[parts["kind"].isin(kinds)].to_dict("records"):
+            own = {name: str(row[name]) for name in ("kind", "part", "meaning", "about", "source", "module")}
+            title = f"{KINDS[own['kind']]}: {own['part']}"
+            yield Sheet(**own, name=f"sheets/{own['kind']}-{own['part']}", title=title)
 
     def body(self, scene: str) -> Body | None:
         """That of the sheet of a scene, None where its cell has no fields."""
@@ -86,13 +79,15 @@ class Catalogue:
         """The tyre at growing travel."""
         return [(label.removeprefix(FRAME), body) for label, body in self.bodies.items() if label.startswith(FRAME)]
 
-    def settings(self, kind: str, part: str) -> str:
+    def settings(self, kind: str, part: str) -> Part:
         """Settings with meaning, unit, range and default."""
         own = self.own("settings", kind=kind, part=part).fillna("")
-        if own.empty:
-            return ""
-        shown = listing("Settings, --set KEY=VALUE", own, SETTING_HEADS, SETTING_LINE, words=5, said=said)
-        return f"## Settings\n\n{shown}"
+        return TEXT("settings", rows=own) if len(own) else Part()
+
+
+def known(uncertainty: float) -> str:
+    """In per cent, with two digits where that is small."""
+    return f"{100 * uncertainty:.2g} %" if 0 < uncertainty < 1e-4 else share(uncertainty, 2)
 
 
 def about(text: str) -> str:
@@ -108,3 +103,6 @@ def _fenced(text: str) -> str:
 def _plain(text: str) -> str:
     escaped = text.replace("<", "&lt;").replace("|", "\\|").replace("*", "\\*").replace("_", "\\_")
     return escaped.removesuffix(":") if escaped.endswith("::") else escaped
+
+
+TEXT = Template("sheets", known=known)

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
-from reports.chapters.tyre.cells import change, sets_unlike
-from reports.formats import NOTHING, code, fixed, scientific
-from reports.markdown import Part, commands, joined, listing, machine, prose, table
+from reports.figures.maps import at_delta, different_nodes
+from reports.formats import code
+from reports.markdown import Part, commands
 from reports.store.cells import Cell
 from reports.store.reading import StoreError
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("algorithms")
 SAME = 1e-7  # relative difference of forces below which two algorithms agree
 STUDY = {"scene": "tyre", "model": "half", "delta_mm": (5, 10, 15, 20)}
 REFUSAL = " does not apply: "  # before its reason
@@ -50,14 +53,24 @@ class Entry:
     @cached_property
     def difference(self) -> float:
         """The largest of the forces over all travels, relative to the reference; NaN when a travel is missing."""
-        found = [abs(change(self.cell, self.reference, delta=delta)) for delta in self.travels]
+        forces = [[each.value("force_N", delta_mm=delta) for delta in self.travels] for each in self._both]
+        found = [abs(own / other - 1.0) for own, other in zip(*forces, strict=True)]
         return math.nan if any(map(math.isnan, found)) else max(found, default=math.nan)
 
     @cached_property
     def nodes_unlike(self) -> int | None:
         """In contact in only one of both sets, the most over all travels; None when a travel is missing."""
-        known = [n for n in sets_unlike(self.cell, self.reference, self.travels) if n is not None]
-        return max(known) if known and len(known) == len(self.travels) else None
+        reached = [each.find_step(delta_mm=delta) for each in self._both for delta in self.travels]
+        if not reached or None in reached:
+            return None
+        own, other = (each.table("contact") for each in self._both)
+        unlike = [different_nodes(at_delta(own, delta), at_delta(other, delta)) for delta in self.travels]
+        known = [count for count in unlike if count is not None]
+        return max(known) if len(known) == len(unlike) else None
+
+    @property
+    def _both(self) -> tuple[Cell, Cell]:
+        return self.cell, self.reference
 
     @property
     def penetration(self) -> float:
@@ -96,80 +109,66 @@ def agreement_part(store: Store) -> Part:
     found = list(entries(store))
     put = [entry for entry in found if entry.exact and entry.cell is not entry.reference]
     solved = [entry for entry in put if not entry.cell.unsupported]
-    cases = len({entry.case for entry in found})
-    text = prose(f"""## Do they agree?
+    first = found[0]
+    told = {
+        "mesh": first.reference.result["mesh"],
+        "travel": max(first.travels, default=0),
+        "travels": len(first.travels),
+        "cases": len({entry.case for entry in found}),
+        "same": SAME,
+        "agree": sum(entry.agrees for entry in solved),
+        "solved": len(solved),
+        "refused": len(put) - len(solved),
+        "commands": commands(entry.cell.command for entry in found if not entry.own and entry.case == first.case),
+    }
+    rows = {
+        "ways": [_row(way, [entry for entry in put if entry.way == way]) for way in dict.fromkeys(e.way for e in put)],
+        "odd": [entry for entry in solved if not entry.agrees],
+    }
+    return TEXT("agreement", **told, **rows, finite=_finite(found), refusals=_refused(put), answers=_answers(store))
 
-The paper's tyre, mesh {found[0].reference.result["mesh"]}, pressed by {max(found[0].travels, default=0):g} mm in
-{len(found[0].travels)} travels: {cases} cases, a dead and a follower pressure with a symmetric and the paper's
-non-symmetric section. `semismooth` with exact contact is the reference. Two solves agree when every node is in contact
-in both or in neither and forces differ by at most {scientific(SAME, 0)} of their value, at every travel:
-{sum(entry.agrees for entry in solved)} of {len(solved)} do, and {len(put) - len(solved)} requests were refused.
-{_finite(found)}""")
-    ways = dict.fromkeys(entry.way for entry in put)
-    heads = ["algorithm", "cases", "agree", "force differs by at most", "nodes in one set only", "refused"]
-    rows = [_row(way, [entry for entry in put if entry.way == way]) for way in ways]
-    made = machine(table("Against the reference, exact contact", heads, rows))  # the differences are rounding
-    told = commands(entry.cell.command for entry in found if not entry.own and entry.case == found[0].case)
-    return joined(text, made, _refused(put), _odd(solved), told, _answers(store))
 
-
-def _row(way: str, own: list[Entry]) -> list[object]:
+def _row(way: str, own: list[Entry]) -> dict[str, Any]:
     solved = [entry for entry in own if not entry.cell.unsupported]
     reached = [entry for entry in solved if entry.nodes_unlike is not None]
-    off = scientific(max((entry.difference for entry in reached), default=math.nan))
-    nodes = fixed(max((float(entry.nodes_unlike or 0) for entry in reached), default=math.nan))
-    agree = f"{sum(entry.agrees for entry in solved)} of {len(solved)}" if solved else NOTHING
-    return [way, len(own), agree, off, nodes, len(own) - len(solved) or NOTHING]
+    agree = f"{sum(entry.agrees for entry in solved)} of {len(solved)}" if solved else ""
+    off = max((entry.difference for entry in reached), default=math.nan)
+    nodes = max((float(entry.nodes_unlike or 0) for entry in reached), default=math.nan)
+    counts = {"cases": len(own), "refused": len(own) - len(solved)}
+    return {"way": way, "agree": agree, "off": off, "nodes": nodes, **counts}
 
 
-def _refused(put: list[Entry]) -> str:
+def _refused(put: list[Entry]) -> Part:
     """Who refuses what, the first reason of each."""
     ways: dict[str, list[Entry]] = {}
     for entry in put:
         if entry.cell.unsupported:
             ways.setdefault(str(entry.cell.result["contact"]), []).append(entry)
-    told = [f"- {code(name)} refuses {len(own)}: {_reason(own)}." for name, own in ways.items()]
-    return "\n".join(["Refused, with the first reason of each:", "", *told]) if told else "No request is refused."
+    rows = []
+    for name, own in ways.items():
+        reason = own[0].cell.reason
+        rows.append({"name": name, "count": len(own), "reason": reason.partition(REFUSAL)[2] or reason})
+    return TEXT("refusals", rows=rows) if rows else Part("No request is refused.")
 
 
-def _reason(own: Iterable[Entry]) -> str:
-    reason = next(iter(own)).cell.reason
-    return reason.partition(REFUSAL)[2] or reason
-
-
-def _odd(solved: list[Entry]) -> str:
-    """Who does not agree, and why."""
-    odd = [entry for entry in solved if not entry.agrees]
-    heads, line = (
-        "algorithm | load | section | outcome | reason",
-        "{way} | {case[0]} | {case[1]} | {cell.result[outcome]} | {cell.reason}",
-    )
-    return listing("Solves that do not agree", odd, heads, line, words=5) if odd else ""
-
-
-def _finite(found: list[Entry]) -> str:
+def _finite(found: list[Entry]) -> Part:
     """What a finite epsilon, the default of some algorithms, changes."""
     soft = [entry for entry in found if not entry.exact and not entry.cell.unsupported]
     if not soft:
-        return ""
+        return Part()
     stiffness = ", ".join(dict.fromkeys(f"{entry.cell.settings['epsilon']:g}" for entry in soft))
     off = max((entry.difference for entry in soft if entry.nodes_unlike is not None), default=math.nan)
     depth = max(entry.penetration for entry in soft)
-    return f"""A finite ε of {stiffness} MPa/mm is another problem: {len(soft)} solves differ by at most
-{scientific(off)} in the force and penetrate by at most {scientific(depth)} mm."""
+    return TEXT("finite", stiffness=stiffness, count=len(soft), off=off, depth=depth)
 
 
 def _answers(store: Store) -> Part:
     """Problems of the whole campaign to which it has more than one certified answer."""
-    if not store.has_analysis("disagreements"):
-        return Part("")
-    found = store.analysis("disagreements")
-    text = prose(f"""Agreement is no law: a problem may have several equilibria. Over all cells of the campaign that ask
-the same problem, solved to the default tolerance, {len(found)} answers differ from that of most cells by more than the
-certificates leave. The table `disagreements` has each with its commands.""")
+    if not store.has("disagreements"):
+        return Part()
+    found = store.table("disagreements")
     rows = [
-        [why, len(own), ", ".join(map(code, dict.fromkeys(own["scene"]))), scientific(own["difference"].max())]
+        {"why": why, "answers": len(own), "scenes": dict.fromkeys(own["scene"]), "difference": own["difference"].max()}
         for why, own in found.groupby("why", sort=False)
     ]
-    heads = ["why", "answers", "scenes", "differ by at most"]
-    return joined(text, table("Further answers to the same problem", heads, rows) if rows else "")
+    return TEXT("answers", count=len(found), rows=rows)

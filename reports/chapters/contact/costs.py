@@ -12,12 +12,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter, NullLocator
 
-from reports.chapters.overview.decision import PROBLEM, choices_of, problem
+from reports.chapters.overview.decision import CHOICES, PROBLEM, problem
 from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
-from reports.formats import NOTHING, code, digits, share
-from reports.markdown import Part, joined, machine, picture, prose, table
+from reports.formats import code, digits, share
+from reports.markdown import Part, by_name, table
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("algorithms")
 USUAL, CONVERGED = "semismooth", "converged"
 NOT_SOLVED = ("refused", "not tried")  # verdicts without seconds of their own
 
@@ -26,38 +28,25 @@ def costs_part(store: Store) -> Part:
     """What they cost, under its heading."""
     data = _solves(store)
     if data.empty:
-        return Part("")
+        return Part()
     errors = " and of ".join(share(error, 0) for error in sorted(data["asked"].unique(), reverse=True))
-    text = prose(f"""## What do they cost?
-
-Seconds of the processor with the Newton iterations in brackets, from rest, with the default element on given grid
-lines: on the coarsest mesh, and on those that an error of {errors} takes. *slower*: stopped at
-{store.rules()["patience"]:g} times the seconds of `{USUAL}`;
-*refused*: it does not apply. An iteration is one linearised problem; what an algorithm does with sets inside it shows
-in the seconds. Below 0.2 s noise decides.""")
     names = sorted(dict.fromkeys(data["name"]), key=lambda name: name != USUAL)
-    rows = []
-    for first, tried in _meshes(data):
-        by = {row["name"]: row for row in tried.to_dict("records")}
-        rows.append([problem(first), first["mesh"], *(_spent(by.get(name)) for name in names)])
-    title = "Seconds and iterations by algorithm and mesh"
-    return joined(text, machine(table(title, ["problem", "mesh", *map(code, names)], rows, words=2)))
+    meshes = (((problem(first), first["mesh"]), tried) for first, tried in _meshes(data))
+    rows = by_name(meshes, names, _spent)
+    shown = table("Seconds and iterations by algorithm and mesh", ["problem", "mesh", *map(code, names)], rows, words=2)
+    return TEXT("costs", errors=errors, rules=store.rules(), table=shown)
 
 
 def costs_picture(store: Store) -> Part:
     """Who solves what at which cost."""
     data = _solves(store)
     if data.empty:
-        return Part("")
-    words = f"Seconds of each algorithm over those of `{USUAL}`, a line a problem and mesh"
-    text = prose(f"""Seconds of the processor from rest over those of `{USUAL}`, which each line states; a
-hollow mark is a solve that failed or was stopped at {store.rules()["patience"]:g} times its seconds. Below 0.2 s noise
-decides.""")
-    return joined(machine(text), picture("index-algorithms.svg", words, seconds_by_algorithm(data)))
+        return Part()
+    return TEXT("costs-picture", {"index-algorithms.svg": seconds_by_algorithm(data)}, rules=store.rules())
 
 
 def _solves(store: Store) -> pd.DataFrame:
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     own = data[data["row"] == "algorithm"] if len(data) else data
     return own.drop_duplicates([*PROBLEM, "mesh", "name"], keep="last") if len(own) else own
 
@@ -70,9 +59,7 @@ def _meshes(data: pd.DataFrame) -> Iterator[tuple[dict, pd.DataFrame]]:
             yield tried.iloc[0].to_dict(), tried
 
 
-def _spent(row: dict | None) -> str:
-    if row is None:
-        return NOTHING
+def _spent(row: dict) -> str:
     if row["verdict"] != CONVERGED:
         return str(row["verdict"])
     return f"{digits(row['seconds'], 2)} ({row['iterations']:.0f})"

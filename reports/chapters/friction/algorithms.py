@@ -3,48 +3,30 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable
-from typing import Any
 
 import pandas as pd
 
 from reports.formats import NOTHING, code, scientific, share
-from reports.markdown import Part, fold, joined, listing, machine, prose, table
+from reports.markdown import Part, by_name, machine, table
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("friction")
 FIRST, SOLVED = "semismooth", ("converged", "unstable")
 
 
 def algorithms_part(store: Store) -> Part:
     """Whether they agree, and what they cost."""
-    data, summary = store.table("friction_agreement"), store.analysis("friction_algorithms")
+    data, summary = store.table("friction_agreement"), store.table("friction_algorithms")
     names = [name for name in summary["algorithm"] if name != FIRST]
-    text = prose(f"""## Which algorithm
-
-{data["case"].nunique()} scenes with friction by every algorithm from the same start. Costs are over those of
-`{FIRST}`, in the median of the scenes that both solve in the same load steps (*both*); what an unsolved scene cost is
-in no median. *Same*: every node is in the same state as by `{FIRST}` and nodal forces agree within the tolerance;
-else the largest difference over the largest force, with the nodes in another *state*, and the load steps where they
-differ, which is another path. `regularised` solves another law, so its difference is that of the law.""")
-    heads = "algorithm | scenes | solved | refused | failed | agrees | other steps | both | iterations"
-    heads += " | operations | seconds"
-    line = "{algorithm:code} | {cases} | {solved} | {refused} | {failed} | {agrees} | {other_steps} | {both}"
-    line += " | {iterations_ratio:.2f} | {operations_ratio:.2f} | {seconds_ratio:.2f}"
     first = data[data["algorithm"] == FIRST].set_index("case")["substeps"]
-    rows = []
-    for case, own in data.groupby("case", sort=False):
-        by_name = {row["algorithm"]: row for row in own.to_dict("records")}
-        rows.append([case, first[case], *(_cell(by_name.get(name), first[case]) for name in names)])
-    heads_of_cases = ["scene", "load steps", *map(code, names)]
-    cases = table(f"Against `{FIRST}`, at all loads", heads_of_cases, rows, words=len(heads_of_cases))
-    odd = data[~data["outcome"].isin(SOLVED)].assign(reason=lambda rows: rows["reason"].map(_short))
-    why = listing("Not solved, why", odd, "scene | algorithm | reason", "{case} | {algorithm:code} | {reason}", words=3)
-    return joined(
-        text,
-        machine(listing("Solved, agreed, and costs", summary, heads, line)),
-        machine(cases),
-        fold(f"The {len(odd)} not solved", machine(why)) if len(odd) else "",
-    )
+    groups = data.assign(usual=data["case"].map(first)).groupby("case", sort=False)
+    rows = by_name((((case, first[case]), own) for case, own in groups), names, _cell, "algorithm")
+    heads = ["scene", "load steps", *map(code, names)]
+    cases = table(f"Against `{FIRST}`, at all loads", heads, rows, words=len(heads))
+    odd = data[~data["outcome"].isin(SOLVED)]
+    odd = odd.assign(reason=odd["reason"].map(_short))
+    return TEXT("algorithms", scenes=data["case"].nunique(), summary=summary, cases=cases, odd=odd, lost=len(odd))
 
 
 def _short(reason: object) -> str:
@@ -52,58 +34,45 @@ def _short(reason: object) -> str:
     return re.split(r"; | \(", str(reason))[0]
 
 
-def _cell(row: dict[Hashable, Any] | None, steps: int) -> str:
-    """What became of a scene."""
-    if row is None:
-        return NOTHING
+def _cell(row: dict) -> str:
+    """What became of a scene; usual: the load steps of the first algorithm."""
     if row["outcome"] not in SOLVED:
         return str(row["outcome"])
     if row["agrees"]:
         return "same"
     parts = [scientific(row["force_error"]), f"{row['states']} states" if row["states"] else ""]
-    parts.append(f"{row['substeps']} steps" if row["substeps"] != steps else "")
+    parts.append(f"{row['substeps']} steps" if row["substeps"] != row["usual"] else "")
     return ", ".join(filter(None, parts))
 
 
 def checks_part(store: Store) -> Part:
     """Closed forms and orders, and problems that separate the algorithms."""
-    data = store.analysis("friction_orders").assign(size=lambda rows: rows["error"].abs())
+    data = store.table("friction_orders").assign(size=lambda rows: rows["error"].abs())
     families = data.groupby(["family", "theory"], sort=False).agg(
         errors=("error", "size"), worst=("size", "max"), low=("order", "min"), high=("order", "max")
     )
-    text = prose("""## What the algorithms are checked by
-
-Closed forms, solved by `semismooth`: a bar dragged over a plane under uniform pressure (*strip*), a strip pulled over a
-*drum* in partial slip and in gross slip (*capstan*), a disc turned on the spot (*parking*), a block whose plane is
-dragged along a quarter circle (*path*). Errors are relative, on the finest mesh or in the finest steps; an error of
-rounding has no order.""")
-    heads, line = "reference | theory | errors | largest | orders", "{family} | {theory} | {errors} | {worst:.1e} | "
-    made = listing("Errors and orders", families.reset_index(), heads, line + "{low:.2f} to {high:.2f}")
-    return joined(text, made, *_separating(store))
+    return TEXT("checks", families=families.reset_index(), rules=store.rules(), **_separating(store))
 
 
-def _separating(store: Store) -> tuple[str, str]:
+def _separating(store: Store) -> dict[str, Part | str]:
     """A row an algorithm: a plate, springs with none, one or several answers, and public problems."""
     greco, springs = store.table("friction_greco"), store.table("friction_klarbring")
-    bound, public = store.rules()["friction_greco"], store.has_table("friction_public")
-    files = store.table("friction_public").dropna(subset=["algorithm"]) if public else pd.DataFrame()
+    bound, public = store.rules()["friction_greco"], store.has("friction_public")
+    files = store.table("friction_public").dropna(subset=["algorithm"]) if public else pd.DataFrame({"algorithm": []})
     finest = greco[greco["elements"] == greco["elements"].max()]
-    names = list(dict.fromkeys([*finest["algorithm"], *springs["algorithm"], *(files["algorithm"] if public else [])]))
+    names = dict.fromkeys([*finest["algorithm"], *springs["algorithm"], *files["algorithm"]])
     rows = [
         [code(name), _plate(finest, name, bound), *_found(springs, name), *(_public(files, name) if public else ())]
         for name in names
     ]
     heads = ["algorithm", "GRECO plate", "one answer: found", "several: one found", "none: claimed", "claims wrong"]
     heads += ["public: certified", "public: refused by the judge"] if public else []
-    words = prose(f"""The GRECO plate (Code_Aster, SSNV128) sticks, slips and is open on one side; within {share(bound)}
-of the slips of fine graded meshes counts as correct. Klarbring's two coupled springs (Ingenieur-Archiv 60, 1990) have
-one, several or no answers, all written down; where there is none, none may be claimed.""")
-    if public:
-        words += " " + prose(f"""The {files["problem"].nunique()} public problems are Siconos' rigid bodies with
-friction, with {files["contacts"].min():g} to {files["contacts"].max():g} contacts and a few seconds of the processor
-each; the claims of `regularised` obey another law and are not judged.""")
     shown = table("Problems that separate the algorithms", heads, rows)
-    return words, machine(shown) if public else shown
+    if not public:
+        return {"public": "", "separating": shown}
+    contacts = files["contacts"]
+    told = TEXT("public", problems=files["problem"].nunique(), fewest=contacts.min(), most=contacts.max())
+    return {"public": told, "separating": machine(shown)}
 
 
 def _plate(finest: pd.DataFrame, name: str, bound: float) -> str:

@@ -4,51 +4,44 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from reports.chapter import Chapter
-from reports.chapters.limits.ring_part import law_part, ring_part
-from reports.figures.drawing import BLACK, canvas, looks, svg
-from reports.formats import digits, scientific, share
-from reports.markdown import Part, joined, listing, machine, picture, prose, table
+from reports.chapter import chapter
+from reports.figures.drawing import BLACK, COLOURS, canvas, looks, svg
+from reports.formats import digits, share
+from reports.markdown import Part, by_name, commands, filled, table
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("shell-limits")
 DEFAULT = "default"
 PASSED = {"boundary_1": 0.01, "boundary_5": 0.05}
 SMALLEST = 1e-5  # of an error that is drawn
+PARTS = ("mesh", "shell", "law", "friction", "reading", "remainder")
+DRAWN = ("shell exact", "shell von-karman, ν = 0")
+LAW = "solid hencky"
 
 
 def limits_page(store: Store) -> Part:
     """The whole page."""
-    found = store.analysis("shell_boundaries")
-    usual = found[(found["variant"] == DEFAULT) & found["headline"]]
-    points = store.table("shell_limits")
-    drawn = picture("shell-limits.svg", "Error of the shell over its thickness, a line a scene", errors(points, usual))
-    return joined(
-        _opening(usual),
-        drawn,
-        _boundaries(usual),
-        _costs(usual),
-        _known(found),
-        _options(found),
-        law_part(store),
-        ring_part(store),
-    )
-
-
-def _opening(usual: pd.DataFrame) -> str:
-    """What was compared, and what the sentence above leaves out."""
-    far = usual[usual["boundary_5"] < math.inf]
-    never = usual[usual["boundary_1"] == math.inf]["case"]
-    rest = f"; within what was solved the error stays below 1 % in: {', '.join(never)}" if len(never) else ""
-    return prose(f"""# {CHAPTER.title}
-
-The same body as a shell and as a solid of quadratic hexahedra, with the same St. Venant-Kirchhoff law, supports and
-loads; linear but for the three with contact. Both are extrapolated over their meshes, so that what is left is the
-error of the model. It exceeds 5 % in {len(far)} of {len(usual)} scenes{rest}. h is the thickness, R the radius of the
-middle surface (of the tyre's tube inside), L the length of the cantilever, a the span of the plate and half of that of
-the strip. The shell has the section constant-s33, no shear correction, and the pressure on its true face.""")
+    found, points = store.table("shell_boundaries"), store.table("shell_limits")
+    headline = found[found["headline"]]
+    usual = headline[headline["variant"] == DEFAULT]
+    never, times = usual[usual["boundary_1"] == math.inf]["case"], usual["seconds_ratio"]
+    within = f"; within what was solved the error stays below 1 % in: {', '.join(never)}" if len(never) else ""
+    exact = usual[usual["judge"] == "closed form"]
+    doubtful = found[~found["decided"].astype(bool) & (found["variant"] == DEFAULT)]
+    told = {
+        **{"far": int((usual["boundary_5"] < math.inf).sum()), "scenes": len(usual), "never": within},
+        **{"usual": _worded(usual), "exact": len(exact), "worst": exact.sort_values("solid_off").iloc[-1]},
+        **{"quickest": times.min(), "slowest": times.max(), "median": times.median(), "timed": times.count()},
+        "doubtful": ", ".join(filled("{case}, {quantity}", doubtful)) or "none",
+    }
+    parts = {"options": _options(headline), "law": law_part(store), "ring": ring_part(store)}
+    return TEXT("page", {"shell-limits.svg": errors(points, usual)}, **told, **parts)
 
 
 @svg
@@ -73,26 +66,10 @@ def errors(points: pd.DataFrame, usual: pd.DataFrame) -> Figure:
     return figure
 
 
-def _boundaries(usual: pd.DataFrame) -> Part:
-    heads = "scene | quantity | thickness | 1 % at | 5 % at | grows as h to the | judged by | known to"
-    heads += " | unknowns of the solid over the shell's | what the kinematics lack"
-    line = "{case} | {quantity} | {thickness} | {boundary_1} | {boundary_5} | {order:.1f} | {judge} | {known_to:.2%}"
-    line += " | {unknowns_ratio:.1f} | {fails}"
-    text = prose("""## From which thickness on
-
-*Known to*: what the finest meshes leave, at the worst thickness. An error of a displacement or strain that is linear
-through the wall grows with h², one of the load or a support with h. A dash in the order: fewer than three errors differ
-from zero for certain, or they change their sign, and the boundary is later than either of two errors alone would have
-it. Unknowns are those of meshes equally good.""")
-    return joined(text, listing("Boundaries of the usual shell", _worded(usual), heads, line, words=3))
-
-
 def _worded(rows: pd.DataFrame) -> pd.DataFrame:
     """Boundaries as words: not passed, passed from the thinnest on, or the thickness."""
-    shown = rows.copy()
-    for name in PASSED:
-        shown[name] = [_boundary(at, row) for at, row in zip(rows[name], rows.to_dict("records"), strict=True)]
-    return shown
+    words = {name: [_boundary(row[name], row) for row in rows.to_dict("records")] for name in PASSED}
+    return rows.assign(**words)
 
 
 def _boundary(at: float, row: dict) -> str:
@@ -101,48 +78,99 @@ def _boundary(at: float, row: dict) -> str:
     return f"below {row['thinnest']:g}" if at == 0 else digits(at, 2)
 
 
-def _options(found: pd.DataFrame) -> Part:
+def _options(headline: pd.DataFrame) -> str:
     """The same boundary with other options of the shell."""
-    own = found[found["headline"] & ~found["variant"].str.startswith("solid")]
+    own = headline[~headline["variant"].str.startswith("solid")]
     variants = [name for name in dict.fromkeys(own["variant"]) if name != DEFAULT]
-    rows = []
-    for case, of_case in own.groupby("case", sort=False):
-        by = {row["variant"]: _boundary(row["boundary_1"], row) for row in of_case.to_dict("records")}
-        rows.append([str(case), *(by.get(name, "–") for name in (DEFAULT, *variants))])
-    text = prose("""## What the options of the shell change
-
-*Full-3d* locks in bending at any thickness. *Nonsymmetric* leaves the pressure out of the tangential law, an error
-with h under pressure. The *shear correction* of Reissner is right where a homogeneous wall bends, and not enough for
-plies. A dash: the option has no effect there, or was not tried.""")
-    return joined(text, table("1 % is passed at, by option", ["scene", "usual", *variants], rows))
+    cases = (((case,), of_case) for case, of_case in own.groupby("case", sort=False))
+    rows = by_name(cases, (DEFAULT, *variants), lambda row: _boundary(row["boundary_1"], row), "variant")
+    return table("1 % is passed at, by option", ["scene", "usual", *variants], rows)
 
 
-def _costs(usual: pd.DataFrame) -> Part:
-    """Seconds, which are of the machine."""
-    times = usual["seconds_ratio"]
-    text = prose(f"""On meshes equally good, the coarsest ones within 0.5 % of their own limit, the solid takes
-{times.min():.0f} to {times.max():.0f} times the seconds of the shell, {times.median():.0f} times in the median of
-{times.count()} scenes.""")
-    return Part(machine(text))
+def ring_part(store: Store) -> Part:
+    """Forces computed beside measured ones."""
+    data, states = store.table("ring_budget"), store.table("ring_states")
+    data["approach"] = 2 * data["delta_mm"]
+    end = data[data["delta_mm"] == data["delta_mm"].max()]
+    thick = end[end["body"] == LAW].iloc[0]
+    widest = states[(states["state"] == "3d") & (states["delta_mm"] == states["delta_mm"].max())]["off"].iloc[0]
+    known = dict(store.table("ring_inputs")[["input", "value"]].to_numpy())
+    outer, inner = known["outer_mm"], known["inner_mm"]
+    counts = data.groupby("body", sort=False)["within"].agg(["sum", "size"]).reset_index()
+    told = {
+        **{
+            "known": known,
+            "thick": thick,
+            "over_radius": 2 * (outer - inner) / (outer + inner),
+            "less": -float(widest),
+        },
+        **{"bodies": end.merge(counts, on="body"), "cancelling": _cancelling(data, thick)},
+        "commands": commands(data["command"]),
+    }
+    return TEXT("ring", {"experiment.svg": draw_budget(data)}, **told)
 
 
-def _known(found: pd.DataFrame) -> Part:
-    """The solid against closed forms."""
-    exact = found[(found["judge"] == "closed form") & (found["variant"] == DEFAULT) & found["headline"]]
-    worst = exact.sort_values("solid_off").iloc[-1]
-    doubtful = found[~found["decided"].astype(bool) & (found["variant"] == DEFAULT)]
-    told = ", ".join(f"{row['case']}, {row['quantity']}" for row in doubtful.to_dict("records")) or "none"
-    return Part(
-        prose(f"""From h/R = 0.01 on the solid is within {scientific(float(worst["solid_off"]))} of the closed form in
-all {len(exact)} scenes that have one (Lamé, Golovin, Michell, Pagano), worst in the {worst["case"]}. Not decided by
-the meshes, because a neighbouring point is too near the level: {told}.""")
+def _cancelling(data: pd.DataFrame, thick: pd.Series) -> Part:
+    """Agreement that is owed to errors of opposite sign."""
+    others = data[data["wrong_reason"]]
+    cancels = thick["friction"] * thick["remainder"] < 0
+    first = [{**thick, "off": thick["limit_N"] / thick["measured_N"] - 1}] if cancels else []
+    return TEXT("cancelling", thick=first, others=others) if first or len(others) else Part()
+
+
+@svg
+def draw_budget(data: pd.DataFrame) -> Figure:
+    """Left: forces, measured dots and computed lines. Right: stacked parts with their signs, the dot is their sum."""
+    figure, (forces, *budgets) = canvas(1 + len(DRAWN), width=13.0, height=5.0)
+    names = list(dict.fromkeys(data["body"]))
+    for name, look in looks(names).items():
+        own = data[data["body"] == name]
+        line = "-" if own["kind"].iloc[0] == "solid" else "--"
+        forces.plot(own["approach"], own["force_N"], color=look.colour, linestyle=line, label=name)
+    measured = data.drop_duplicates("approach")
+    forces.plot(measured["approach"], measured["measured_N"], "o", color=BLACK, markersize=7, label="measured")
+    forces.set(xlabel="approach of the plates [mm]", ylabel="force on half a plate [N]")
+    forces.legend()
+    ends = [_stacked(axes, data[data["body"] == name], name) for axes, name in zip(budgets, DRAWN, strict=True)]
+    for axes in budgets:
+        axes.set(ylim=(1.1 * min(low for low, _ in ends), 1.1 * max(high for _, high in ends)))
+    budgets[-1].legend()
+    return figure
+
+
+def _stacked(axes: Axes, own: pd.DataFrame, name: str) -> tuple[float, float]:
+    """Positive parts above zero and negative ones below; returns both ends."""
+    places = np.arange(len(own))
+    above, below = np.zeros(len(own)), np.zeros(len(own))
+    for part, colour in zip(PARTS, COLOURS, strict=False):
+        value = own[part].to_numpy()
+        axes.bar(places, value, 0.6, bottom=np.where(value > 0, above, below), color=colour, label=part)
+        above, below = above + np.maximum(value, 0), below + np.minimum(value, 0)
+    axes.errorbar(
+        places,
+        own["difference_N"],
+        own["u_val"],
+        fmt="D",
+        color=BLACK,
+        capsize=4,
+        label="computed less measured, ± u_val",
     )
+    axes.axhline(0.0, color=BLACK, linewidth=0.8)
+    axes.set_xticks(places, [f"{value:g}" for value in own["approach"]])
+    axes.set(xlabel="approach of the plates [mm]", ylabel="parts of the difference [N]", title=name)
+    return float(below.min()), float(above.max())
 
 
-CHAPTER = Chapter(
-    "shell-limits",
-    "When is a shell not enough",
-    "from which thickness on, scene by scene, what a solid costs, the law at large strains, and a measured ring.",
+def law_part(store: Store) -> Part:
+    """Laws beside one another on bodies that carry in different ways."""
+    rules = store.table("law_rules")
+    worst = {str(kind): float(factor) for kind, factor in rules.groupby("carries")["factor"].max().items()}
+    strains = {"stretched": 0.01 / worst["membrane"], "bent": 0.01 / worst["bending"]}
+    return TEXT("law", cases=len(rules), **worst, **strains, rules=rules)
+
+
+CHAPTER = chapter(
+    TEXT,
     limits_page,
     needs=("shell_limits", "shell_boundaries", "ring_budget", "ring_inputs", "ring_states", "law_rules"),
     always=True,

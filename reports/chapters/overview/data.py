@@ -4,99 +4,80 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from reports.chapter import ALL, Chapter
-from reports.chapters.answers.findings import findings_part
-from reports.chapters.answers.glossary import words_part
-from reports.chapters.answers.questions import questions_part
-from reports.chapters.overview.solved import outcomes_part
-from reports.markdown import Part, folded, joined, listing, machine, prose, table
+from reports.chapter import ALL, chapter
+from reports.chapters.overview.outcomes import outcomes_part
+from reports.markdown import Part
 from reports.origin import machines, origin
+from reports.store.statements import statements
 from reports.store.tables import Store
+from reports.template import Template
 
 DATA = "data"
-TABLES = {"cells": "a row a cell of the plan, whatever became of it", "answers": "a row a quantity of a cell"}
-NEEDED = tuple(f"data_{name}" for name in (*TABLES, "columns"))
+TEXT = Template(DATA)
+FILES = {  # beside the pages, of tables by these names; those of many rows are compressed when they are written
+    "cells.csv.gz": ("data_cells", "a row a cell of the plan, whatever became of it"),
+    "answers.csv.gz": ("data_answers", "a row a quantity of a cell"),
+    "columns.csv": ("data_columns", "a row a column of the other two: its unit and what it is"),
+    "claims.csv": ("claims", "a row a claim: status, interval, command"),
+}
+NEEDED = ("data_cells", "data_answers", "data_columns")
 AS_ASKED = ("converged", "unstable", "unsupported")
+GITHUB = "https://github.com"
 
 
 def data_files(store: Store) -> dict[str, str]:
-    """The tables to be taken away as CSV, by file name; those of many rows are compressed when they are written."""
-    names = {f"{DATA}/{name}.csv.gz": f"data_{name}" for name in TABLES} | {f"{DATA}/columns.csv": "data_columns"}
-    names |= {f"{DATA}/claims.csv": "claims"} if _has_claims(store) else {}
+    """The tables to be taken away as CSV, by file name."""
     return {
-        file: store.analysis(name).drop(columns="campaign").to_csv(index=False, float_format="%.10g")
-        for file, name in names.items()
+        f"{DATA}/{name}": store.table(table).drop(columns="campaign").to_csv(index=False, float_format="%.10g")
+        for name, table, _ in _files(store)
     }
 
 
 def appendix(store: Store) -> Part:
     """The whole page."""
-    head = prose("""# Appendix
-
-Outcomes of the campaign, questions, all sentences of conclusion with their scope, words, and the data as files.""")
-    parts = outcomes_part(store), questions_part(store), findings_part(store), words_part()
-    return joined(head, *parts, *_data(store), origin(store), machines(store))
-
-
-def _data(store: Store) -> Iterator[Part | str]:
-    """The files, how to read and to cite them."""
-    cells, answers, columns = (store.analysis(name) for name in NEEDED)
-    text = f"""## Data
-
-{len(answers)} answers of {len(cells)} cells lie beside the pages as CSV, with a description of every column."""
-    files = [[_link(f"{name}.csv.gz"), len(store.analysis(f"data_{name}")), words] for name, words in TABLES.items()]
-    files.append([_link("columns.csv"), len(columns), "a row a column of the other two: its unit and what it is"])
-    if _has_claims(store):
-        files.append([_link("claims.csv"), len(store.analysis("claims")), "a row a claim: status, interval, command"])
-    yield prose(text)
-    yield table("Files", ["file", "rows", "what it is"], files, words=3)
-    yield _reading()
-    yield _failed(store)
-    yield _citing()
-
-
-def _has_claims(store: Store) -> bool:
-    """A part of the report has too few tables to judge them."""
-    return store.pages == ALL and store.has_analysis("claims")
-
-
-def _link(name: str) -> str:
-    return f"[{DATA}/{name}]({DATA}/{name})"
-
-
-def _reading() -> str:
-    text = prose("""pandas, R and DuckDB read compressed CSV as it is; for a spreadsheet unpack it by `gunzip`. Numbers
-have ten digits, seconds four; what does not exist is empty.""")
-    return (
-        f'{text}\n\n```python\nimport pandas as pd\n\ncells = pd.read_csv("data/cells.csv.gz")\n'
-        'answers = pd.read_csv("data/answers.csv.gz").merge(cells, on="cell")\n'
-        "tyre = answers.query(\"scene == 'tyre' and quantity == 'force_N'\")\n"
-        'print(tyre.sort_values("seconds")[["measure", "contact", "mesh", "value", "error", "seconds"]])\n```'
-    )
-
-
-def _failed(store: Store) -> str:
-    """The cells that did not go as asked, and why."""
     failed = [each for each in store.planned if each.ended not in AS_ASKED]
-    if not failed:
-        return ""
-    how = listing("Why", failed, "cell | class | reason", "{label} | {ended} | {reason}", words=3)
-    return machine(folded(f"The {len(failed)} cells that did not go as asked", how))
+    files = [{"name": name, "rows": len(store.table(table)), "words": told} for name, table, told in _files(store)]
+    cells, answers, *_ = (each["rows"] for each in files)
+    parts = {"outcomes": outcomes_part(store), "questions": _questions(store), "findings": _findings(store)}
+    made = {"origin": origin(store), "machines": machines(store)}
+    return TEXT("page", **parts, cells=cells, answers=answers, files=files, count=len(failed), failed=failed, **made)
 
 
-def _citing() -> str:
-    return prose("""## Licence and citation
-
-The data, the pages and the program are under the MIT licence: free to use, change and pass on, with its notice. To cite
-them, name *The Footprint authors, Footprint: a verification and benchmark suite for shell strain measures and contact
-algorithms*, its version and the commit that stands at the foot of every page; `.github/CITATION.cff` has it for
-reference managers.""")
+def _files(store: Store) -> Iterator[tuple[str, str, str]]:
+    """Names, tables and what they are; a part of the report has too few tables to judge claims."""
+    for name, (table, told) in FILES.items():
+        if table in NEEDED or (store.pages == ALL and store.has(table)):
+            yield name, table, told
 
 
-CHAPTER = Chapter(
-    DATA,
-    "Appendix",
-    "outcomes by algorithm and measure, questions of users, all findings with their scope, words, data as CSV.",
+def _questions(store: Store) -> Part:
+    """What users of other solvers ask in public: threads, the sentences that answer by their place, what is missing."""
+    if not store.has("asks"):
+        return Part()
+    pages, asks = {each.name: each.page for each in statements(store)}, store.table("asks")
+    rows = asks.astype(object).fillna("").to_dict("records")
+    for row in rows:
+        places = dict.fromkeys(pages[name] for name in row["answers"].split(", ") if name in pages)
+        row["where"] = ", ".join(f"[{page}]({page}.md)" for page in places)
+        row["threads"] = ", ".join(map(_thread, row["threads"].split(", ")))
+    return TEXT("questions", answered=int(asks["answered"].sum()), count=len(asks), rows=rows)
+
+
+def _thread(name: str) -> str:
+    """A link to a thread by repository and number; words that are none stay words."""
+    repository, _, number = name.partition("#")
+    return f"[{name}]({GITHUB}/{repository}/issues/{number})" if number.isdigit() else name
+
+
+def _findings(store: Store) -> Part:
+    """Every sentence of conclusion with what it rests on; those that depend on the machine come last."""
+    found = statements(store)
+    steady, timed = ([each for each in found if each.machine == kind] for kind in (False, True))
+    return TEXT("findings", count=len(found), steady=steady, timed=timed) if found else Part()
+
+
+CHAPTER = chapter(
+    TEXT,
     appendix,
     needs=NEEDED,
 )

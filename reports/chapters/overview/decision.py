@@ -6,30 +6,26 @@ All of it is read from the table ``choices``; what is enough was decided where t
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from typing import Any
 
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from reports.figures.drawing import GREY, canvas, legend_above, looks, svg
-from reports.formats import NOTHING, code, digits, formatted, share
-from reports.markdown import Part, commands, folded, joined, machine, picture, prose, table
+from reports.formats import code, codes, digits, formatted, share
+from reports.markdown import Part, by_name, commands, filled, table
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("decision")
 CHOICES, EXACT = "choices", "exact"
 PROBLEM = ["scene", "settings"]
-WORDS = ("settings", "quantity", "axis", "name", "contact", "mesh", "verdict", "said", "command")
+NO_OFFER = {**dict.fromkeys(("measure", "element", "contact", "spent"), ""), "error_at_most": None}
 PANELS = 6  # of a picture
+FORMULATION = "Formulation error in the limit of the meshes"
 LEAST = 0.001  # relative, below which an error is not told
-
-
-def choices_of(store: Store, name: str = CHOICES) -> pd.DataFrame:
-    """The table with words where it has nothing; empty where a campaign does not make it."""
-    data = store.table(name) if store.has_table(name) else pd.DataFrame()
-    return data.assign(
-        **{word: data[word].astype(object).where(data[word].notna(), "") for word in WORDS if word in data}
-    )
 
 
 def smallest(rows: pd.DataFrame) -> pd.DataFrame:
@@ -39,50 +35,27 @@ def smallest(rows: pd.DataFrame) -> pd.DataFrame:
 
 def decision_part(store: Store) -> Part:
     """A line a problem and error: what is recommended, and what it takes."""
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     if data.empty:
-        return Part("")
+        return Part()
     offers = data[data["row"] == "offer"].drop_duplicates([*PROBLEM, "asked"])
-    rows = [[row["regime"], problem(row), share(row["asked"], 0), *_offer(row)] for row in offers.to_dict("records")]
-    heads = [
-        "regime",
-        "problem",
-        "within",
-        "measure",
-        "element or part",
-        "algorithm",
-        "mesh",
-        "error at most",
-        "seconds",
-    ]
-    lost = [
-        f"No configuration for `{row['scene']}` within {share(row['asked'], 0)}: {row['said']}."
-        for row in offers.to_dict("records")
-        if not row["mesh"] and row["said"]
-    ]
-    unanswered = " ".join(lost)
-    scenes = ", ".join(map(code, dict.fromkeys(offers[offers["command"].str.contains("grading=adapted")]["scene"])))
+    records = [{**row, **_offer(row)} for row in offers.to_dict("records")]
+    lost = offers[(offers["mesh"] == "") & (offers["said"] != "")]
+    unanswered = " ".join(filled("No configuration for `{scene}` within {asked:.0%}: {said}.", lost))
+    scenes = codes(dict.fromkeys(offers[offers["command"].str.contains("grading=adapted")]["scene"]))
     adapted = f"The grid lines of {scenes} follow an estimate of the error, which is included." if scenes else ""
-    text = prose(f"""## What to use
-
-The reference is the exact measure on an infinitely fine mesh. `footprint choose` recommends the cheapest configuration
-whose error is surely within the tolerance, solved from the unloaded state and certified: the judge, which trusts no
-algorithm, recomputes equilibrium, gaps and pressures. Another measure, element, part (half, quarter, or a sector
-around the patch) or algorithm than the default is recommended only where the seconds, with 1 s for loading, fall by a
-fifth. *Error at most* includes the uncertainty of the reference. Seconds are processor time of that one solve.
-{adapted} Below 0.2 s noise decides. For a problem of your own: `footprint choose SCENE --error 1%`. {unanswered}""")
-    made = table("The configuration recommended", heads, rows, words=7)
-    lines = [row["command"] for row in offers.to_dict("records") if row["command"]]
-    return joined(text, machine(made, commands(lines)))
+    lines = commands(filter(None, offers["command"]))
+    return TEXT("recommended", adapted=adapted, unanswered=unanswered, offers=records, commands=lines)
 
 
-def _offer(row: dict) -> list[str]:
+def _offer(row: dict) -> dict[str, Any]:
+    """The problem, and the words for what is recommended; none where nothing is."""
     if not row["mesh"]:
-        return [NOTHING, NOTHING, NOTHING, NOTHING, NOTHING, NOTHING]
+        return {"problem": problem(row), **NO_OFFER}
     measure, element = (row["name"], "default") if row["axis"] == "measure" else (EXACT, row["name"])
     spent = digits(row["seconds"], 2) if str(row["tried"]) == "True" else f"about {digits(row['seconds'], 2)}"
-    chosen = [code(measure), element, code(row["contact"]), row["mesh"]]
-    return [*chosen, share(row["error_at_most"], 1), spent]
+    chosen = {"measure": code(measure), "element": element, "contact": code(row["contact"]), "spent": spent}
+    return {"problem": problem(row), **chosen}
 
 
 def problem(row: dict) -> str:
@@ -93,20 +66,16 @@ def problem(row: dict) -> str:
 
 def limits_part(store: Store) -> Part:
     """The error of each measure in the limit of the meshes, with its interval."""
-    own = choices_of(store, "measure_limits")
-    if own.empty:
-        return Part("")
-    names = [name for name in dict.fromkeys(own["name"]) if name != EXACT]
-    rows = []
-    for _, each in own.groupby(PROBLEM, sort=False):
-        by = {row["name"]: row for row in each.to_dict("records")}
-        rows.append([problem(each.iloc[0].to_dict()), *(limit_error(by[n]) if n in by else NOTHING for n in names)])
-    text = prose("""The error of each measure in the limit of the meshes, against the exact one, with the interval of
-that limit; *not settled* where the interval is wider than the difference. *failed*: the load is not reached; *not
-known*: the grids do not converge. †: its finest grid has fewer than half the unknowns of the exact one's, so that the
-interval may be too narrow. The error of a mesh comes on top.""")
-    shown = table("Formulation error in the limit of the meshes", ["problem", *map(code, names)], rows)
-    return joined(text, machine(shown))
+    own = store.rows("measure_limits")
+    return TEXT("limits", table=by_problem(FORMULATION, own, limit_error, without=EXACT)) if len(own) else Part()
+
+
+def by_problem(title: str, own: pd.DataFrame, entry: Callable[[dict], str], without: str = "") -> str:
+    """A table with a line a problem and a column a name."""
+    names = [name for name in dict.fromkeys(own["name"]) if name != without]
+    problems = (((problem(each.iloc[0].to_dict()),), each) for _, each in own.groupby(PROBLEM, sort=False))
+    rows = by_name(problems, names, entry)
+    return table(title, ["problem", *map(code, names)], rows)
 
 
 def limit_error(row: dict) -> str:
@@ -124,11 +93,8 @@ def limit_error(row: dict) -> str:
 
 def measures_picture(store: Store) -> Part:
     """The error of measures over seconds, a panel a problem."""
-    data = choices_of(store)
-    if data.empty:
-        return Part("")
-    words = "Error at most over processor time of all grids so far: the line of each measure flattens at its own error"
-    return picture("index-measures.svg", words, errors_over_seconds(data))
+    data = store.rows(CHOICES)
+    return TEXT("measures", {"index-measures.svg": errors_over_seconds(data)}) if len(data) else Part()
 
 
 @svg
@@ -170,22 +136,13 @@ def _shown(rows: pd.DataFrame) -> Iterator[pd.DataFrame]:
 
 def options_part(store: Store) -> Part:
     """Options of the element: what the cheapest mesh of each takes, folded."""
-    data = choices_of(store)
+    data = store.rows(CHOICES)
     own = data[(data["row"] == "variant") & (data["axis"] == "element")] if len(data) else data
     if own.empty:
-        return Part("")
+        return Part()
     own = own[own["asked"] == own["asked"].min()]
-    error = share(own["asked"].min(), 0)
-    names = list(dict.fromkeys(own["name"]))
-    rows = []
-    for _, each in own.groupby(PROBLEM, sort=False):
-        by = {row["name"]: row for row in each.to_dict("records")}
-        rows.append([problem(each.iloc[0].to_dict()), *(_mesh(by[name]) if name in by else NOTHING for name in names)])
-    text = prose("""Seconds where each grid starts from the solution on a coarser one. *no mesh yet*: not within that
-error on the grids that there was time for; *not enough*: its limit is farther off; *not settled*: its limit may be;
-*not known*: it has no limit.""")
-    shown = table(f"The mesh from which on the error is surely within {error}", ["problem", *map(code, names)], rows)
-    return Part(machine(folded("Options of the element, each changed alone", f"{text}\n\n{shown}")))
+    title = f"The mesh from which on the error is surely within {share(own['asked'].min(), 0)}"
+    return TEXT("options", table=by_problem(title, own, _mesh))
 
 
 def _mesh(row: dict) -> str:

@@ -11,9 +11,11 @@ from matplotlib.lines import Line2D
 
 from reports.figures.drawing import BLACK, canvas, looks, svg
 from reports.formats import NOTHING, fixed
-from reports.markdown import Part, joined, picture, prose, table
+from reports.markdown import Part
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("convergence")
 REMEDY, STIFF = "constant-s33", "full-3d"
 DEFAULT = "relaxed"  # membrane of the default element
 YARDSTICKS: dict[str, dict[str, Any]] = {  # bilinear elements, drawn in the colours of their meshes
@@ -27,57 +29,44 @@ def locking_part(store: Store) -> Part:
     """The whole section."""
     data = store.table("membrane_locking")
     known = data.dropna(subset=["yardstick_reduced"])
-    better = int((known["energy_norm_error"] < known["yardstick_reduced"]).sum())
-    least = float((known["yardstick_unreduced"] / known["energy_norm_error"]).min())
     by_h, by_l = rates(data)
-    text = prose("""## Locking
-
-An element locks when it can bend only with a strain that real bending does not have, which costs the more the thinner
-the shell is. The mesh stays, the shell gets thinner: a ratio found/exact that stays where it is has no locking in it;
-its distance from 1 is the ordinary error of the mesh. All problems are linear. Poisson thickness locking is a property
-of the section, the same on every mesh and at every thickness.""")
-    law = prose(f"""*What is not removed*: the free hyperboloid locks on coarse meshes. Its excess U/U_h - 1, less what
-is there at h/R = {STILL:g}, follows (l³/h)² with the length l of an element (factor {by_h} for the last decade of h and
-{by_l} for a halving of l on the coarsest meshes): l³ must be small against h R². None of the membrane options removes
-it.
-
-The yardstick of the picture is what Elmer (ElmerCSC/elmerfem, tests `Shell_BenchmarkCase1_Quad` and
-`Shell_BenchmarkCase2_Quad`) prints of bilinear elements on the cylinder: errors of this element, with either membrane
-option, are below those of the reduced one in {better} of {len(known)} cases, and below those of the unreduced one by a
-factor of at least {fixed(least, 1)}.""")
-    heads = ["locking", "problem", "elements", "thick", "found/exact", "thin", "found/exact"]
-    body = table("Found over exact, from thick to thin", heads, _rows(store, data), words=2)
-    words = "Error in the energy norm over h/R, by surface, ends and mesh"
-    drawn = picture("locking-membrane.svg", words, draw_membrane(data[data["membrane"] == DEFAULT]))
-    return joined(text, body, drawn, law)
+    told = {
+        "count": len(known),
+        "better": int((known["energy_norm_error"] < known["yardstick_reduced"]).sum()),
+        "least": float((known["yardstick_unreduced"] / known["energy_norm_error"]).min()),
+        "still": STILL,
+    }
+    drawn = {"locking-membrane.svg": draw_membrane(data[data["membrane"] == DEFAULT])}
+    return TEXT("locking", drawn, rows=list(_rows(store, data)), by_h=by_h, by_l=by_l, **told)
 
 
-def _rows(store: Store, data: pd.DataFrame) -> Iterator[list[object]]:
+def _rows(store: Store, data: pd.DataFrame) -> Iterator[dict[str, Any]]:
     """A line a problem and mesh: stiffness, deflection or energy found over exact, of a thick and of a thin one."""
     walls = store.table("thickness_locking")
     walls = walls[(walls["elements"] == walls["elements"].max()) & (walls["load"] == walls["load"].iloc[0])]
     for section in (STIFF, REMEDY):
-        own = walls[walls["section"] == section].drop_duplicates("nu").sort_values("nu")
-        ends = (entry for row in (own.iloc[0], own.iloc[-1]) for entry in _end("ν", row["nu"], row["stiffness_ratio"]))
-        yield ["Poisson thickness", f"bending, `{section}`: stiffness", own["elements"].iloc[0], *ends]
+        own = walls[walls["section"] == section].sort_values("nu")
+        yield _ends(own, "nu", "stiffness_ratio", "Poisson thickness", f"bending, `{section}`: stiffness", "ν")
     shear = store.table("shear_locking").sort_values("l_over_h")
-    ends = (entry for row in (shear.iloc[0], shear.iloc[-1]) for entry in _end("l/h", row["l_over_h"], row["ratio"]))
-    yield ["shear", "cantilever: deflection", shear["elements"].iloc[0], *ends]
-    for n, own in store.table("curved_beam").groupby("elements"):
-        yield ["curved beam", "quarter ring: deflection", n, *_thinned(own, "ratio")]
-    mine = data[data["membrane"] == DEFAULT]
-    for (surface, end, count), own in mine.groupby(["surface", "end", "elements"], sort=False):
-        yield ["membrane", f"{surface}, {end} ends: energy", count, *_thinned(own, "energy_ratio")]
+    yield _ends(shear, "l_over_h", "ratio", "shear", "cantilever: deflection", "l/h")
+    for _, own in _thinned(store.table("curved_beam")).groupby("elements"):
+        yield _ends(own, "h_over_R", "ratio", "curved beam", "quarter ring: deflection", "h/R")
+    mine = _thinned(data[data["membrane"] == DEFAULT])
+    for surface, end, count in data[["surface", "end", "elements"]].drop_duplicates().to_numpy():
+        own = mine[(mine["surface"] == surface) & (mine["end"] == end) & (mine["elements"] == count)]
+        yield _ends(own, "h_over_R", "energy_ratio", "membrane", f"{surface}, {end} ends: energy", "h/R")
 
 
-def _thinned(rows: pd.DataFrame, name: str) -> list[str]:
-    """The thickest and the thinnest."""
-    own = rows.sort_values("h_over_R", ascending=False)
-    return [entry for row in (own.iloc[0], own.iloc[-1]) for entry in _end("h/R", row["h_over_R"], row[name])]
+def _thinned(rows: pd.DataFrame) -> pd.DataFrame:
+    """From the thickest to the thinnest."""
+    return rows.sort_values("h_over_R", ascending=False)
 
 
-def _end(name: str, at: float, ratio: float) -> tuple[str, str]:
-    return f"{name} = {at:g}", fixed(ratio, 3)
+def _ends(rows: pd.DataFrame, at: str, ratio: str, kind: str, problem: str, name: str) -> dict[str, Any]:
+    """The first and the last row."""
+    first, last = rows.iloc[0], rows.iloc[-1]
+    ends = {"thick": first[at], "thick_ratio": first[ratio], "thin": last[at], "thin_ratio": last[ratio]}
+    return {"kind": kind, "problem": problem, "elements": int(first["elements"]), "name": name, **ends}
 
 
 @svg

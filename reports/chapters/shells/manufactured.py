@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
@@ -9,16 +12,13 @@ from matplotlib.figure import Figure
 
 from reports.figures.drawing import BLACK, canvas, legend_above, lines, svg, ticks
 from reports.formats import fixed
-from reports.markdown import Part, commands, joined, listing, picture, prose, table
+from reports.markdown import Part, commands
 from reports.store.tables import Store
+from reports.template import Template
 
+TEXT = Template("convergence")
 COMMANDS = ("footprint run truth", "footprint solve manufactured --measure sanders --mesh 32x32")
-NORMS = {
-    "displacement": "displacement, L2",
-    "resultants": "resultants at Gauss points, L2",
-    "mean_resultants": "mean resultants of elements",
-    "energy": "energy norm",
-}
+NORMS = ("displacement", "resultants", "mean_resultants", "energy")
 KINDS = {"exact": "exact", "linear": "linear"}  # of measures; the others are nonlinear approximations
 OTHER = "nonlinear approximations"
 DRAWN = ("torus", "refined")  # surface and element of the picture
@@ -26,75 +26,56 @@ DRAWN = ("torus", "refined")  # surface and element of the picture
 
 def manufactured_part(store: Store) -> Part:
     """The whole section."""
-    found = store.analysis("manufactured_orders")
-    return joined(
-        _introduction(store, found),
-        _statements(store),
-        _orders(store, found),
-        picture("manufactured.svg", "Errors of all measures on a torus over the mesh", errors(_drawn_rows(store))),
-        _contact(store),
-        commands(COMMANDS),
-    )
+    found, rules, data = store.table("manufactured_orders"), store.rules(), store.table("manufactured")
+    far = len(found[~found["near"]])
+    told = {
+        "count": len(found),
+        "far": f"{far} lie" if far else "none lies",
+        "coarse": found["coarse"].astype(bool).sum(),
+        "rising": found["rising"].astype(bool).sum(),
+        "below": rules["theory_mean_resultants"] - rules["coarse_below"],
+        "finest": found["n"].max(),
+        "statements": _statements(store),
+        "spans": list(_spans(found)),
+    }
+    surface, element = DRAWN
+    own = data[(data["group"] == "measures") & (data["surface"] == surface) & (data["element"] == element)]
+    drawn = {"manufactured.svg": errors(own)}
+    return TEXT("manufactured", drawn, rules=rules, **told, **_contact(store), commands=commands(COMMANDS))
 
 
-def _introduction(store: Store, found: pd.DataFrame) -> str:
-    rules = store.rules()
-    far, theory = found[~found["near"]], rules["theory_displacement"]
-    outside = "none lies" if far.empty else f"{len(far)} lie"
-    coarse = found["coarse"].astype(bool)
-    return prose(f"""## Orders against theory
-
-In a manufactured solution a motion of both faces is given; the statement of the measure, the law of the section
-resultants and equilibrium give the loads under which it is exact. So the error of a mesh is known in every norm,
-without a reference and without extrapolation. Of {len(found)} orders of the displacement {outside} further from
-{theory:g} than {rules["near_order"]:g}. Resultants are of the first order at the Gauss points, because the element has
-no linear mode of most strains, and of the second in the mean over an element; of the {coarse.sum()} orders of means
-below {rules["theory_mean_resultants"] - rules["coarse_below"]:g}, {found["rising"].astype(bool).sum()} are higher than
-on the meshes before.""")
-
-
-def _statements(store: Store) -> str:
+def _statements(store: Store) -> Part:
+    """Are the tables of the measures what these state?"""
     data = store.table("manufactured_statements")
     wrong = data[data["wrong"].notna()]
     if wrong.empty:
-        judged = data["measure"].nunique()
-        return prose(f"""The tables of all {judged} quadratic measures are what the measures state, coefficient by
-coefficient (least squares over random gradients).""")
-    return listing(
-        "Coefficients that are not what the measure states", wrong, "measure | wrong", "`{measure}` | {wrong}"
-    )
+        return TEXT("coefficients-kept", judged=data["measure"].nunique())
+    return TEXT("coefficients-wrong", rows=wrong)
 
 
-def _orders(store: Store, found: pd.DataFrame) -> str:
-    """A line an element and kind of measure."""
-    kinds, rows = found["measure"].map(KINDS).fillna(OTHER), []
+def _spans(found: pd.DataFrame) -> Iterator[dict[str, Any]]:
+    """The lowest and the highest order in each norm, by element and kind of measure."""
+    kinds = found["measure"].map(KINDS).fillna(OTHER)
     for (element, kind), own in found.groupby(["element", kinds], sort=False):
-        spans = (own[f"order_{norm}"] for norm in NORMS)
-        rows.append([element, kind, len(own), *(f"{fixed(s.min(), 2)} to {fixed(s.max(), 2)}" for s in spans)])
-    rows.append(["theory", "", "", *(f"{store.rules()[f'theory_{norm}']:g}" for norm in NORMS)])
-    title = f"Orders between the two finest meshes, the last {found['n'].max()} elements along either side"
-    return table(title, ["element", "measures", "cases", *NORMS.values()], rows, words=2)
+        orders = {norm: own[f"order_{norm}"] for norm in NORMS}
+        spans = {norm: f"{fixed(order.min(), 2)} to {fixed(order.max(), 2)}" for norm, order in orders.items()}
+        yield {"element": element, "kind": kind, "cases": len(own), **spans}
 
 
-def _contact(store: Store) -> str:
-    orders, data = store.analysis("manufactured_contact_orders"), store.table("manufactured_contact")
+def _contact(store: Store) -> dict[str, Any]:
+    """Orders of displacement, pressure and edge with contact, and how far the edge is off."""
+    orders, data = store.table("manufactured_contact_orders"), store.table("manufactured_contact")
     spans = {name: orders[f"order_{name}"] for name in ("displacement", "pressure", "edge")}
-    of = {name: f"{fixed(s.median(), 1)} ({fixed(s.min(), 1)} to {fixed(s.max(), 1)})" for name, s in spans.items()}
-    away, least = orders["edge_elements"], orders.sort_values("order_displacement").iloc[0]
-    unsolved = sorted(set(data[~data["class"].isin(("converged", "unstable"))]["measure"]))
-    return prose(f"""**With contact** a piece is led onto a ball, and the edge of contact moves along the path. Of
-{orders["measure"].nunique()} measures {len(unsolved) or "none"} failed on a mesh. Orders over {len(orders)} cases,
-medians and ranges: displacement {of["displacement"]}, pressure {of["pressure"]}, edge {of["edge"]}; the lowest of
-displacements is that of {least["measure"]} on the {least["surface"]} at radius {least["radius"]:g}. The first order is
-all that an edge can have: where a gap opens with the square of the distance, an error l² of the face moves the edge by
-about l. On the finest meshes its error is {fixed(away.min(), 1)} to {fixed(away.max(), 1)} elements; since its place
-within an element is any, errors jump from mesh to mesh.""")
-
-
-def _drawn_rows(store: Store) -> pd.DataFrame:
-    data = store.table("manufactured")
-    surface, element = DRAWN
-    return data[(data["group"] == "measures") & (data["surface"] == surface) & (data["element"] == element)]
+    away, unsolved = orders["edge_elements"], data[~data["class"].isin(("converged", "unstable"))]["measure"]
+    return {
+        "measures": orders["measure"].nunique(),
+        "unsolved": unsolved.nunique() or "none",
+        "touching": len(orders),
+        "of": {n: f"{fixed(s.median(), 1)} ({fixed(s.min(), 1)} to {fixed(s.max(), 1)})" for n, s in spans.items()},
+        "least": orders.sort_values("order_displacement").iloc[0],
+        "nearest": away.min(),
+        "farthest": away.max(),
+    }
 
 
 @svg

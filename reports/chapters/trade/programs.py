@@ -8,11 +8,12 @@ from typing import Any
 import pandas as pd
 from matplotlib.figure import Figure
 
-from reports.chapter import Chapter
+from reports.chapter import chapter
 from reports.figures.drawing import BLACK, canvas, lines, svg
-from reports.formats import fixed, number, percent, quantity, share
-from reports.markdown import Part, commands, joined, listing, machine, picture, prose
+from reports.formats import NOTHING, fixed, number, percent, quantity, share
+from reports.markdown import Part, commands
 from reports.store.tables import Store
+from reports.template import Template
 
 LEAST = 1e-5  # below it an error is chance
 OURS = "footprint"
@@ -22,44 +23,26 @@ PARTS = {"start": "mesh and start", "assembly": "elements", "factorisation": "fa
 MESH, PLIES = "mesh", "plies"  # reasons, as the table has them
 
 
+def _why(value: object) -> str:
+    return {MESH: "mesh", PLIES: "one direction of plies a brick", "open": "open"}.get(str(value), NOTHING)
+
+
+TEXT = Template("programs", why=_why)
+
+
 def programs_page(store: Store) -> Part:
     """The whole page: of the tables that were made, which take those programs."""
-    text = prose("""# Other programs
-
-The same geometry, material and loads by other programs. No campaign runs them by itself.""")
-    return joined(text, peers_part(store), programs_part(store))
+    return TEXT("page", peers=_peers(store), programs=_programs(store))
 
 
-def peers_part(store: Store) -> Part:
+def _peers(store: Store) -> Part:
     """Work to an equal error beside NGSolve and Kratos; nothing where they were not run."""
-    if not (store.has_table("peers") and store.has_analysis("peer_factors")):
-        return Part("")
-    measured, factors = store.table("peers"), store.analysis("peer_factors").fillna({"mesh": ""})
-    text = prose("""## Time to an equal error
-
-Processor time of one thread from the request to the value, medians of rounds in one run, on a line of meshes for each
-element or order of a program: NGSolve's hexahedra on the tyre, a quarter of it where the plies have mirror planes and
-the whole where they have not; Kratos' corotational shells with the fewest equal load steps from which its
-Newton-Raphson strategy converges. A *unit* is one factorisation by SuperLU of the whole tyre on 42x40, 9840 unknowns.
-Errors are against references that are not ours: the finest solids of NGSolve for tyres, the published table for the
-hemisphere and the cylinder, the elastica for the cantilever. A mesh is *sufficient* when it and all finer ones of its
-line are within the error asked for. *Apart*: the value of the line's finest mesh over that of our cheapest line. The
-cylinder snaps at half of its load: shells follow it by arc length through both limit points, Kratos' load steps jump
-over them.""")
-    said = "\n".join(f"- {sentence}" for sentence in factors_said(factors))
-    heads = "problem | program | line | within | sufficient | unknowns | error | seconds | units | factor | apart"
-    line = "{problem} | `{program}` | {family} | {within:said} | {mesh:said} | {unknowns:.0f} | {error:+.2%} | "
-    line += "{seconds:.2f} | {units:.1f} | {factor:.1f} | {apart:+.2%}"
-    need = listing("What it takes", factors, heads, line, words=3, said=_said)
-    drawn = picture(
-        "cost-peers.svg", "Error over processor time, by problem, program and line", work_precision(measured)
-    )
-    body = machine(text, said, need, drawn.text, commands([MEASURED]))
-    return Part(body, drawn.pictures)
-
-
-def _said(value: object) -> str:
-    return f"{number(100 * value)} %" if isinstance(value, float) else str(value or "–")
+    if not (store.has("peers") and store.has("peer_factors")):
+        return Part()
+    factors, shown = store.table("peer_factors"), commands([MEASURED])
+    told = [{"sentence": sentence} for sentence in factors_said(factors)]
+    drawn = {"cost-peers.svg": work_precision(store.table("peers"))}
+    return TEXT("peers", drawn, said=told, factors=factors, commands=shown)
 
 
 def factors_said(factors: pd.DataFrame) -> list[str]:
@@ -88,11 +71,8 @@ def _compared(program: str, ours: pd.Series, peer: pd.Series) -> str:
     if peer["factor"] >= bar:
         return f"{took}; the bar of {number(bar)} is met."
     floor = "would be met" if peer["bare"] >= bar else "would be missed"
-    return (
-        f"{took}; the bar of {number(bar)} is missed. Time goes to {_shares(ours)} in `{OURS}`, to {_shares(peer)} in "
-        f"`{program}`. The floor of `{OURS}` on this mesh is its factorisations: with nothing else the factor would be "
-        f"{fixed(peer['bare'], 1)}, and the bar {floor}."
-    )
+    told = {"took": took, "program": program, "ours": _shares(ours), "theirs": _shares(peer), "floor": floor}
+    return str(TEXT("floor", **told, bar=bar, bare=peer["bare"]))
 
 
 def _others(lines_of: pd.DataFrame) -> str:
@@ -126,23 +106,12 @@ def work_precision(data: pd.DataFrame) -> Figure:
     return figure
 
 
-def programs_part(store: Store) -> Part:
+def _programs(store: Store) -> Part:
     """Scenes in other programs from our decks, without an edit; nothing where they were not run."""
-    if not (store.has_table("programs") and store.has_analysis("program_agreement")):
-        return Part("")
-    finest = store.analysis("program_agreement")
-    text = prose("""## The same decks
-
-A scene is written as a deck of quadratic bricks between the faces of the shell (`footprint export`) and run as it is;
-what comes back is read as the scene reads its own. *Apart*: its value over ours, less one. *Why*: what explains
-a difference beyond 1 %, where our own solid of 27-node bricks, with the deck's one direction of plies in every brick,
-or a coarser mesh shows it.""")
-    heads = "scene | program | mesh | quantity | load | theirs | ours | apart | why"
-    line = "{case} | {program} | {mesh} | {quantity} | {load:.3g} | {theirs:.4g} | {ours:.4g} | "
-    best = listing(
-        "Finest meshes", finest, heads, f"{line}{{difference:+.1%}} | {{reason:said}}", words=4, said=_reason
-    )
-    return Part(machine(text, " ".join(agreements(finest)), best, commands([DECKS])))
+    if not (store.has("programs") and store.has("program_agreement")):
+        return Part()
+    finest = store.table("program_agreement")
+    return TEXT("programs", finest=finest, agreements=" ".join(agreements(finest)), commands=commands([DECKS]))
 
 
 def agreements(finest: pd.DataFrame) -> list[str]:
@@ -168,14 +137,8 @@ def _beyond(row: Mapping[Hashable, Any]) -> str:
     return f"{told}, for a reason that is not known."
 
 
-def _reason(value: object) -> str:
-    return {MESH: "mesh", PLIES: "one direction of plies a brick", "open": "open"}.get(str(value), "–")
-
-
-CHAPTER = Chapter(
-    "programs",
-    "Other programs",
-    "NGSolve, Kratos and CalculiX on the same problems: values, and the time to an equal error.",
+CHAPTER = chapter(
+    TEXT,
     programs_page,
     needs=("programs", "program_agreement"),
 )

@@ -20,7 +20,7 @@ from studies.campaigns import share_cells, sheet_cells
 from studies.request import Request, Settings
 from studies.result import UNSUPPORTED
 from studies.scenes.element import PRESETS
-from studies.step import Step
+from studies.step import seen_in
 from studies.store.times import interval, read_times, times_path
 
 MISSING = "missing"
@@ -74,8 +74,8 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
         failure = answers.archive.failure(planned["id"]) or {"class": MISSING, "reason": ""}
         return {**row, "outcome": failure["class"], "reason": failure["reason"]}
     found = answer.record
-    last = Step.of(found["steps"][-1] if found["steps"] else {}, found["counters"])
-    numbers = {key: value for key, value in last.seen.items() if _is_number(value)}
+    last = found["steps"][-1] if found["steps"] else {}
+    numbers = {key: value for key, value in seen_in(last, found["counters"]).items() if _is_number(value)}
     return {
         **row,
         **{"outcome": found["class"], "reason": found["reason"]},
@@ -87,7 +87,7 @@ def _row(answers: Answers, planned: Mapping[str, Any]) -> dict[str, Any]:
         "c.substeps": sum(step.get("substeps", 1) for step in found["steps"]),
         **{f"t.{key}": value for key, value in found["timing_s"].items()},
         **_seconds(found["timing_s"]),
-        **{f"k.{key}": number(value) for key, value in last.certificate.get("kkt", {}).items()},
+        **{f"k.{key}": number(value) for key, value in last.get("kkt", {}).items()},
     }
 
 

@@ -16,8 +16,9 @@ import pandas as pd
 from studies.analysis.cells.answers import Answer, Answers
 from studies.analysis.cells.rows import STEP_KEYS, holding, ladders
 from studies.analysis.richardson import MeshSequence, order_against
-from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS, Ladder
+from studies.campaigns.ladder_cells import BENCHMARKS, LABEL, LADDERS
 from studies.scene import Reference
+from studies.scenes.ladders import Ladder
 
 COLUMNS = (
     *("sequence", "ladder", "family", "element", "scene", "measure", "quantity", "at", "mesh", "size", "dofs", "value"),

@@ -15,8 +15,8 @@ import pandas as pd
 from formulations.element.mixed import THICKNESS_STRAINS
 from studies.analysis.cells.answers import Answer, Answers, number
 from studies.analysis.comparisons.element_choice import EQUAL
-from studies.campaigns.ladder_cells import Ladder
 from studies.campaigns.share_cells import COMPARED, LABEL, meshes_of, read_at
+from studies.scenes.ladders import Ladder
 
 FARTHER = 0.05  # a finer mesh that goes this much farther does not confirm the end of a path
 END = "_limit_point"  # ends the quantity, named by its stage, that says where a path turned back for good

@@ -72,7 +72,7 @@ BENT, PRESSED, BEAM, ROOF = (
 )
 _HINGED = {
     f"roof-{letter}": Kind(ROOF, _of(each.thickness, roofs.RADIUS), own=False)
-    for letter, each in zip("abcdef", roofs.ROOFS, strict=True)
+    for letter, each in zip("abcdef", roofs.SCENES, strict=True)
 }
 _SEMI = _of(semicylinder.H, semicylinder.RADIUS)
 KINDS: Mapping[str, Kind] = {

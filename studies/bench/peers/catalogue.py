@@ -12,8 +12,8 @@ from functools import partial
 
 from contact.problem import Outcome
 from studies.bench.peers.problems import DELTA_MM, Line, Solved
-from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.complete import complete
+from studies.scenes.tyre.scene import ISOTROPIC
 from studies.solving import solve
 from studies.stopwatch import timed
 

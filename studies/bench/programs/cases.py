@@ -5,7 +5,7 @@ from __future__ import annotations
 from studies.bench.peers.catalogue import FOLLOWER
 from studies.bench.peers.problems import DELTA_MM
 from studies.bench.programs.case import Case
-from studies.campaigns.ladder_cells import ISOTROPIC
+from studies.scenes.tyre.scene import ISOTROPIC
 
 FULL = {"load_fraction": "1"}
 

@@ -9,8 +9,7 @@ from pathlib import Path
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store, progress_bar
 from studies.request import UsageError
-from studies.trust.again import ALL
-from studies.trust.merge import merge
+from studies.trust.merge import ALL, merge
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

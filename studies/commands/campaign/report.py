@@ -10,7 +10,7 @@ from reports.store.reading import StoreError
 from studies.commands import FAILED, OK
 from studies.commands.options import add_store
 from studies.scene import UsageError
-from studies.store.door import check_store
+from studies.store.layout import check_store
 
 PAGES = Path("reports/pages")
 

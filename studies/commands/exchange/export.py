@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from studies.commands import OK
-from studies.commands.options import add_settings, pairs
+from studies.commands.options import add_model, add_settings, check_file, named, pairs
 from studies.exchange.deck import AUTO, INTEGRATIONS, deck
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
@@ -27,14 +27,14 @@ def add_problem(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--measure", default="exact", help="linear: small displacements; all others: large ones")
     parser.add_argument("--mesh", help="N1xN2 bricks along a1 and a2; default that of the scene")
     parser.add_argument("--through", type=int, default=1, metavar="N", help="bricks through each ply of a shell")
-    parser.add_argument("--model", default="auto", help="auto, full, or what else the scene has")
+    add_model(parser)
     add_settings(parser)
 
 
 def problem_asked(options: argparse.Namespace) -> Problem:
     """The problem of the options; raises UsageError."""
-    named = {name: getattr(options, name) for name in ("measure", "model")}
-    return problem_of(options.scene, pairs(options.settings), options.mesh, options.through, **named)
+    how = named(options, "measure", "model")
+    return problem_of(options.scene, pairs(options.settings), options.mesh, options.through, **how)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,8 +50,7 @@ def run(options: argparse.Namespace) -> int:
     """Write the file, whole or not at all."""
     if options.format not in FORMATS:
         raise UsageError(f"format {options.format!r} must be one of {', '.join(FORMATS)}")
-    if options.out.is_dir():
-        raise UsageError(f"--out {options.out} is a directory, not a file")
+    check_file(options.out)
     problem = problem_asked(options)
     write_by(options.out, lambda path: _writer(options)(path, problem))
     bricks = problem.bricks

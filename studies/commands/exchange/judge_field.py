@@ -8,7 +8,7 @@ from pathlib import Path
 
 from studies.commands import FAILED, NOT_CONVERGED, OK
 from studies.commands.exchange.export import add_problem, problem_asked
-from studies.commands.options import pairs
+from studies.commands.options import named, pairs
 from studies.door.columns import columns
 from studies.exchange.judging import Comparison, compared, our_solution
 from studies.exchange.results import read_results
@@ -31,8 +31,8 @@ def run(options: argparse.Namespace) -> int:
     tolerance = parse_error(options.tolerance)
     problem = problem_asked(options)
     found = read_results(options.results, problem)
-    named = {name: getattr(options, name) for name in ("measure", "model")}
-    ours = our_solution(problem, [each.load for each in found], pairs(options.settings), options.ours, **named)
+    how = named(options, "measure", "model")
+    ours = our_solution(problem, [each.load for each in found], pairs(options.settings), options.ours, **how)
     if not ours.outcome.converged:
         print(f"footprint: our solution did not converge: {ours.reason}", file=sys.stderr)
         return NOT_CONVERGED

@@ -9,7 +9,7 @@ import pandas as pd
 
 from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
 from studies.commands import FAILED, OK
-from studies.commands.options import positive, progress_bar
+from studies.commands.options import check_directory, check_file, positive, progress_bar
 from studies.door.columns import columns
 from studies.request import UsageError
 
@@ -96,8 +96,7 @@ def _make(options: argparse.Namespace) -> int:
     from studies.arena.collected.frictional import FAMILIES, FRICTIONAL, choose_frictional
     from studies.arena.collected.rule import STEPS, choose
 
-    if options.out.is_file():
-        raise UsageError(f"--out {options.out} is a file, not a directory")
+    check_directory(options.out)
     done = 0
     with progress_bar("problems") as advance:
 
@@ -166,8 +165,7 @@ def _import(options: argparse.Namespace) -> int:
     from studies.arena.collected.formats import read_lcp
     from studies.store.atomic import write_by
 
-    if options.out.is_dir():
-        raise UsageError(f"--out {options.out} is a directory, not a file")
+    check_file(options.out)
     step = of_complementarity(*read_lcp(options.source))
     meta = {"name": options.source.stem, "source": options.source.name}
     write_by(options.out, FrozenStep(**{**vars(step), "meta": meta}).write)

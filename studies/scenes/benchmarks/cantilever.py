@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +12,10 @@ from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
+from studies.scenes.ladders import BENCHMARKS, FULL, LONG, ROTATIONS, Ladder
 from studies.scenes.statics import LOAD_FRACTIONS, Reading, StaticModel, edge_forces
 
 E, L, B, H = 1.2e6, 10.0, 1.0, 0.1  # MPa, mm; nu = 0
@@ -23,6 +25,10 @@ P_MAX = 4.0  # N, 4 E I / L^2 in all, spread over the edge, dead
 ELASTICA = ((0.25, 0.56433, 3.01721), (0.5, 1.60642, 4.93457), (0.75, 2.54420, 6.03253), (1.0, 3.28941, 6.69964))
 SZE = ((0.25, 0.563, 3.015), (0.5, 1.604, 4.933), (0.75, 2.541, 6.031), (1.0, 3.286, 6.698))
 SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.1 (S4R, 16x1)"
+TIP: Mapping[str, str] = {
+    "tip_deflection_mm": "motion of the tip along the normal, mean over both faces of the loaded edge",
+    "tip_shortening_mm": "motion of the tip against a1, mean over both faces of the loaded edge",
+}
 SZE_ERROR = 4e-3  # mm, the S4R table is off the elastica by up to this
 
 
@@ -60,9 +66,18 @@ class Cantilever:
     default_mesh: tuple[int, int] = (16, 1)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = TIP
+    ladders: tuple[Ladder, ...] = (
+        # nothing varies across, nu = 0; coarser, two errors of different order take turns
+        Ladder(ROTATIONS, LONG, tuple(TIP), settings=FULL),
+        Ladder(BENCHMARKS, ("16x1", "32x2", "64x4"), ("tip_shortening_mm", "tip_deflection_mm")),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Half of the shear on each face, shared by the nodes as a uniform edge load."""
         strip = clamped_strip(request, L, B, Ply.isotropic(E, 0.0, H))
         tip = strip.grid.on_line(0, L)
         return StaticModel.of(request, strip, tip_motion(strip, tip), forces=edge_forces(strip, 0, L, P_MAX))
+
+
+SCENES: tuple[Scene, ...] = (Cantilever(),)

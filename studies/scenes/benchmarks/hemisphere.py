@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+
 import numpy as np
 
 from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import sphere
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, discretise, even_grid
+from studies.scenes.ladders import BENCHMARKS, EDGES, ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, H = 6.825e7, 0.3, 10.0, 0.04  # MPa, -, mm, mm
@@ -18,6 +22,7 @@ HOLE = np.deg2rad(18.0)
 P_MAX = 400.0  # N per point of the whole hemisphere; two quarters share each point
 
 
+LADDER = Ladder(ROTATIONS, meshes(32, 32, 3), ("inward_mm", "outward_mm"), settings=EDGES, coarser=("16x16",))
 FILE = "sze2004_3.4_hemisphere_18deg_hole.csv"
 SOURCE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.4 (S4R)"
 
@@ -30,6 +35,17 @@ class Hemisphere:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 2e-3, {"outward_mm": (1, 1), "inward_mm": (2, 1)})
+    quantities: Mapping[str, str] = {
+        "outward_mm": "outwards under the force that pulls, at a1 = a2 = 0, mean of both faces",
+        "inward_mm": "inwards under the force that pushes, at a1 = 0, a2 = 90 degrees, mean of both faces",
+    }
+    ladders: tuple[Ladder, ...] = (  # two families with one limit: components or positions interpolated
+        LADDER,
+        replace(
+            LADDER, name="hemisphere-isoparametric", settings={**LADDER.settings, "interpolation": "isoparametric"}
+        ),
+        Ladder(BENCHMARKS, meshes(16, 16, 3), ("outward_mm", "inward_mm")),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Outward pull at a2 = 0, inward push at a2 = 90 degrees, half on each face."""
@@ -44,3 +60,6 @@ class Hemisphere:
         under_loads = normal_at(quarter, {"outward_mm": (pulled, 1), "inward_mm": (pushed, -1)})
         forces = normal_forces(grid, {pulled: P_MAX / 2, pushed: -P_MAX / 2})
         return StaticModel.of(request, quarter, under_loads, forces=forces)
+
+
+SCENES: tuple[Scene, ...] = (Hemisphere(),)

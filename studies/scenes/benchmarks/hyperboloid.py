@@ -8,6 +8,7 @@ formulation and what is mesh is known. At t/R = 1 the solid, too, is solved: two
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -15,12 +16,12 @@ import numpy as np
 from formulations.geometry.surfaces import hyperboloid
 from formulations.section.laminate import Ply
 from studies.request import Request
-from studies.scene import Reference, SceneModel, Setting, UsageError
+from studies.scene import Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, ShearCorrected, area_load
 from studies.scenes.closed_forms.harmonic import HarmonicShell
 from studies.scenes.closed_forms.harmonic_solid import HarmonicSolid
-from studies.scenes.closed_forms.naghdi import NaghdiShell
 from studies.scenes.element import LINES, patch
+from studies.scenes.ladders import LINEAR, Ladder, meshes
 from studies.scenes.statics import StaticModel, normal_at
 
 E, NU, RADIUS, LOAD = 2.85e4, 0.3, 1.0, 1e4  # MPa, -, mm; p = LOAD (t/R)^3 cos 2 phi MPa
@@ -34,6 +35,7 @@ PRECISE = 1e13  # shear_correction/t_over_R^4: all grids solved up to here, none
 MINDLIN = {1.0: 1.3577317, 0.1: 0.18954566, 0.01: 0.15046617, 0.001: 0.1498902}
 TWO_FACES = {1.0: 0.951994037, 0.1: 0.188873629, 0.01: 0.150468689, 0.001: 0.149890247}
 SOLID = {1.0: 0.92698, 0.1: 0.188029}
+DEGREE = 140  # of the polynomials
 DIGITS = 7e-7  # a unit of the last digit printed: the first two are cut off, not rounded
 OF_SOLID = 1e-5
 FORMULATION = "this shell in one dimension, studies/scenes/closed_forms/harmonic.py"
@@ -41,23 +43,18 @@ ELASTICITY = "linear elasticity in two dimensions, studies/scenes/closed_forms/h
 PRINTED = "Reissner-Mindlin shell in one dimension, M. Neunteufel"
 
 
-def mindlin(t: float, degree: int = 140) -> NaghdiShell:
-    """The shell of Reissner and Mindlin of the thickness t [mm]."""
-    return NaghdiShell(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, REISSNER, degree)
-
-
-def two_faces(t: float, degree: int = 140) -> HarmonicShell:
+def two_faces(t: float) -> HarmonicShell:
     """The shell of the suite of the thickness t [mm]."""
-    return HarmonicShell(SURFACE, _wall(t, REISSNER), HARMONIC, LOAD * t**3, RADIUS, False, degree)
+    return HarmonicShell(SURFACE, _wall(t, REISSNER), HARMONIC, LOAD * t**3, RADIUS, False, DEGREE)
 
 
 def _wall(t: float, shear_correction: float) -> ShearCorrected:
     return ShearCorrected((Ply.isotropic(E, NU, t),), -0.5 * t, shear_correction)
 
 
-def solid(t: float, degree: int = 30, through: int = 8) -> HarmonicSolid:
+def solid(t: float) -> HarmonicSolid:
     """The body of the thickness t [mm] without the assumptions of a shell."""
-    return HarmonicSolid(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, degree, through)
+    return HarmonicSolid(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, degree=30, through=8)
 
 
 def _references() -> tuple[Reference, ...]:
@@ -71,6 +68,20 @@ def _references() -> tuple[Reference, ...]:
         for kind, source, within, values in known
         for t, value in values.items()
     )
+
+
+LADDERS = tuple(
+    Ladder(
+        LINEAR,
+        meshes(16, 16, 3),
+        ("w_waist_mm",),
+        "linear",
+        {"t_over_R": ratio},
+        coarser=("8x8",),  # locks in the thin one
+        name=f"free-hyperboloid-{ratio}",
+    )
+    for ratio in ("0.1", "0.001")
+)
 
 
 class FreeHyperboloid:
@@ -87,6 +98,8 @@ class FreeHyperboloid:
         *OTHERS,
     )
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {"w_waist_mm": "outwards at the waist, a1 = a2 = 0"}
+    ladders: tuple[Ladder, ...] = LADDERS
 
     def build(self, request: Request) -> SceneModel:
         """p on the area of the middle surface, half on each face, outwards at a2 = 0.
@@ -109,3 +122,6 @@ class FreeHyperboloid:
 
         at_waist = normal_at(eighth, {"w_waist_mm": (eighth.grid.node_at(0.0, 0.0), 1)})
         return StaticModel.of(request, eighth, at_waist, forces=area_load(eighth, pressure))
+
+
+SCENES: tuple[Scene, ...] = (FreeHyperboloid(),)

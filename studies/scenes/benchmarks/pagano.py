@@ -8,16 +8,19 @@ transverse shears from the equilibrium of each ply, since a constant shear strai
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import Reference, SceneModel, Setting
+from studies.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import patch
+from studies.scenes.ladders import LINEAR, Ladder, meshes
 from studies.scenes.statics import StaticModel, loaded_shell
 
 # MPa; nu_LT = nu_TT. Recalled (Pagano's usual graphite-epoxy); the tests rebuild his table from them to its last digit
@@ -55,6 +58,16 @@ class Pagano:
         *SHELL_SETTINGS,
     )
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "w_bar": "100 E_T w/(q0 h S^4), w at the middle of the plate",
+        "sigma_x_bar": "sigma_x/(q0 S^2) on the upper face at the middle of the plate",
+        "tau_xz_bar": "tau_xz/(q0 S) in the middle plane at x = 0, y = b/2",
+        "tau_yz_bar": "tau_yz/(q0 S) in the middle plane at x = a/2, y = 0",
+    }
+    ladders: tuple[Ladder, ...] = tuple(
+        Ladder(LINEAR, meshes(8, 8), ("w_bar", "sigma_x_bar"), "linear", {"S": S}, name=f"pagano-S{S}")
+        for S in ("10", "100")
+    )
 
     def build(self, request: Request) -> SceneModel:
         """q0 sin(pi x/a) sin(pi y/b) on the outer face; the supports on x = 0 and y = 0 hold the edge's own plane."""
@@ -125,3 +138,6 @@ def _shear_at_middle(laminate: Laminate, divergence: np.ndarray) -> float:
     bottom, top = divergence[middle]
     half = 0.5 * laminate.plies[middle].thickness * (0.75 * bottom + 0.25 * top)
     return float(-(below + half))
+
+
+SCENES: tuple[Scene, ...] = (Pagano(),)

@@ -14,9 +14,10 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from studies.request import Request
-from studies.scene import Reference, SceneModel, Setting
+from studies.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, centred_laminate
 from studies.scenes.element import patch
+from studies.scenes.ladders import LINEAR, Ladder, meshes
 from studies.scenes.statics import StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 3e6, 0.3, 300.0, 600.0, 3.0  # MPa, -, mm, mm, mm
@@ -34,6 +35,10 @@ class PinchedCylinder:
     default_mesh: tuple[int, int] = (32, 32)
     settings: tuple[Setting, ...] = (LOAD_FRACTION, *SHELL_SETTINGS)
     references: tuple[Reference, ...] = (Reference("deflection_mm", 1.82488e-5, AT, "read", SOURCE, 0.005),)
+    quantities: Mapping[str, str] = {"deflection_mm": "inwards under the force, a1 = a2 = 0"}
+    ladders: tuple[Ladder, ...] = (
+        Ladder(LINEAR, meshes(8, 8), ("deflection_mm",), "linear", {"shear_correction": "1000"}),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Three symmetry planes and a diaphragm; half of the force on each face."""
@@ -43,3 +48,6 @@ class PinchedCylinder:
         loaded = eighth.grid.node_at(0.0, 0.0)
         under_load = normal_at(eighth, {"deflection_mm": (loaded, -1)})
         return StaticModel.of(request, eighth, under_load, forces=normal_forces(eighth.grid, {loaded: -P / 4}))
+
+
+SCENES: tuple[Scene, ...] = (PinchedCylinder(),)

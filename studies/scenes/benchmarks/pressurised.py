@@ -26,9 +26,10 @@ from formulations.loads.pressure import PRESSURE_AREAS, Pressure
 from formulations.section.laminate import Laminate, Ply
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting, UsageError
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, patch
+from studies.scenes.ladders import CLOSED, FULL, LONG, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel
 
 E, NU, RADIUS = 1000.0, 0.3, 100.0  # MPa, -, mm
@@ -38,6 +39,10 @@ THIN = 0.1  # mm
 THICKNESS = Setting.positive("h_mm", THIN, "thickness; the closed forms hold for h/R to zero", 20)
 CARRIER = "area that carries the pressure: of the mid-surface or of the true face"
 AREA = Setting.one_of("pressure_area", PRESSURE_AREAS, "mid", CARRIER)
+WALL: Mapping[str, str] = {
+    "stretch": "deformed over reference radius of the middle surface",
+    "thickness_ratio": "deformed over reference thickness",
+}
 FRACTIONS = (0.25, 0.5, 0.75, 1.0)
 ALL_SYMMETRIC = ("symmetric",) * 4
 
@@ -119,6 +124,11 @@ class PressurisedCylinder:
         *_references({"ends": "fixed"}, fixed_cylinder_stretch, fixed_cylinder_load(LARGEST), NU / (1 - NU)),
         *_references({"ends": "open"}, open_cylinder_stretch, open_cylinder_load(LARGEST), NU),
     )
+    quantities: Mapping[str, str] = WALL
+    ladders: tuple[Ladder, ...] = tuple(
+        Ladder(CLOSED, meshes(2, 4), tuple(WALL), settings={**FULL, "ends": ends}, name=f"pressurised-cylinder-{ends}")
+        for ends in ("fixed", "open")
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Length of half a radius."""
@@ -138,6 +148,8 @@ class PressurisedSphere:
     default_mesh: tuple[int, int] = (4, 4)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, THICKNESS, AREA, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references({}, sphere_stretch, sphere_load(LARGEST), 2 * NU / (1 - NU))
+    quantities: Mapping[str, str] = WALL
+    ladders: tuple[Ladder, ...] = (Ladder(CLOSED, meshes(2, 2), tuple(WALL), settings=FULL),)
 
     def build(self, request: Request) -> SceneModel:
         """No rigid motion is left."""
@@ -146,6 +158,9 @@ class PressurisedSphere:
 
 TUBE, AXIS = 100.0, 300.0  # mm: radius r of the tube, distance R of its centre from the axis
 TORUS_PRESSURE, TORUS_E = 0.01, 1e6  # MPa: p r = 1 N/mm strains a wall of 1 mm by 1e-6, so every measure is linear
+
+
+PLACES = {"outer": (np.pi / 2, 1e-3), "crown": (0.0, 2e-2), "inner": (-np.pi / 2, 1e-3)}  # phi, uncertainty
 
 
 def torus_resultants(phi: float) -> tuple[float, float]:
@@ -157,10 +172,9 @@ def torus_resultants(phi: float) -> tuple[float, float]:
 def _torus_references() -> tuple[Reference, ...]:
     """Both resultants at three points; bending of the wall shows most at the crown, as (h/r)^(1/3)."""
     source, at = "linear membrane theory, local and global equilibrium", {"load_fraction": 1.0, "h_mm": THIN}
-    points = {"outer": (np.pi / 2, 1e-3), "crown": (0.0, 2e-2), "inner": (-np.pi / 2, 1e-3)}
     found = (
         references("exact", source, within, [(at, _named(place, torus_resultants(phi)))])
-        for place, (phi, within) in points.items()
+        for place, (phi, within) in PLACES.items()
     )
     return tuple(chain.from_iterable(found))
 
@@ -184,6 +198,14 @@ class PressurisedTorus:
         SOLVER,
     )
     references: tuple[Reference, ...] = _torus_references()
+    quantities: Mapping[str, str] = {
+        name: f"membrane resultant {along}, sum of both faces, at the {place}{'' if place == 'crown' else ' equator'}"
+        for place in PLACES
+        for name, along in zip(_named(place, (0, 0)), ("along the meridian", "around the axis"), strict=True)
+    }
+    ladders: tuple[Ladder, ...] = (  # one element around the axis: nothing varies there
+        Ladder(CLOSED, LONG, tuple(name for place in ("crown", "inner") for name in _named(place, (0, 0)))),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """a1 runs from the outer equator over the crown to the inner one; raises UsageError without a node there."""
@@ -223,3 +245,6 @@ def _even(x: np.ndarray, N: np.ndarray) -> np.ndarray:
 def _cubic(x: np.ndarray) -> np.ndarray:
     """Weights (4,) at 0 of the values at four places x in the cubic through them (Lagrange)."""
     return np.array([np.prod(np.delete(x, k) / (np.delete(x, k) - own)) for k, own in enumerate(x)])
+
+
+SCENES: tuple[Scene, ...] = (PressurisedCylinder(), PressurisedSphere(), PressurisedTorus())

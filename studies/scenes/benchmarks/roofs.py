@@ -5,8 +5,10 @@ The load passes two or four limit points, the displacement may turn back: the cu
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -16,6 +18,7 @@ from studies.request import Request
 from studies.scene import SOLVER, Reference, SceneModel, Setting
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT, LINES, patch
+from studies.scenes.ladders import CANCEL, SNAP, Ladder, meshes
 from studies.scenes.statics import (
     ARC_STEP,
     CURVE_FRACTIONS,
@@ -33,6 +36,7 @@ P_MAX = 3000.0  # N of the whole roof, down; a quarter carries a quarter
 E, NU = 3102.75, 0.3  # MPa
 E_L, E_T, G, NU_LT = 3300.0, 1100.0, 660.0, 0.25  # MPa; G_TT and nu_TT are not in the paper: G_LT and nu_LT
 
+LIMIT = ("limit_load_fraction", "limit_w_C_even_mm")
 SZE = "Sze, Liu, Lo, Finite Elem. Anal. Des. 40 (2004) 1551, sect. 3.8 (S4R), interpolated in its table"
 SOLID = (
     "3D St. Venant-Kirchhoff solid, triquadratic hexahedra; limit load extrapolated from 6x6, 8x8 and 12x12 "
@@ -70,7 +74,30 @@ class Roof:
     solid: tuple[float, float]
     uncertainty: float
     default_mesh: tuple[int, int] = (16, 16)
+    coarsest: int = 8  # elements each way on its ladder
+    cancelling: tuple[str, ...] = ()  # quantities in which errors cancel there
     settings: tuple[Setting, ...] = (CURVE_FRACTIONS, UNTIL, PATH, ARC_STEP, LINES, *ELEMENT, SOLVER)
+
+    quantities: ClassVar[Mapping[str, str]] = {
+        "w_C_mm": "downwards under the force, a1 = a2 = 0; grows by the logarithm of the size of the elements",
+        "w_C_even_mm": "w_C without what elements of another size than the thickness add to it",
+    }
+
+    @property
+    def ladders(self) -> tuple[Ladder, ...]:
+        """To the first limit point."""
+        n = self.coarsest
+        return (
+            Ladder(
+                SNAP,
+                meshes(n, n, 3),
+                LIMIT,
+                settings={"lines": "edges", "until": "limit"},
+                coarser=(f"{n // 2}x{n // 2}",),
+                causes=dict.fromkeys(self.cancelling, CANCEL),
+                whole={"until": "load"},
+            ),
+        )
 
     @cached_property
     def references(self) -> tuple[Reference, ...]:
@@ -109,18 +136,18 @@ def _limit(kind: str, source: str, uncertainty: float, values: tuple[float, floa
     return references(kind, source, within, [({}, dict(zip(within, (*values, values[1]), strict=True)))])
 
 
-def _roof(letter: str, h: float, layers: str, solid: tuple[float, float], uncertainty: float) -> Roof:
+def _roof(letter: str, h: float, layers: str, solid: tuple[float, float], uncertainty: float, **more: Any) -> Roof:
     """A roof by the letter of its section in the paper."""
     title = f"Hinged roof, {h:g} mm, {layers} (Sze 3.8{letter})"
     data = f"sze2004_3.8{letter}_hinged_roof_h{h:g}_{layers.replace('/', '-')}.csv"
-    return Roof(f"roof-{letter}", title, h, layers, data, solid, uncertainty)
+    return Roof(f"roof-{letter}", title, h, layers, data, solid, uncertainty, **more)
 
 
-ROOFS = (
-    _roof("a", 12.7, "isotropic", (0.7387, 10.85), 0.015),
+SCENES: tuple[Roof, ...] = (
+    _roof("a", 12.7, "isotropic", (0.7387, 10.85), 0.015, coarsest=16),
     _roof("b", 12.7, "0/90/0", (0.3592, 9.80), 0.015),
     _roof("c", 12.7, "90/0/90", (0.5919, 13.94), 0.015),
     _roof("d", 6.35, "isotropic", (0.1943, 13.21), 0.01),
     _roof("e", 6.35, "0/90/0", (0.0807, 10.88), 0.03),
-    _roof("f", 6.35, "90/0/90", (0.1579, 15.82), 0.01),
+    _roof("f", 6.35, "90/0/90", (0.1579, 15.82), 0.01, cancelling=("limit_load_fraction",)),
 )

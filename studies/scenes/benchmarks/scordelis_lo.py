@@ -15,9 +15,10 @@ from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Ply
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import Reference, SceneModel, Setting
+from studies.scene import Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import LOAD_FRACTION, SHELL_SETTINGS, area_load, centred_laminate
 from studies.scenes.element import patch
+from studies.scenes.ladders import LINEAR, Ladder, meshes
 from studies.scenes.statics import StaticModel
 
 E, RADIUS, LENGTH, H = 4.32e8, 25.0, 50.0, 0.25  # MPa, mm, mm, mm; nu = 0
@@ -40,6 +41,10 @@ class ScordelisLo:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = (LOAD_FRACTION, *SHELL_SETTINGS)
     references: tuple[Reference, ...] = REFERENCES
+    quantities: Mapping[str, str] = {
+        "edge_deflection_mm": "downwards in the middle of the free edge, a1 = 25 mm, a2 = 40 degrees"
+    }
+    ladders: tuple[Ladder, ...] = (Ladder(LINEAR, meshes(8, 8), ("edge_deflection_mm",), "linear"),)
 
     def build(self, request: Request) -> SceneModel:
         """The diaphragm holds the motion in its plane, half of the weight is on each face."""
@@ -53,3 +58,6 @@ class ScordelisLo:
             return {"edge_deflection_mm": float(down @ both_faces)}
 
         return StaticModel.of(request, quarter, at_edge, forces=area_load(quarter, lambda a1, a2: WEIGHT * down))
+
+
+SCENES: tuple[Scene, ...] = (ScordelisLo(),)

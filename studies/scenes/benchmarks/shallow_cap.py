@@ -12,16 +12,19 @@ symmetry, which a quarter with few elements around cannot show.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from formulations.geometry.surfaces import sphere
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.marguerre_cap import ShallowCap, classical_pressure, shallowness
 from studies.scenes.element import ELEMENT, patch
+from studies.scenes.ladders import SNAP, Ladder
 from studies.scenes.statics import ARC_STEP, CURVE_FRACTIONS, PATH, CurveModel, normal_at
 
 E, NU, RADIUS, BASE = 1e4, 0.3, 2000.0, 100.0  # MPa, -, mm, mm
@@ -69,6 +72,10 @@ class ShallowSphericalCap:
     default_mesh: tuple[int, int] = (32, 4)
     settings: tuple[Setting, ...] = (SHALLOWNESS, HOLE, CURVE_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {"w_apex_mm": "downwards at the edge of the small hole at the apex"}
+    ladders: tuple[Ladder, ...] = (  # nothing varies around the axis
+        Ladder(SNAP, ("8x2", "16x2", "32x2", "64x2"), ("limit_load_fraction", "limit_w_apex_mm")),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Dead pressure along the normals, half on each face; load fraction 1 is the classical pressure."""
@@ -83,3 +90,6 @@ class ShallowSphericalCap:
         forces += edge_force(quarter, 0, rim, lambda a1, a2: plug)
         at_apex = normal_at(quarter, {"w_apex_mm": (quarter.grid.on_line(0, rim), -1)})
         return CurveModel.of(request, quarter, at_apex, forces=forces)
+
+
+SCENES: tuple[Scene, ...] = (ShallowSphericalCap(),)

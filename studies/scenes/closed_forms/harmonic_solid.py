@@ -1,7 +1,7 @@
 """A thick shell of revolution under a pressure p cos(n a2) as a solid: linear elasticity without any shell assumption.
 
 Displacements v_i(a1, z) cos or sin(n a2) in integrated Legendre polynomials along the meridian and through the wall,
-the same letters as in :mod:`studies.scenes.closed_forms.naghdi`::
+with the gradients of :mod:`formulations.strains.quantities`, the same letters, at z = 0::
 
     E_aa = lam_a/(1 + k_a z),  2E_12 = om_1/(1 + k_1 z) + om_2/(1 + k_2 z),  E_33 = v3,z,
     2E_a3 = v_a,z - th_a/(1 + k_a z)
@@ -18,7 +18,8 @@ from numpy.polynomial import legendre
 
 from formulations.geometry.surfaces import Geometry, Surface
 from studies.scenes.closed_forms.harmonic import integrated_legendre, solved
-from studies.scenes.closed_forms.naghdi import EVEN, ODD, gradients
+
+EVEN, ODD = np.array([1.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])  # of (v1, v2, v3): ~ cos(n a2), ~ sin(n a2)
 
 
 @dataclass(frozen=True)
@@ -86,3 +87,23 @@ class HarmonicSolid:
         rise = np.einsum("gm,yk,vi->iygmkv", value, across_slope * (2.0 / self.t), np.diag(present))
         rows = lam[0], lam[1], rise[2], om[0] + om[1], rise[0] - th[0], rise[1] - th[1]
         return np.stack(rows, axis=2).reshape(len(layers) * len(value), 6, -1, 3)
+
+
+def gradients(
+    geometry: Geometry, value: np.ndarray, slope: np.ndarray, present: np.ndarray, turned: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """lam, om, th of a vector, each (g, 2 directions, n, 3 amplitudes); B_2 = 0.
+
+    present (3,): which components are not zero at this a2; turned (3,): their derivatives by a2.
+    """
+    lam, om, th = (np.zeros((len(value), 2, value.shape[1], 3)) for _ in range(3))
+    along, across = slope / geometry.A[:, :1], value / geometry.A[:, 1:]
+    k1, k2, B1 = geometry.k[:, :1], geometry.k[:, 1:], geometry.B[:, :1]
+    lam[:, 0, :, 0], lam[:, 0, :, 2] = along * present[0], k1 * value * present[2]
+    lam[:, 1, :, 1], lam[:, 1, :, 2] = across * turned[1], k2 * value * present[2]
+    lam[:, 1, :, 0] = B1 * value * present[0]
+    om[:, 0, :, 1] = along * present[1]
+    om[:, 1, :, 0], om[:, 1, :, 1] = across * turned[0], -B1 * value * present[1]
+    th[:, 0, :, 2], th[:, 0, :, 0] = -along * present[2], k1 * value * present[0]
+    th[:, 1, :, 2], th[:, 1, :, 1] = -across * turned[2], k2 * value * present[1]
+    return lam, om, th

@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.linalg import expm
 
-from formulations.section.laminate import Layer
+from formulations.section.laminate import Ply
 
 
-def middle_deflection(plies: Sequence[Layer], a: float, b: float, q0: float) -> float:
+def middle_deflection(plies: Sequence[Ply], a: float, b: float, q0: float) -> float:
     """w [mm] at the centre of the middle surface under q0 sin(pi x/a) sin(pi y/b) [MPa] on the top face.
 
     y = (u, v, w, sigma_z, tau_xz, tau_yz), the amplitudes of its sines and cosines, obeys y' = A y in each ply, with
@@ -37,7 +37,7 @@ def middle_deflection(plies: Sequence[Layer], a: float, b: float, q0: float) -> 
     return float(at_middle[2, :3] @ bottom)
 
 
-def _system(ply: Layer, a: float, b: float) -> np.ndarray:
+def _system(ply: Ply, a: float, b: float) -> np.ndarray:
     """A (6, 6) of a ply whose stiffness has no 12 coupling; a, b: wave numbers [1/mm]."""
     C = ply.stiffness()
     A = np.zeros((6, 6))

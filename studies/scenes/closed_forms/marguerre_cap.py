@@ -16,6 +16,7 @@ from functools import cache
 
 import numpy as np
 
+POINTS = 60  # of a curve that is searched for its first maximum
 DEGREE = 24  # odd Chebyshev polynomials T1, T3, ...; twice as many change the pressures by less than 1e-9
 
 
@@ -63,12 +64,12 @@ class ShallowCap:
             pressures.append(p)
         return np.array(pressures)
 
-    def snap(self, largest: float, points: int = 60) -> tuple[float, float]:
+    def snap(self, largest: float) -> tuple[float, float]:
         """First maximum of the pressure [MPa] and its deflection [mm], by a parabola through three close points.
 
         Raises ArithmeticError when the pressure only grows up to the deflection ``largest``.
         """
-        w = np.linspace(0, largest, points + 1)[1:]
+        w = np.linspace(0, largest, POINTS + 1)[1:]
         for _ in range(4):
             p = self.curve(w)
             top = int(np.argmax(np.diff(p) < 0))

@@ -7,13 +7,15 @@ axis: plane strain, as in the computations published with the test. The solid of
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import SurfaceOfRevolution, cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, UsageError
+from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, UsageError
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.data import Row, reference_rows, references
 from studies.scenes.element import ELEMENT, even_grid, on_grid
@@ -35,6 +37,11 @@ TRAVELS = Setting.positive(
 )
 OUTER = Setting("outer_mm", 63.5, "outer radius", low=10, high=200)
 INNER = Setting("inner_mm", 41.5, "inner radius", low=5, high=200)
+QUANTITIES: Mapping[str, str] = {
+    "force_N": "contact force of half a plate",
+    "least_stretch": "smallest principal stretch in the ring",
+    "largest_stretch": "largest principal stretch in the ring",
+}
 YOUNG = Setting.positive("E_MPa", 4.07, "Young's modulus")
 POISSON = Setting("nu", 0.48, "Poisson's ratio", low=0.0, high=0.499)
 RING = (TRAVELS, OUTER, INNER, YOUNG, POISSON)
@@ -73,6 +80,7 @@ class CrushedRing:
     default_mesh: tuple[int, int] = (1, 64)
     settings: tuple[Setting, ...] = (*RING, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = experiment()
+    quantities: Mapping[str, str] = QUANTITIES
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides, so that nothing moves along the axis."""
@@ -93,3 +101,6 @@ class CrushedRing:
             key="delta_mm",
             body_at=lambda delta: shell,
         )
+
+
+SCENES: tuple[Scene, ...] = (CrushedRing(),)

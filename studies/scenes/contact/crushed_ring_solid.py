@@ -7,7 +7,7 @@ width with a free side.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -26,13 +26,14 @@ from studies.scene import (
     Begun,
     Observation,
     Reference,
+    Scene,
     Setting,
     Stage,
     UsageError,
     candidates_at,
     nodal_pressure,
 )
-from studies.scenes.contact.crushed_ring import DATA, FILE, RING, TOP, WIDTH, experiment, plate, ring
+from studies.scenes.contact.crushed_ring import DATA, FILE, QUANTITIES, RING, TOP, WIDTH, experiment, plate, ring
 from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import spaced_lines
 
@@ -66,6 +67,7 @@ class SolidRing:
     default_mesh: tuple[int, int] = (1, 24)
     settings: tuple[Setting, ...] = (*RING, LAW, STATE, THROUGH, EPSILON, SOLVER)
     references: tuple[Reference, ...] = (*experiment(), *_computed())
+    quantities: Mapping[str, str] = QUANTITIES
     models: tuple[str, ...] = ("auto", "full")
 
     def settle(self, request: Request) -> Request:
@@ -136,3 +138,6 @@ class SolidRingModel:
         """The hexahedra of the part that is solved."""
         solid = self.body.discretisation
         write_solid_fields(path, solid, state.u, nodal_pressure(state, candidates_at(self.nodes, len(solid.mesh.x))))
+
+
+SCENES: tuple[Scene, ...] = (SolidRing(),)

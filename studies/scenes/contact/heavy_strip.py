@@ -5,6 +5,7 @@ The strip hangs under a ceiling, so to say: its weight presses the outer face on
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,13 +15,13 @@ from formulations.conditions.boundary import Supports
 from formulations.geometry.surfaces import Plate
 from formulations.shell import ShellModel
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
+from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.contact.strip import UP, B, D, H, contact_edge, middle_line, strip_wall
 from studies.scenes.element import ELEMENT, discretise, grid_over, spaced_lines
+from studies.scenes.ladders import CONTACT, FULL, LONG, Ladder
 from studies.scenes.statics import loaded_shell
 
 UNIT, LIFT = 100.0, 1.0  # mm: (D delta/q)^(1/4) and delta at load fraction 1
@@ -47,6 +48,11 @@ class HeavyStrip:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (LIFTS, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = REFERENCES
+    quantities: Mapping[str, str] = {
+        "free_length": "from the lifted end to the begin of contact, over (D delta/q)^(1/4)",
+        "lift_force": "force that lifts the end, over q (D delta/q)^(1/4) of the width",
+    }
+    ladders: tuple[Ladder, ...] = (Ladder(CONTACT, LONG, ("lift_force", "free_length"), "linear", {**FULL, **ON_RIM}),)
 
     def build(self, request: Request) -> SceneModel:
         """The weight is all there from the start, the end is displaced; results over UNIT and WEIGHT UNIT."""
@@ -77,3 +83,6 @@ class HeavyStrip:
 
         plane, lifts = RigidPlane(UP, H / 2), request.numbers("load_fraction")
         return ContactModel(shell, end, lifts, lambda t: plane, measured, body_at=lifted, lying=True)
+
+
+SCENES: tuple[Scene, ...] = (HeavyStrip(),)

@@ -6,6 +6,7 @@ It has no reference: what is asked of it is where it can be solved at all, and w
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +19,7 @@ from formulations.geometry.surfaces import Plate, Surface, cylinder, sphere
 from formulations.loads.pressure import Pressure
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting, Units, UsageError
+from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting, Units, UsageError
 from studies.scenes.contact.base import OUTER, ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise
 from studies.scenes.statics import loaded_shell
@@ -64,6 +65,7 @@ class Panel:
     default_mesh: tuple[int, int] = (6, 6)
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = ()
+    quantities: Mapping[str, str] = {"peak_MPa": "largest contact pressure at a node"}
     slides: bool = True
 
     def build(self, request: Request) -> SceneModel:
@@ -123,3 +125,6 @@ def _wall(request: Request, h: float, stress: float) -> Laminate:
     except ValueError as error:
         raise UsageError(str(error)) from None
     return Laminate((ply,), -h / 2)
+
+
+SCENES: tuple[Scene, ...] = (Panel(),)

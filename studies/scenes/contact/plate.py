@@ -7,6 +7,8 @@ squeezed by the line force over some 0.6 h around the rim; its contact radius is
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
@@ -14,12 +16,12 @@ from formulations.geometry.surfaces import annulus
 from formulations.loads.lines import edge_force
 from formulations.section.laminate import Ply
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
+from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import plate_contact
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
+from studies.scenes.ladders import CONTACT, Ladder
 from studies.scenes.statics import loaded_shell
 
 E, NU, A, H, GAP = 1200.0, 0.3, 100.0, 1.0, 1.0  # MPa, -, mm
@@ -31,6 +33,10 @@ FRACTIONS = (2.0, 5.0, 20.0)
 
 HOLE = Setting("hole", 0.01, "radius of the hole at the centre over that of the plate", low=1e-3, high=0.2)
 PRESSURES = Setting("load_fraction", FRACTIONS, "pressures to report, over 64 D g/a^4", "floats", 0.0, 100.0)
+SQUEEZE = (
+    "the rim carries a line force, which passes from one ring of nodes to the next as soon as the elements are as small"
+    " as the strip of 0.6 thicknesses over which it squeezes the wall"
+)
 SOURCE = "Kirchhoff's plate, checked by axisymmetric elements"
 
 
@@ -49,6 +55,20 @@ class PlateContact:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (PRESSURES, HOLE, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = REFERENCES
+    quantities: Mapping[str, str] = {
+        "contact_force": "force on the plane over D g/a^2",
+        "contact_radius": "radius of the disc of contact over that of the plate",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            ("14x1", "28x1", "56x1", "112x1"),
+            ("contact_force", "contact_radius"),
+            "linear",
+            {"load_fraction": "5", **ON_RIM},
+            causes={"contact_radius": SQUEEZE},
+        ),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results over a and D g/a^2.
@@ -76,3 +96,6 @@ class PlateContact:
         shell, foundation = loaded_shell(quarter, request, forces=forces), RigidPlane(DOWN, H / 2 + GAP)
         clamp, pressures = quarter.grid.on_line(0, A), request.numbers("load_fraction")
         return ContactModel(shell, clamp, pressures, lambda t: foundation, measured)
+
+
+SCENES: tuple[Scene, ...] = (PlateContact(),)

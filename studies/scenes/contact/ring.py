@@ -8,18 +8,20 @@ of it at delta = R/2, which is 2.4e-4 with the thickness h = R/100 (measured).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
+from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.closed_forms.beams_on_planes import flattened_ring
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import Row, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
+from studies.scenes.ladders import CONTACT, Ladder, meshes
 from studies.scenes.statics import loaded_shell
 
 E, RADIUS, THIN, WIDTH = 1.2e6, 100.0, 1.0, 10.0  # MPa, mm; nu = 0
@@ -47,6 +49,20 @@ class Ring:
     default_mesh: tuple[int, int] = (1, 64)
     settings: tuple[Setting, ...] = (TRAVELS, THICKNESS, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "P_R2_over_EI": "force of a plate times R^2/(E I)",
+        "P_H2_over_EI": "force of a plate times the square of the distance of the middle lines of contact, over E I",
+        "flat_half_length": "centre of the nodal contact forces from the middle of the flat part, over R",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            CONTACT,
+            meshes(2, 20, 3),
+            ("P_H2_over_EI", "flat_half_length"),
+            settings={"delta_mm": "50", **ON_RIM},
+            coarser=("1x10",),
+        ),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Symmetry on all four sides; P is the whole force of a plate."""
@@ -70,3 +86,6 @@ class Ring:
             return RigidPlane(AWAY, RADIUS + h / 2 - delta)
 
         return ContactModel(shell, side, deltas, plate, measured, key="delta_mm", body_at=lambda delta: shell)
+
+
+SCENES: tuple[Scene, ...] = (Ring(),)

@@ -8,19 +8,21 @@ spreads the edge force: on a wall of stiffness 2 E/h over the length (2 D h/E)^(
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from contact.obstacles.foundation import RigidPlane
 from formulations.geometry.surfaces import Plate
 from formulations.section.laminate import Ply
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Reference, SceneModel, Setting
+from studies.scene import EPSILON, SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.benchmarks.area_loads import ShearCorrected, area_load
 from studies.scenes.closed_forms.beams_on_planes import strip_contact
-from studies.scenes.contact.base import ContactModel, Touch
-from studies.scenes.contact.rim_lines import RIM_LINES, contact_lines
+from studies.scenes.contact.base import ON_RIM, RIM_LINES, ContactModel, Touch, contact_lines
 from studies.scenes.data import At, reference_rows, references
 from studies.scenes.element import ELEMENT, grid_over, on_grid, spaced_lines
+from studies.scenes.ladders import CONTACT, Ladder
 from studies.scenes.statics import loaded_shell
 
 E, A, B, H, GAP = 1200.0, 100.0, 10.0, 1.0, 1.0  # MPa, mm; nu = 0; half span, width, thickness, gap
@@ -31,6 +33,7 @@ UP = np.array([0.0, 0.0, 1.0])
 NO_SHEAR = 0.001  # lam/a of Euler and Bernoulli's strip
 LAMBDA = Setting("lam_over_a", 0.1, f"sqrt(D/S) over the half span; {NO_SHEAR:g}: no shear", low=NO_SHEAR, high=1)
 PRESSURES = Setting("load_fraction", (2.0, 5.0, 10.0), "pressures to report, over 24 D g/a^4", "floats", 0.0, 100.0)
+STRIPS = ("16x1", "32x1", "64x1", "128x1")  # nothing varies across
 FILE = "contact_clamped_strip_flat_obstacle.csv"
 SOURCE = "closed form of beam theory, checked by beam elements of exact stiffness"
 
@@ -88,6 +91,29 @@ class ClampedStrip:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (PRESSURES, LAMBDA, RIM_LINES, EPSILON, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "half_force": "contact force of the half strip over D g/a^3 of its width",
+        "free_length": "from the clamp to the begin of contact, over the half span a",
+        "edge_pressure": "contact pressure at the begin of contact over D g/a^4",
+    }
+    ladders: tuple[Ladder, ...] = (
+        # lam so large that the elements resolve the pressure at the rim before they resolve the wall's squeeze
+        Ladder(
+            CONTACT,
+            STRIPS,
+            ("half_force", "free_length", "edge_pressure"),
+            "linear",
+            {"load_fraction": "5", "lam_over_a": "0.2", **ON_RIM},
+        ),
+        Ladder(
+            CONTACT,
+            STRIPS,
+            ("half_force",),
+            "linear",
+            {"load_fraction": "5", "lam_over_a": "0.001"},
+            name="strip-contact-no-shear",
+        ),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Half of the pressure on each face; results in units of the half span a and of D g/a^3, D g/a^4."""
@@ -109,3 +135,6 @@ class ClampedStrip:
 
         clamp, plane = half.grid.on_line(0, 0.0), RigidPlane(UP, H / 2 + GAP)
         return ContactModel(shell, clamp, request.numbers("load_fraction"), lambda q: plane, measured)
+
+
+SCENES: tuple[Scene, ...] = (ClampedStrip(),)

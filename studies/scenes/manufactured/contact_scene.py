@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cache
 
@@ -15,10 +15,10 @@ from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.request import Request
-from studies.scene import EPSILON, SOLVER, Begun, Reference, SceneModel, Setting
+from studies.scene import EPSILON, SOLVER, Begun, Reference, Scene, SceneModel, Setting
 from studies.scenes.contact.base import ContactModel, Touch
 from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.manufactured.errors import errors
+from studies.scenes.manufactured.errors import QUANTITIES, errors
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, Piece, wall
 from studies.scenes.manufactured.scene import carrying, unknowns_at
 from studies.scenes.manufactured.touching import OntoBall, Touching
@@ -60,6 +60,12 @@ class ManufacturedContact:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = ()
+    quantities: Mapping[str, str] = {
+        **QUANTITIES,
+        "error_pressure": "relative L2 error of the nodal contact pressures",
+        "error_edge": "root mean square distance of the edge of contact from the exact one, over its radius",
+        "error_area": "error of the area that touches, over the exact one",
+    }
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded."""
@@ -126,3 +132,6 @@ def _zero(touch: Touch, before: int, last: int, after: int) -> np.ndarray:
     share = q / (p - q) * np.linalg.norm(touch.at[last] - touch.at[before]) if p > q else np.inf
     step = touch.at[after] - touch.at[last]
     return touch.at[last] + step * min(share / np.linalg.norm(step), 1.0)
+
+
+SCENES: tuple[Scene, ...] = (ManufacturedContact(),)

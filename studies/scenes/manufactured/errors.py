@@ -5,7 +5,7 @@ No load and no solver enters here.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -15,6 +15,12 @@ from formulations.shell import ShellModel
 from formulations.strains.quantities import N_E
 from studies.scenes.manufactured.solution import Solution
 
+QUANTITIES: Mapping[str, str] = {
+    "error_displacement": "relative L2 error of the displacements of both faces",
+    "error_resultants": "relative error of the resultants in the elements",
+    "error_mean_resultants": "relative error of the mean resultants of the elements",
+    "error_energy": "relative error in the norm of energy",
+}
 ON_GAUSS = np.zeros((N_GAUSS, len(MODE_ROWS), N_E))  # strains at the Gauss points from the mode strains
 for _mode, ((_r1, _r2), _row) in enumerate(MODE_ROWS):
     ON_GAUSS[:, _mode, _row] = GAUSS[:, 0] ** _r1 * GAUSS[:, 1] ** _r2

@@ -21,10 +21,10 @@ from formulations.section.laminate import SECTIONS
 from formulations.shell import ShellModel
 from formulations.strains.catalogue import MEASURES
 from studies.request import Request
-from studies.scene import SOLVER, Begun, Observation, Reference, SceneModel, Setting, ShellSceneModel, Stage
+from studies.scene import SOLVER, Begun, Observation, Reference, Scene, SceneModel, Setting, ShellSceneModel, Stage
 from studies.scenes.benchmarks.area_loads import area_load
 from studies.scenes.element import ELEMENT, discretise, even_grid
-from studies.scenes.manufactured.errors import errors
+from studies.scenes.manufactured.errors import QUANTITIES, errors
 from studies.scenes.manufactured.patches import LAYUPS, PIECES, TurnedWaves, wall
 from studies.scenes.manufactured.solution import Exact, Solution
 from studies.scenes.manufactured.spectral import Patch
@@ -124,6 +124,7 @@ class Manufactured:
     default_mesh: tuple[int, int] = (16, 16)
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = ()
+    quantities: Mapping[str, str] = QUANTITIES
 
     def build(self, request: Request) -> SceneModel:
         """The first edge of either coordinate is held, the last one loaded."""
@@ -141,3 +142,6 @@ class Manufactured:
             return Exact(piece.surface, laminate, measure, stiffness, patch, field)
 
         return ManufacturedModel(shell, exact_at, {0: piece.a1[1], 1: piece.a2[1]})
+
+
+SCENES: tuple[Scene, ...] = (Manufactured(),)

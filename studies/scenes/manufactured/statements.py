@@ -16,6 +16,7 @@ from formulations.strains.measure import QuadraticMeasure, StrainMeasure
 from formulations.strains.quantities import N_Q, QUANTITIES, STRAINS
 
 Statement = Callable[[np.ndarray], np.ndarray]  # H (..., 3, 3) -> strains (..., 6)
+SAMPLES = 400  # of random gradients
 STEP = 0.02  # of H: exact to rounding for products of two, to 1e-12 for stretches
 CENTRAL_8 = ((1, 4 / 5), (2, -1 / 5), (3, 4 / 105), (4, -1 / 280))
 
@@ -148,14 +149,14 @@ class WrongCoefficient:
         return f"{self.strain}: coefficient of {self.monomial} is {self.found:.6g}, stated {self.stated:.6g}"
 
 
-def wrong_coefficients(measure: QuadraticMeasure, statement: Statement, samples: int = 400) -> list[WrongCoefficient]:
+def wrong_coefficients(measure: QuadraticMeasure, statement: Statement) -> list[WrongCoefficient]:
     """The coefficients of a table that differ from its statement, by least squares over random gradients of both faces.
 
     E_n - E_n(stated) is a sum of monomials of q of degree 1 and 2; on more samples than the 135 monomials its
     coefficients are unique. Those below 1e-6 are rounding.
     """
     rng = np.random.default_rng(2004)
-    H = rng.uniform(-0.5, 0.5, (samples, 2, 3, 3))
+    H = rng.uniform(-0.5, 0.5, (SAMPLES, 2, 3, 3))
     H[:, 1, :, 2] = H[:, 0, :, 2]  # one beta
     inner, outer = (quantities(H[:, face]) for face in (0, 1))
     q = np.where([name.endswith("+") for name in QUANTITIES], outer, inner)

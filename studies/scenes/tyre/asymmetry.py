@@ -27,9 +27,9 @@ def deviation(
     return float(np.max(off, where=pairs, initial=0.0))
 
 
-def central_asymmetry(p: np.ndarray, touching: np.ndarray | None = None) -> float:
+def central_asymmetry(p: np.ndarray) -> float:
     """Largest |p(psi, phi) - p(-psi, -phi)| of a whole tyre."""
-    return deviation(p, touching, psi=True, phi=True)
+    return deviation(p, psi=True, phi=True)
 
 
 def mirror_asymmetry(p: np.ndarray, touching: np.ndarray | None = None) -> float:

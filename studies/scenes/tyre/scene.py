@@ -8,15 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from formulations.loads.pressure import PRESSURE_AREAS
 from formulations.section.laminate import SECTIONS
 from studies.request import Request, Value
-from studies.scene import EPSILON, SOLVER, Reference, Setting, UsageError
+from studies.scene import EPSILON, SOLVER, Reference, Scene, Setting, UsageError
 from studies.scenes.data import At, Row, reference_rows, references
 from studies.scenes.element import ELEMENT
+from studies.scenes.ladders import TYRE, Ladder, meshes
 from studies.scenes.tyre import foundation as tyre_foundation
 from studies.scenes.tyre import press_path
 from studies.scenes.tyre.grid_lines import GRADING, checked_mesh, tyre_lines
@@ -38,6 +40,27 @@ PLY = {
     "nu_LT": "Poisson ratio of a ply, from along to across the cords",
     "nu_TT": "Poisson ratio of a ply, across the cords",
 }
+ISOTROPIC = {
+    "E_MPa": "20",
+    "nu": "0.45",
+    "plies": "1",
+    "ply_thickness_mm": "4.8",
+    "load": "follower",
+    "pressure_area": "face",
+}
+JUMPS = (
+    "the rim of the patch, an oval that no grid line follows, passes from line to line, and that changes the value as"
+    " much as the size of the elements still does"
+)
+PATCH = ("force_N", "centre_pressure_MPa")
+LADDER = Ladder(
+    TYRE,
+    meshes(14, 18),  # those of the solid, and one more
+    PATCH,
+    settings={"delta_mm": "20"},
+    causes=dict.fromkeys(PATCH, JUMPS),
+    whole={"delta_mm": "20,35"},
+)
 AREA_OF = {"dead": "mid", "follower": "face"}  # a follower on the mid-surface is 4 % off a solid
 BY_LOAD = ", ".join(f"{load} {area}" for load, area in AREA_OF.items())
 TRAVELS = "indentation from first touch; 0: inflation alone"
@@ -109,6 +132,18 @@ class Tyre:
     coarsest_mesh: tuple[int, int] = (16, 46)  # k l^2/h of its elements is below 1
     settings: tuple[Setting, ...] = SETTINGS
     references: tuple[Reference, ...] = _references()
+    quantities: ClassVar[Mapping[str, str]] = {
+        "centre_pressure_MPa": "contact pressure at the centre of the patch, psi = phi = 0",
+        "half_length_mm": "from the centre of the patch to its rim around the axis, along the deformed outer face",
+        "half_width_mm": "from the centre of the patch to its rim along the meridian, on the deformed outer face",
+        "patch_to_clamp_mm": "from the rim of the patch to the nearest clamped edge, along the meridian",
+        "inflated_equator_inner_mm": "radial displacement of the inner face at psi = 0 after inflation",
+        "inflated_equator_outer_mm": "radial displacement of the outer face at psi = 0 after inflation",
+    }
+    ladders: ClassVar[tuple[Ladder, ...]] = (
+        LADDER,
+        replace(LADDER, name="tyre-isotropic", at="delta_mm=10", settings=ISOTROPIC, whole={}),
+    )
     models: tuple[str, ...] = MODELS
     slides: bool = True
     sizes: TyreSizes | None = None
@@ -152,3 +187,6 @@ class Tyre:
         sizes = self.adapted(request).sizes
         assert sizes is not None
         return sizes.proportioned(elements)
+
+
+SCENES: tuple[Scene, ...] = (Tyre(),)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from formulations.solid.laws import LAWS
 from formulations.solid_mesh import SolidMesh
 from studies.fields import write_solid_fields
 from studies.request import Request, Value
-from studies.scene import Reference, Setting, UsageError, candidates_at, nodal_pressure
+from studies.scene import Reference, Scene, Setting, UsageError, candidates_at, nodal_pressure
 from studies.scenes.element import ELEMENT
 from studies.scenes.tyre import press_path
 from studies.scenes.tyre.foundation import foundation
@@ -62,6 +63,7 @@ class SolidTyre:
     coarsest_mesh: tuple[int, int] = (14, 18)  # even numbers only
     settings: tuple[Setting, ...] = _settings()
     references: tuple[Reference, ...] = _references()
+    quantities: ClassVar[Mapping[str, str]] = Tyre.quantities
     models: tuple[str, ...] = ("auto", "full", "quarter")
 
     def complete(self, settings: Mapping[str, Value]) -> dict[str, Value]:
@@ -149,3 +151,6 @@ def _in_order(mesh: SolidMesh, face: np.ndarray) -> np.ndarray:
     """Nodes of a face with psi slowest."""
     psi, phi = np.round(mesh.parameter[face, :2], 9).T
     return face[np.lexsort((phi, psi))]
+
+
+SCENES: tuple[Scene, ...] = (SolidTyre(),)

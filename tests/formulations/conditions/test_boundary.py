@@ -66,14 +66,12 @@ def test_words_hold_what_they_say(corner_grid) -> None:
         (free.hard_diaphragm(line, 1), "1- 1+", "3"),
         (free.hinged(line), "", "1 2 3"),
         (free.hinged(line, (0, 2)), "", "1 3"),
-        (free.hinged(line, at="inner"), "1- 2- 3-", ""),
-        (free.hinged(line, (2,), at="outer"), "3+", ""),
+        (free.hold(line, (0, 1, 2), ("inner",)), "1- 2- 3-", ""),
+        (free.hold(line, (2,), ("outer",)), "3+", ""),
     ):
         assert {held(supports, node) for node in line} == {(faces, hinges)}
         assert {held(supports, node) for node in set(range(6)) - set(line)} == {("", "")}
     assert not np.any(free.masks[0])
-    with pytest.raises(ValueError, match="hinged at 'top': must be middle, inner or outer"):
-        free.hinged(line, at="top")
 
 
 def test_supports_that_meet_add_up(corner_grid) -> None:
@@ -82,7 +80,7 @@ def test_supports_that_meet_add_up(corner_grid) -> None:
     free = Supports.none(corner_grid)
     for supports in (free.hinged(node).symmetric(node, 0), free.symmetric(node, 0).hinged(node)):
         assert held(supports, node) == ("1- 1+", "2 3")
-    assert held(free.hinged(node, (2,)).hinged(node, (2,), at="inner"), node) == ("3- 3+", "")
+    assert held(free.hinged(node, (2,)).hold(node, (2,), ("inner",)), node) == ("3- 3+", "")
 
 
 ON_BOTH_FACES = "both faces held"
@@ -102,7 +100,7 @@ def supported(word: str, free: Supports, edge: np.ndarray, axis: int) -> Support
     if word == ON_BOTH_FACES:
         return free.hold(edge, (1 - axis, 2))
     if word.startswith("hinged "):
-        return free.hinged(edge, at={"inside": "inner", "outside": "outer"}[word.split()[1]])
+        return free.hold(edge, (0, 1, 2), ({"inside": "inner", "outside": "outer"}[word.split()[1]],))
     return EDGES[word](free, edge, axis)
 
 
@@ -258,7 +256,8 @@ def test_strip_hinged_at_its_middle_or_at_one_face(at, factor) -> None:
     for n in (8, 16):
         grid = Grid.tensor(np.linspace(0, L, n + 1), np.array([0.0, 1.0]))
         ends = np.concatenate([grid.on_line(0, 0.0), grid.on_line(0, L)])
-        supports = Supports.none(grid).hold(np.arange(grid.n_nodes), (1,)).hinged(ends, (0, 2), at)
+        flat = Supports.none(grid).hold(np.arange(grid.n_nodes), (1,))
+        supports = flat.hinged(ends, (0, 2)) if at == "middle" else flat.hold(ends, (0, 2), (at,))
         shell = discretise(Plate(), grid, Laminate.single(Ply.isotropic(E, 0.0, h)), supports)
         model = ShellModel(shell, MEASURES["linear"], pressure=Pressure(q))
         u = solved(model)

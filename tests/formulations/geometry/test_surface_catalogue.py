@@ -1,4 +1,4 @@
-"""Every surface of revolution against sympy (from its position alone) and closed forms; meridians of points."""
+"""Every surface of revolution against sympy (from its position alone) and closed forms."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import sympy as sp
-from scipy.interpolate import CubicSpline
 
 from formulations.geometry import surfaces as surface_module
 from formulations.geometry.surfaces import (
@@ -20,39 +19,12 @@ from formulations.geometry.surfaces import (
     cylinder,
     elliptic_torus,
     hyperboloid,
-    revolved,
     sphere,
-    through_points,
     torus,
 )
-from support.problems.differences import fitted_order
 
 SYMBOLIC = 1e-12  # two evaluations of the same formula, lengths about 1
-ORDER = 0.15  # half-width around the expected order of an interpolation
 S, PHI = sp.symbols("s phi", real=True)
-
-
-class Waves:
-    """Two functions with their derivatives, called as scipy's splines are: a meridian with nothing constant."""
-
-    @staticmethod
-    def r(s: np.ndarray, nu: int) -> np.ndarray:
-        return (2 + 0.4 * np.sin(s), 0.4 * np.cos(s), -0.4 * np.sin(s))[nu]
-
-    @staticmethod
-    def z(s: np.ndarray, nu: int) -> np.ndarray:
-        return (1.4 * s + 0.2 * s**2, 1.4 + 0.4 * s, np.full_like(s, 0.4))[nu]
-
-
-POINTS = np.array([[2.0, -1.0], [2.5, -0.4], [2.6, 0.5], [2.2, 1.1], [2.0, 2.0]])
-LENGTHS = np.append(0, np.cumsum(np.hypot(*np.diff(POINTS, axis=0).T)))
-SPLINE = CubicSpline(LENGTHS, POINTS)
-
-
-def spline_piece(k: int) -> tuple[sp.Expr, sp.Expr]:
-    """(r, z) of the k-th polynomial of the spline through POINTS."""
-    step = S - LENGTHS[k]
-    return tuple(sum(SPLINE.c[3 - p, k, axis] * step**p for p in range(4)) for axis in (0, 1))
 
 
 @dataclass(frozen=True)
@@ -73,8 +45,6 @@ CATALOGUE = {
     "annulus": Entry(annulus(), (S, sp.Integer(0)), 0.4, 2.0),
     "cone": Entry(cone(0.6), (S * sp.sin(0.6), S * sp.cos(0.6)), 0.5, 2.0),
     "hyperboloid": Entry(hyperboloid(1.2, 0.9), (sp.Rational(12, 10) * sp.sqrt(1 + (S / 0.9) ** 2), S), -1.0, 1.3),
-    "revolved": Entry(revolved(Waves.r, Waves.z), (2 + 0.4 * sp.sin(S), 1.4 * S + 0.2 * S**2), -0.9, 1.0),
-    "through_points": Entry(through_points(POINTS), spline_piece(1), LENGTHS[1], LENGTHS[2]),
 }
 
 
@@ -196,69 +166,3 @@ def test_elliptic_torus_closed_form_and_the_round_one() -> None:
     round_one, round_torus = elliptic_torus(Rc, a, a).geometry(t, 0 * t), torus(Rc, a).geometry(t, 0 * t)
     for name in "AkB":
         np.testing.assert_array_equal(getattr(round_one, name), getattr(round_torus, name))
-
-
-# --- meridians of points ----------------------------------------------------------------------------------------
-
-Rc, R1 = 3.0, 1.0
-
-
-def circle_points(n: int, closed: bool) -> np.ndarray:
-    """N unequal steps around the tube's section, or over 2.4 rad of it."""
-    t = np.linspace(0, 1, n + 1)
-    angle = 2 * np.pi * t + 0.3 * np.sin(4 * np.pi * t) if closed else 2.4 * (t + 0.3 * t * (1 - t)) - 1.2
-    points = np.stack([Rc + R1 * np.cos(angle), R1 * np.sin(angle)], axis=-1)
-    if closed:
-        points[-1] = points[0]
-    return points
-
-
-@pytest.mark.parametrize("closed", [True, False])
-def test_points_on_a_circle_converge_to_the_torus(closed: bool) -> None:
-    """Orders of the interpolation: position 4, tangent (k2, B1) 3, curvature (k1) 2; compared at the same angle."""
-    numbers = np.array([32, 64, 128, 256])
-    errors: dict[str, list[float]] = {"position": [], "k1": [], "k2": [], "B1": []}
-    for n in numbers:
-        points = circle_points(n, closed)
-        surface = through_points(points)
-        length = np.hypot(*np.diff(points, axis=0).T).sum()
-        s = np.linspace(0, length, 40 * n + 1)
-        x, z = surface.position(s, 0 * s)[:, [0, 2]].T
-        geometry = surface.geometry(s, 0 * s)
-        exact = torus(Rc, R1).geometry(np.arctan2(z, x - Rc), 0 * s)
-        errors["position"].append(np.max(np.abs(np.hypot(x - Rc, z) - R1)))
-        for name, a in (("k1", 0), ("k2", 1)):
-            errors[name].append(np.max(np.abs(geometry.k[:, a] - exact.k[:, a])))
-        errors["B1"].append(np.max(np.abs(geometry.B[:, 0] - exact.B[:, 0])))
-    for name, expected in {"position": 4, "k1": 2, "k2": 3, "B1": 3}.items():
-        assert abs(fitted_order(1 / numbers, errors[name]) - expected) <= ORDER, (name, errors[name])
-
-
-def test_closed_points_close_smoothly() -> None:
-    points = circle_points(24, closed=True)
-    surface, length = through_points(points), np.hypot(*np.diff(points, axis=0).T).sum()
-    start, end = (surface.geometry(np.array([s]), np.zeros(1)) for s in (0.0, length))
-    for name in "AkB":
-        np.testing.assert_allclose(getattr(start, name), getattr(end, name), rtol=1e-9)
-    ends = surface.frame(np.array([0.0, length]), np.zeros(2))
-    np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("points", "message"),
-    [
-        (POINTS[:3], "at least four"),
-        (POINTS.T, "at least four"),
-        (np.where(np.arange(5)[:, None] == 2, np.nan, POINTS), "finite"),
-        (POINTS[[0, 1, 1, 2, 3]], "points 1 and 2 of the meridian coincide"),
-    ],
-)
-def test_points_that_are_no_meridian_are_refused(points: np.ndarray, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        through_points(points)
-
-
-@pytest.mark.parametrize("s", [-0.01, LENGTHS[-1] + 0.01])
-def test_no_point_is_invented_beyond_the_ends(s: float) -> None:
-    with pytest.raises(ValueError, match="a1 must lie between 0 and"):
-        through_points(POINTS).position(np.array([s]), np.zeros(1))

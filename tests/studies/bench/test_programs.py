@@ -18,7 +18,6 @@ from studies.bench.peers.problems import problems
 from studies.bench.programs import calculix, measured
 from studies.bench.programs.case import Case
 from studies.bench.programs.cases import CASES
-from studies.campaigns.ladder_cells import ISOTROPIC
 from studies.cli import main
 from studies.exchange.deck import ELEMENTS
 from studies.exchange.of_scene import problem_of
@@ -26,6 +25,7 @@ from studies.exchange.problem import Problem
 from studies.exchange.results import Found
 from studies.request import UsageError
 from studies.scenes import SCENES
+from studies.scenes.tyre.scene import ISOTROPIC
 from support.stores.programs import CHOSEN, FINE, made_up_programs
 
 BEAM = Case("cantilever", ("4x1", "8x1"), "8x1", {"load_fraction": "0.5,1"})

@@ -10,9 +10,9 @@ import pytest
 from contact.catalogue import ALGORITHMS
 from formulations.strains.catalogue import MEASURES
 from studies.analysis.cells.collect import COLUMNS, collect
-from studies.campaigns.file import SHIPPED, TITLES, find, names
+from studies.campaigns.file import SHIPPED, find, names
 from studies.campaigns.plan import plan
-from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.campaigns.report_cells import LISTS
 from studies.campaigns.run import run
 from studies.scene import UsageError, has_contact
 from studies.scenes import SCENES
@@ -22,8 +22,8 @@ def test_standard_crosses_what_was_promised() -> None:
     """Six scenes at the least, by all measures, all algorithms, four meshes and two tolerances, beside the report."""
     standard = find("standard")
     labels = {cell.label for cell in standard.cells}
-    assert {cell.label for cell in LISTS["report"]()} <= labels
-    assert set(standard.tables) == set(TABLES_OF["report"])
+    assert {cell.label for cell in LISTS["report"].cells()} <= labels
+    assert set(standard.tables) == set(LISTS["report"].tables)
     swept = [cell for cell in standard.cells if cell.label.startswith("sweep ")]
     combinations = Counter((c.scene, c.options["measure"], c.options["contact"]) for c in swept)
     scenes = {scene for scene, *_ in combinations}
@@ -51,9 +51,8 @@ def test_rows_of_shipped_campaigns_are_solved_or_have_a_reason(name: str) -> Non
 def test_names_are_those_of_files_and_lists() -> None:
     assert {"quick", "standard", "full"} == {path.stem for path in SHIPPED.glob("*.toml")}
     assert set(names()) == {"quick", "standard", "full", *LISTS}
-    assert set(TITLES) == set(LISTS)
     assert len({find(name).title for name in names()}) == len(names())
-    assert find("benchmarks").cells == tuple(LISTS["benchmarks"]())
+    assert find("benchmarks").cells == tuple(LISTS["benchmarks"].cells())
 
 
 def test_a_cross_is_the_product_of_its_axes_and_a_scene_says_the_last_word(tmp_path: Path) -> None:
@@ -65,7 +64,7 @@ def test_a_cross_is_the_product_of_its_axes_and_a_scene_says_the_last_word(tmp_p
         '[cross.scenes.hemisphere]\nmeasures = ["exact"]\nmeshes = ["4x4"]\nset = { load_fraction = "1" }\n'
     )
     campaign = find(str(path))
-    own = campaign.cells[len(LISTS["benchmarks"]()) :]
+    own = campaign.cells[len(LISTS["benchmarks"].cells()) :]
     assert [cell.label for cell in own] == [
         *(f"x cantilever {m} {n}x1 solver=splu" for m in ("exact", "linear") for n in (2, 4)),
         "x hemisphere exact 4x4 solver=splu",

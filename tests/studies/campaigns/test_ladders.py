@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from scipy.spatial import KDTree
 
-from studies.campaigns.ladder_cells import LADDERS, Ladder
+from studies.campaigns.ladder_cells import LADDERS
 from studies.scene import UsageError
 from studies.scenes.closed_forms.beams_on_planes import lifted_strip, strip_contact
-from studies.scenes.contact.rim_lines import rim_lines
+from studies.scenes.contact.base import rim_lines
 from studies.scenes.element import spaced_lines, tree_over
+from studies.scenes.ladders import Ladder
 from studies.solving import resolve
 
 SAME = 1e-12
@@ -87,7 +88,7 @@ def test_lines_with_a_rim_are_nested(n: int, rim: float) -> None:
     ],
 )
 def test_the_rim_is_where_the_closed_form_has_it_at_the_last_load(scene, settings, rim) -> None:
-    ladder = Ladder("", scene, "", (), (), settings | {"lines": "rim"}, "linear", "")
+    ladder = Ladder("", (), (), "linear", settings | {"lines": "rim"}, scene=scene)
     assert np.min(np.abs(nodes(ladder, "16x1")[:, 0] - rim)) <= 100 * SAME
 
 
@@ -114,5 +115,5 @@ def test_lines_of_contact_scenes_are_refined_as_asked(scene: str, lines: str) ->
     found, request = resolve(scene, at | {"lines": lines}, asked, measure="exact" if scene == "ring" else "linear")
     tree = tree_over(request, np.arange(request.mesh[0] + 1.0), np.arange(request.mesh[1] + 1.0)).everywhere()
     grid = found.build(replace(request, leaves=tuple(map(tuple, tree.leaves.tolist())))).shell.discretisation.grid
-    wanted = nodes(Ladder("", scene, "", (), (), at | {"lines": lines}, request.measure, ""), twice)
+    wanted = nodes(Ladder("", (), (), request.measure, at | {"lines": lines}, scene=scene), twice)
     assert np.sort(grid.nodes, axis=0) == pytest.approx(np.sort(wanted, axis=0), abs=1e-9)

@@ -19,7 +19,7 @@ from studies.analysis.cells.rows import STEP_KEYS
 from studies.campaigns.file import find
 from studies.campaigns.run import run
 from studies.campaigns.sheet_cells import FRAMES, sheet_cell, sheet_cells
-from studies.catalogue.fields import read_fields, skin
+from studies.catalogue.bodies import skin
 from studies.catalogue.loads import loads
 from studies.catalogue.models import built
 from studies.catalogue.parts import facts, laws, parts, plies, settings, terms
@@ -31,7 +31,7 @@ from studies.cli import main
 from studies.complete import complete
 from studies.scenes import SCENES
 from studies.scenes.benchmarks.cantilever import Cantilever
-from studies.store.vtu import write_vtu
+from studies.store.vtu import read_vtu, write_vtu
 
 
 class Mine(Cantilever):
@@ -155,7 +155,7 @@ def test_fields_are_read_back_and_their_skin_is_closed(tmp_path: Path) -> None:
     cells = np.array([[0, 1, 4, 3, 6, 7, 10, 9], [1, 2, 5, 4, 7, 8, 11, 10]])
     u = np.random.default_rng(1).normal(size=points.shape)
     write_vtu(tmp_path / "f.vtu", points, cells, {"displacement": u, "pressure": u[:, 0]}, {"ply": np.ones(2)})
-    found = read_fields(tmp_path / "f.vtu")
+    found = read_vtu(tmp_path / "f.vtu")
     np.testing.assert_array_equal(found.points, points)
     np.testing.assert_array_equal(found.cells, cells)
     np.testing.assert_array_equal(found.data["displacement"], u)

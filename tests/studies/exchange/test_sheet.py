@@ -10,11 +10,11 @@ import meshio
 import numpy as np
 import pytest
 
-from studies.catalogue.fields import read_fields
 from studies.exchange.of_scene import problem_of
 from studies.exchange.problem import Problem
 from studies.exchange.sheet import FORMAT, write_body, write_sheet
 from studies.scenes import SCENES
+from studies.store.vtu import read_vtu
 
 
 @pytest.fixture(scope="module", params=["tyre", "pressurised-cylinder", "scordelis-lo", "crushed-ring-solid"])
@@ -72,7 +72,7 @@ def test_plies_and_references_come_back(problem: Problem, read: dict[str, Any]) 
 
 def test_the_mesh_comes_back(problem: Problem, tmp_path: Path) -> None:
     write_body(tmp_path / "body.vtu", problem)
-    fields, bricks = read_fields(tmp_path / "body.vtu"), problem.bricks
+    fields, bricks = read_vtu(tmp_path / "body.vtu"), problem.bricks
     number = fields.data["node"].astype(int)
     there = number > 0
     np.testing.assert_array_equal(fields.points[there], bricks.x[number[there] - 1])

@@ -11,7 +11,7 @@ import pytest
 
 from studies.campaigns.ladder_cells import LADDERS, cells
 from studies.campaigns.plan import identity
-from studies.campaigns.report_cells import LISTS, TABLES_OF
+from studies.campaigns.report_cells import LISTS
 from studies.experiments import tables
 from studies.experiments.rows import Row, tabulated
 from studies.experiments.tables import TABLES, make_table
@@ -67,12 +67,11 @@ def test_a_table_is_made_once_for_its_sources(tmp_path: Path, monkeypatch: pytes
 
 
 def test_the_report_has_all_tables() -> None:
-    assert {*TABLES_OF["report"], *TABLES_OF["statements"]} == set(TABLES)
-    assert set(TABLES_OF) <= set(LISTS)
+    assert {*LISTS["report"].tables, *LISTS["statements"].tables} == set(TABLES)
 
 
 def test_every_scene_is_on_a_ladder_of_three_meshes_or_more() -> None:
-    of_the_solid = {cell.scene for cell in LISTS["solid"]()}
+    of_the_solid = {cell.scene for cell in LISTS["solid"].cells()}
     # the panel has no reference and converges to nothing that is asked: it is there to be driven to extremes; the
     # errors of manufactured scenes are known, their orders a table of their own
     others = {"panel", "manufactured", "manufactured-contact"}

@@ -21,8 +21,8 @@ from reports.words import as_words
 from studies.campaigns.file import read
 from studies.cli import main
 from studies.commands import FAILED, NOT_CONVERGED, OK, WRONG_USE
-from studies.fuzz import hostile
 from studies.scene import UsageError
+from support.stores import spoiling
 
 CAMPAIGN = """title = "t"
 pages = "all"
@@ -94,6 +94,11 @@ def say(capsys: pytest.CaptureFixture[str]) -> Say:
     return said
 
 
+def _spoilt(data: Any, text: str, rng: np.random.Generator) -> bytes:
+    """A document with one strange value, or some bits of its text turned."""
+    return spoiling.json_text(data, rng).encode() if rng.random() < 0.8 else spoiling.flipped(text.encode(), rng)
+
+
 @pytest.mark.parametrize("seed", DRAWS)
 def test_spoilt_stores_are_taken_or_refused_in_a_line(seed: int, theirs: Path, tmp_path: Path, say: Say) -> None:
     rng = np.random.default_rng([1, seed])
@@ -103,7 +108,9 @@ def test_spoilt_stores_are_taken_or_refused_in_a_line(seed: int, theirs: Path, t
     path = files[rng.integers(len(files))]
     text = path.read_text()
     spoilt = (
-        hostile.json_text(json.loads(text), rng).encode() if rng.random() < 0.8 else hostile.flipped(text.encode(), rng)
+        spoiling.json_text(json.loads(text), rng).encode()
+        if rng.random() < 0.8
+        else spoiling.flipped(text.encode(), rng)
     )
     path.write_bytes(spoilt)
     say("merge", there, "--store", here)
@@ -113,13 +120,13 @@ def test_spoilt_stores_are_taken_or_refused_in_a_line(seed: int, theirs: Path, t
 
 def test_what_is_written_into_a_page_lies_still() -> None:
     """Every text that a record could hold, in a table."""
-    _lies_still([*hostile.MARKUP, *(text for text in hostile.CONTROL if text != "\ud800")])
+    _lies_still([*spoiling.MARKUP, *(text for text in spoiling.CONTROL if text != "\ud800")])
 
 
 def test_what_is_not_written_out_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fault that is planted: pictures and links of a store reach a page; HTML would be stopped there."""
     monkeypatch.setattr(sys.modules[__name__], "as_words", str)
-    for text in hostile.MARKUP[2:4]:
+    for text in spoiling.MARKUP[2:4]:
         with pytest.raises(AssertionError):
             _lies_still([text])
 
@@ -128,25 +135,21 @@ def test_what_is_not_written_out_is_found(monkeypatch: pytest.MonkeyPatch) -> No
 def test_spoilt_answers_are_judged_or_refused_in_a_line(seed: int, step: Path, tmp_path: Path, say: Say) -> None:
     rng = np.random.default_rng([2, seed])
     path = tmp_path / "answer.json"
-    path.write_bytes(
-        hostile.json_text(ANSWER, rng).encode()
-        if rng.random() < 0.8
-        else hostile.flipped(json.dumps(ANSWER).encode(), rng)
-    )
+    path.write_bytes(_spoilt(ANSWER, json.dumps(ANSWER), rng))
     say("problems", "judge", step, path)
 
 
 @pytest.mark.parametrize("seed", DRAWS)
 def test_spoilt_steps_are_solved_or_refused_in_a_line(seed: int, step: Path, tmp_path: Path, say: Say) -> None:
     path = tmp_path / "step.npz"
-    path.write_bytes(hostile.npz(step.read_bytes(), np.random.default_rng([3, seed])))
+    path.write_bytes(spoiling.npz(step.read_bytes(), np.random.default_rng([3, seed])))
     say("resolve", path)
 
 
 @pytest.mark.parametrize("seed", DRAWS)
 def test_spoilt_campaigns_are_read_or_refused_in_a_line(seed: int, tmp_path: Path) -> None:
     path = tmp_path / "sweep.toml"
-    path.write_text(hostile.toml_text(CAMPAIGN, np.random.default_rng([4, seed])), encoding="utf-8")
+    path.write_text(spoiling.toml_text(CAMPAIGN, np.random.default_rng([4, seed])), encoding="utf-8")
     assert "\n" not in _said(path)
 
 

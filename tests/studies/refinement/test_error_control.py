@@ -16,7 +16,7 @@ from studies.complete import complete
 from studies.experiments.accuracy.error_coverage import Case, error_coverage, shipped_cases
 from studies.refinement.error_control import coarsest, parse_error, solve_to_error
 from studies.refinement.point_loads import growth
-from studies.refinement.rounds import Round, estimate
+from studies.refinement.records import Round, estimate
 from studies.scene import UsageError
 from studies.scenes import SCENES
 from studies.solving import solve

@@ -23,15 +23,16 @@ from studies.scenes.benchmarks.hyperboloid import (
     NU,
     OF_SOLID,
     RADIUS,
+    REISSNER,
     SOLID,
     SURFACE,
     TWO_FACES,
     E,
-    mindlin,
     solid,
     two_faces,
 )
 from studies.solving import resolve, solve
+from support.problems.naghdi import NaghdiShell
 
 MUST = 0.005  # of the printed values on at most 64 x 64 elements
 THIN = (0.1, 0.01, 0.001)
@@ -44,6 +45,11 @@ def waist(t: float, n: int, family: str = "curvilinear", **settings: str) -> flo
     result = solve(*resolve("free-hyperboloid", asked, f"{n}x{n}", measure="linear"))
     assert result.outcome.converged
     return result.quantities["w_waist_mm"]
+
+
+def mindlin(t: float) -> NaghdiShell:
+    """The shell of Reissner and Mindlin of the thickness t [mm]."""
+    return NaghdiShell(SURFACE, E, NU, t, HARMONIC, LOAD * t**3, RADIUS, REISSNER, degree=140)
 
 
 @pytest.mark.parametrize("t", MINDLIN)

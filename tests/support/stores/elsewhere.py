@@ -16,8 +16,7 @@ from studies.campaigns.run import run
 from studies.request import Request
 from studies.store.layout import Archive
 from studies.store.vtu import write_vtu
-from studies.trust.field import arrays_of, as_written, state_of
-from studies.trust.recompute import Opened
+from studies.trust.recompute import Opened, arrays_of, as_written, state_of
 
 BEAMS = """
 title = "beams"

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from formulations.geometry.surfaces import annulus
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, LINES, patch
+from studies.scenes.ladders import EDGES, ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_forces, normal_at
 
 E, INNER, OUTER, H = 21e6, 6.0, 10.0, 0.03  # MPa, mm, mm, mm; nu = 0
@@ -28,6 +31,13 @@ class SlitAnnulus:
     default_mesh: tuple[int, int] = (10, 80)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, LINES, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "w_B_mm": (2, 1)})
+    quantities: Mapping[str, str] = {
+        "w_A_mm": "across the plate at the inner corner of the loaded side, a1 = 6 mm, a2 = 0",
+        "w_B_mm": "across the plate at the outer corner of the loaded side, a1 = 10 mm, a2 = 0",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(ROTATIONS, meshes(10, 80, 3), ("w_B_mm", "w_A_mm"), settings=EDGES, coarser=("5x40",)),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """Half of the line force on each face, along e3."""
@@ -36,3 +46,6 @@ class SlitAnnulus:
         corners = {"w_A_mm": (plate.grid.node_at(INNER, 0.0), 1), "w_B_mm": (plate.grid.node_at(OUTER, 0.0), 1)}
         forces = edge_forces(plate, 1, 0.0, P_MAX * (OUTER - INNER))
         return StaticModel.of(request, plate, normal_at(plate, corners), forces=forces)
+
+
+SCENES: tuple[Scene, ...] = (SlitAnnulus(),)

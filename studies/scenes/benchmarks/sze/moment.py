@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from formulations.loads.pressure import Couples
 from formulations.section.laminate import Ply
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
-from studies.scenes.benchmarks.cantilever import clamped_strip, tip_motion, tip_row
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
+from studies.scenes.benchmarks.cantilever import TIP, clamped_strip, tip_motion, tip_row
 from studies.scenes.data import reference_rows, references
 from studies.scenes.element import ELEMENT
+from studies.scenes.ladders import ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, edge_shares
 
 E, L, B, H = 1.2e6, 12.0, 1.0, 0.1  # MPa, mm; nu = 0
@@ -45,6 +48,12 @@ class RolledCantilever:
     default_mesh: tuple[int, int] = (64, 1)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = TIP
+    ladders: tuple[Ladder, ...] = (
+        Ladder(
+            ROTATIONS, meshes(32, 1), tuple(TIP), settings={"load_fraction": "0.5"}, whole={"load_fraction": "0.5,1"}
+        ),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """The couple about -e2 lifts the tip."""
@@ -53,3 +62,6 @@ class RolledCantilever:
         loaded, shares = edge_shares(strip, 0, L)
         couples = Couples(loaded, M_MAX * shares, np.tile([0.0, -1.0, 0.0], (len(loaded), 1)), H)
         return StaticModel.of(request, strip, tip_motion(strip, tip), couples=couples)
+
+
+SCENES: tuple[Scene, ...] = (RolledCantilever(),)

@@ -7,6 +7,7 @@ single elements, and loads must be close to one another for the path to be follo
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,9 +15,10 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
+from studies.scenes.ladders import ROTATIONS, Ladder, meshes
 from studies.scenes.statics import LOAD_FRACTIONS, StaticModel, normal_at, normal_forces
 
 E, NU, RADIUS, LENGTH, H = 30e3, 0.3, 100.0, 200.0, 1.0  # MPa, -, mm, mm, mm
@@ -39,6 +41,15 @@ class PinchedBetweenDiaphragms:
     default_mesh: tuple[int, int] = (48, 48)
     settings: tuple[Setting, ...] = (LOADS, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = tabulated(FILE, SOURCE, 5e-3, {"w_A_mm": (1, 1), "u_B_mm": (2, 1)})
+    quantities: Mapping[str, str] = {
+        "w_A_mm": "inwards under the force, a1 = a2 = 0",
+        "u_B_mm": "outwards at mid-length on the side, a1 = 0, a2 = 90 degrees",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(  # before the snap
+            ROTATIONS, meshes(16, 16, 3), ("w_A_mm", "u_B_mm"), settings={"load_fraction": "0.1"}, coarser=("8x8",)
+        ),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""
@@ -48,3 +59,6 @@ class PinchedBetweenDiaphragms:
         A, B = octant.grid.node_at(0.0, 0.0), octant.grid.node_at(0.0, side)
         radial = normal_at(octant, {"w_A_mm": (A, -1), "u_B_mm": (B, 1)})
         return StaticModel.of(request, octant, radial, forces=normal_forces(octant.grid, {A: -P_MAX / 4}))
+
+
+SCENES: tuple[Scene, ...] = (PinchedBetweenDiaphragms(),)

@@ -6,6 +6,7 @@ curve is traced by arc length.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -13,9 +14,10 @@ import numpy as np
 from formulations.geometry.surfaces import cylinder
 from formulations.section.laminate import Laminate, Ply
 from studies.request import Request
-from studies.scene import SOLVER, Reference, SceneModel, Setting
+from studies.scene import SOLVER, Reference, Scene, SceneModel, Setting
 from studies.scenes.data import tabulated
 from studies.scenes.element import ELEMENT, patch
+from studies.scenes.ladders import CANCEL, FULL, ROTATIONS, Ladder, meshes
 from studies.scenes.statics import (
     ARC_STEP,
     LOAD_FRACTIONS,
@@ -60,6 +62,22 @@ class PullOut:
     default_mesh: tuple[int, int] = (16, 24)
     settings: tuple[Setting, ...] = (LOAD_FRACTIONS, PATH, ARC_STEP, *ELEMENT, SOLVER)
     references: tuple[Reference, ...] = _references()
+    quantities: Mapping[str, str] = {
+        "w_A_mm": "outwards under the force, a1 = a2 = 0; grows by the logarithm of the size of the elements",
+        "w_A_even_mm": "w_A without what elements of another size than the thickness add to it",
+        "u_B_mm": "outwards at mid-length on the side, a1 = 0, a2 = 90 degrees",
+        "u_C_mm": "outwards at the free end on the side, a1 = 5.175 mm, a2 = 90 degrees",
+    }
+    ladders: tuple[Ladder, ...] = (
+        Ladder(  # even lines: with closer ones at the load the path is lost at its snap
+            ROTATIONS,
+            meshes(12, 18, 3),
+            ("w_A_even_mm", "u_B_mm", "u_C_mm"),
+            settings=FULL,
+            coarser=("6x9",),
+            causes={"u_C_mm": CANCEL},
+        ),
+    )
 
     def build(self, request: Request) -> SceneModel:
         """A quarter of the force in the octant's corner, half of it on each face."""
@@ -70,3 +88,6 @@ class PullOut:
         radial = normal_at(octant, {"w_A_mm": (A, 1), "u_B_mm": (B, 1), "u_C_mm": (C, 1)})
         rise = {"w_A_mm": point_rise(P_MAX, SHEAR, H, element_size(octant, A))}
         return CurveModel.of(request, octant, radial, rise, forces=normal_forces(octant.grid, {A: P_MAX / 4}))
+
+
+SCENES: tuple[Scene, ...] = (PullOut(),)

@@ -15,7 +15,7 @@ from reports.chapters.catalogue.words import Catalogue
 from reports.markdown import Part
 from reports.store.tables import load_store
 from studies.scenes import SCENES
-from studies.store.atomic import write_table
+from support.pages.changed import edit_table
 from support.stores.sheets import BUILT, DRAWN
 
 PARTS = {
@@ -76,10 +76,11 @@ def page(name: str, under: str = "") -> Chapter:
 
 
 def test_a_part_from_outside_has_a_sheet(own_store: Path) -> None:
-    path = own_store / "tables/sheet_parts.csv"
-    parts = pd.read_csv(path)
-    mine = parts[parts["part"].isin(["donnell", "lcp"])].assign(part=lambda table: "my-" + table["part"])
-    write_table(path, pd.concat([parts, mine]))
+    def with_mine(parts: pd.DataFrame) -> pd.DataFrame:
+        known = parts[parts["part"].isin(["donnell", "lcp"])]
+        return pd.concat([parts, known.assign(part="my-" + known["part"])])
+
+    edit_table(own_store, "sheet_parts", with_mine)
     store = load_store(own_store)
     texts = {each.file: each.render(store).text for each in sheets(store) if "-my-" in each.name}
     assert texts.keys() == {"sheets/measure-my-donnell.md", "sheets/algorithm-my-lcp.md"}

@@ -18,20 +18,19 @@ from reports.store.tables import load_store
 from studies.analysis.everything import written
 from studies.analysis.powers import epsilon_laws
 from studies.campaigns.report_cells import agreement, enforcements
-from studies.store.atomic import write_json, write_table, write_text
+from studies.store.atomic import write_table, write_text
+from support.pages.changed import edit_json, place
 from support.pages.rows import row
 
 CASE = "trial-and-error follower nonsymmetric exact"
 
 
 def directory(root: Path, label: str) -> Path:
-    index = json.loads((root / "campaigns" / "report.json").read_text())
-    return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == f"agreement {label}")
+    return place(root, f"agreement {label}")
 
 
 def change(root: Path, label: str, **new: object) -> None:
-    path = directory(root, label).with_suffix(".json")
-    write_json(path, json.loads(path.read_text()) | new)
+    edit_json(directory(root, label).with_suffix(".json"), lambda result: result.update(new))
 
 
 # --- cells ------------------------------------------------------------------------------------------------------
@@ -168,10 +167,9 @@ def test_the_penalty_is_that_of_the_wall(store: Path) -> None:
 
 
 def test_a_tolerance_that_is_never_reached_is_said(own_store: Path) -> None:
-    path = own_store / "tables" / "epsilon.csv"
-    data = pd.read_csv(path)
+    data = load_store(own_store).table("epsilon")
     data.loc[data["form"] == "displacement", "outcome"] = "rounding"
-    write_table(path, data)
+    write_table(own_store / "tables" / "epsilon.csv", data)
     written(own_store, "report", {"epsilon_laws": epsilon_laws(data)})
     assert row(algorithms_page(load_store(own_store)).text, "| tyre | 106.3 |")[-1] == "any ε"
 

@@ -12,7 +12,7 @@ from reports.chapters.friction.page import CHAPTER, friction_page
 from reports.markdown import Part
 from reports.store.statements import of_page
 from reports.store.tables import load_store
-from studies.store.atomic import write_table
+from support.pages.changed import set_values
 from support.stores.friction import patch
 
 
@@ -36,11 +36,7 @@ def test_beside_dissipation_stands_that_it_converges_with_the_load_step(page: Pa
 
 
 def test_a_load_that_is_refused_is_named(own_store: Path) -> None:
-    path = own_store / "tables" / "friction_dragged.csv"
-    data = pd.read_csv(path)
-    data["failures"] = data["failures"].astype(object)
-    data.loc[2, "failures"] = "friction_cone"
-    write_table(path, data)
+    set_values(own_store, "friction_dragged", 2, failures="friction_cone")
     text = friction_page(load_store(own_store)).text
     assert "| 0.25 | 2 | – | converged | friction_cone |" in text
     assert "loads of these paths converged" not in text
@@ -80,11 +76,9 @@ def test_problems_that_separate_the_algorithms(page: Part) -> None:
 
 
 def test_a_wrong_claim_on_springs_is_counted(own_store: Path) -> None:
-    path = own_store / "tables" / "friction_klarbring.csv"
-    data = pd.read_csv(path)
-    own = (data["case"] == "nothing") & (data["algorithm"] == "qp")
-    data.loc[own, ["outcome", "found"]] = ("converged", "wrong")
-    write_table(path, data)
+    springs = load_store(own_store).table("friction_klarbring")
+    (row,) = springs.index[(springs["case"] == "nothing") & (springs["algorithm"] == "qp")]
+    set_values(own_store, "friction_klarbring", row, outcome="converged", found="wrong")
     text = friction_page(load_store(own_store)).text
     assert "| `qp` | within, 0.010 % | 1 of 1 | 1 of 1 | 1 of 1 | 1 | 1 of 2 | 1 |" in text
 

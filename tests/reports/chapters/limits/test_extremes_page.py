@@ -8,12 +8,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.limits.causes import cause
-from reports.chapters.limits.extremes import extremes_page, faults
+from reports.chapters.limits.extremes import cause, extremes_page, faults
 from reports.chapters.limits.figures_extremes import LOOKS, outcome_maps, plain_ticks
 from reports.store.tables import load_store
 from studies.experiments.extremes.maps import CLASSES
-from studies.store.atomic import write_table
+from support.pages.changed import edit_table
 
 
 def test_counts_causes_and_commands(store: Path) -> None:
@@ -51,20 +50,17 @@ def test_limits_stand_in_one_table_with_their_causes(store: Path) -> None:
 
 
 def test_a_certified_result_that_is_far_off_is_told(own_store: Path) -> None:
-    path = own_store / "tables" / "extremes_limits.csv"
-    limits = pd.read_csv(path)
-    limits.loc[limits["limit"] == "smallest travel", "error"] = 1.0
-    write_table(path, limits)
+    edit_table(
+        own_store, "extremes_limits", lambda t: t.assign(error=t["error"].mask(t["limit"] == "smallest travel", 1.0))
+    )
     text = extremes_page(load_store(own_store)).text
     assert "half of the result or more: smallest travel (`exact`, `linear`, `lcp`, `augmented-lagrangian`)." in text
 
 
 def test_boundaries_that_were_missed_and_budgets_that_were_spent_are_told(own_store: Path) -> None:
-    path = own_store / "tables" / "extremes_check.csv"
-    check = pd.read_csv(path)
-    write_table(path, pd.concat([check, check.assign(map="each", distance=float("inf"), unlike=3)]))
-    path = own_store / "tables" / "extremes.csv"
-    write_table(path, pd.read_csv(path).assign(complete=False))
+    lost = {"map": "each", "distance": float("inf"), "unlike": 3}
+    edit_table(own_store, "extremes_check", lambda check: pd.concat([check, check.assign(**lost)]))
+    edit_table(own_store, "extremes", lambda points: points.assign(complete=False))
     text = extremes_page(load_store(own_store)).text
     assert "takes 8 of 578 points for another class, with whole boundaries on 1 maps." in text
     assert "On 2 maps the budget was spent" in text

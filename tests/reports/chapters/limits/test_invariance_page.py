@@ -10,22 +10,13 @@ import pytest
 
 from reports.chapters.limits.invariance import accidents, invariance_page, shared_curves
 from reports.store.tables import Store, load_store
-from studies.store.atomic import write_table
+from support.pages.changed import edit_table, set_values
 from support.pages.rows import row
 
 
 @pytest.fixture
 def loaded(store: Path) -> Store:
     return load_store(store)
-
-
-def change(root: Path, name: str, number: int = 0, **columns: object) -> None:
-    """Give a row of a table other values."""
-    path = root / "tables" / f"{name}.csv"
-    data = pd.read_csv(path)
-    for column, value in columns.items():
-        data.loc[number, column] = value
-    write_table(path, data)
 
 
 def test_rates_of_the_famous_failures(loaded: Store) -> None:
@@ -35,17 +26,17 @@ def test_rates_of_the_famous_failures(loaded: Store) -> None:
     assert row(text, "| `exact` |")[1:7] == ["0"] * 6
     assert float(row(text, "| `donnell` |")[1]) > 0.1  # a translated cylinder strains
     assert row(text, "| `linear` |")[1] == "0"
-    found = loaded.analysis("rigid_body_powers")
+    found = loaded.table("rigid_body_powers")
     shear = found.query("measure == 'donnell' and surface == 'cylinder' and motion == 'translation'").iloc[0]
     assert shear["largest_rate"] == pytest.approx(1, abs=0.01)
 
 
 def test_a_measure_off_its_law_is_seen(own_store: Path) -> None:
-    path = own_store / "tables" / "rigid_body.csv"
-    data = pd.read_csv(path)
-    case = (data["measure"] == "sanders") & (data["motion"] == "drilling")
-    data.loc[case, "strain"] += 1e-3
-    write_table(path, data)
+    def off(data: pd.DataFrame) -> pd.DataFrame:
+        case = (data["measure"] == "sanders") & (data["motion"] == "drilling")
+        return data.assign(strain=data["strain"].where(~case, data["strain"] + 1e-3))
+
+    edit_table(own_store, "rigid_body", off)
     assert row(invariance_page(load_store(own_store)).text, "| `sanders` |")[-1] == "1.0e-03"
 
 
@@ -71,7 +62,9 @@ def test_nothing_is_broken_by_accident(loaded: Store) -> None:
 
 
 def test_an_accident_is_shown_with_its_reason(own_store: Path) -> None:
-    change(own_store, "symmetry", **{"class": "broken by accident", "deviation": 0.25, "reason": "nothing explains it"})
+    set_values(
+        own_store, "symmetry", 0, **{"class": "broken by accident", "deviation": 0.25, "reason": "nothing explains it"}
+    )
     loaded = load_store(own_store)
     text = invariance_page(loaded).text
     assert accidents(loaded) == (1, 12)

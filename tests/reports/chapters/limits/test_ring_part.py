@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pandas as pd
 import pytest
 
-from reports.chapters.limits.ring_part import law_part, ring_part
+from reports.chapters.limits.shell_limits import law_part, ring_part
 from reports.figures.drawing import drawn
 from reports.markdown import Part
 from reports.store.tables import load_store
-from studies.store.atomic import write_table
+from support.pages.changed import edit_table
 
 
 @pytest.fixture(scope="module")
@@ -34,8 +33,7 @@ def test_agreement_by_errors_that_cancel_is_listed(part: Part) -> None:
 
 
 def test_what_does_not_cancel_is_not_said_to(own_store: Path) -> None:
-    path = own_store / "tables" / "ring_budget.csv"
-    write_table(path, pd.read_csv(path).assign(remainder=-0.1, wrong_reason=False))
+    edit_table(own_store, "ring_budget", lambda table: table.assign(remainder=-0.1, wrong_reason=False))
     assert "cancel" not in ring_part(load_store(own_store)).text
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from reports.chapters.trade.advice import advice_part
+from reports.chapters.trade.cost import advice_part
 from reports.files import write_texts
 from reports.site import check_pages, compare_pages, rendered
 from reports.store.reading import StoreError
@@ -119,7 +119,7 @@ def test_tables_of_another_campaign_are_not_mixed_in(store: Path) -> None:
     pd.read_csv(path).assign(campaign="other").to_csv(path, index=False)
     assert advice_part(load_store(store)).text == ""
     with pytest.raises(StoreError, match=r"held_out\.csv: not of campaign 'small'"):
-        load_store(store).analysis("held_out")
+        load_store(store).table("held_out")
 
 
 def test_a_damaged_table_is_one_line(store: Path) -> None:

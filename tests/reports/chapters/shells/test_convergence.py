@@ -13,7 +13,6 @@ import pytest
 
 from reports.chapters.shells.convergence import comparisons, convergence_page, sequences
 from reports.formats import quantity as words
-from reports.store.statements import sentence
 from reports.store.tables import load_store
 from studies.analysis.cells.answers import Answers
 from studies.analysis.cells.collect import collect
@@ -21,6 +20,7 @@ from studies.analysis.comparisons.ladders import BEYOND, NO_LIMIT, WITHIN, conve
 from studies.analysis.verify import verified
 from studies.campaigns.ladder_cells import LADDERS
 from studies.store.atomic import write_json
+from support.pages.sentences import sentence
 from support.stores.made_up import analysed_again
 
 WOBBLE = (0.3, -0.2, 0.1, 0.05)
@@ -78,7 +78,7 @@ def test_page_shows_values_orders_limits_and_references(store: Path) -> None:
 def test_agreement_is_counted_once_of_exact_and_of_linear_strains(store: Path) -> None:
     """The opening says what the table says; limits of our own grids do not count."""
     loaded = load_store(store)
-    found = loaded.analysis("convergence_summary").set_index("group")
+    found = loaded.table("convergence_summary").set_index("group")
     whole = found.loc[["exact strains", "linear strains"]].sum()
     assert whole["sequences"] == sum(len(ladder.quantities) for ladder in LADDERS)
     judged = comparisons_of(store)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Set
 from pathlib import Path
@@ -10,9 +9,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from reports.chapters.shells.element_choice import SHARES, counted, elements_part
+from reports.chapters.shells.convergence import SHARES, counted, elements_part
 from reports.store.tables import load_store
-from studies.store.atomic import write_json
+from support.pages.changed import edit_json, place
 from support.stores.made_up import analysed_again
 
 
@@ -40,18 +39,16 @@ def test_shares_are_counted_by_mesh_and_early_ends_are_named() -> None:
             *scene("lost", set(), {"projected", "balanced"}),
         ]
     )
-    assert counted(found, "projected") == [1, 0, 3, 0, 1, "folded"]
-    assert counted(found, "balanced") == [2, 1, 5, 1, 0, "none"]
-    assert counted(found, "nodal") == [3, 2, 3, 0, 2, "folded, rolled"]
+    assert list(counted(found, "projected").values()) == ["projected", 1, 0, 3, 0, 1, "folded"]
+    assert list(counted(found, "balanced").values()) == ["balanced", 2, 1, 5, 1, 0, "none"]
+    assert list(counted(found, "nodal").values()) == ["nodal", 3, 2, 3, 0, 2, "folded, rolled"]
 
 
 @pytest.mark.slow
 def test_a_share_that_ends_early_is_not_confirmed_by_a_mesh_that_goes_on(own_store: Path) -> None:
-    index = json.loads((own_store / "campaigns" / "report.json").read_text())
-    (row,) = (row for row in index["cells"] if row["label"] == "share semicylinder 16x16 nodal")
-    path = own_store / "cells" / f"{row['id']}.json"
     ended = {"outcome": "step-limit", "steps": [], "quantities": {"load_limit_point": 0.68}}
-    write_json(path, json.loads(path.read_text()) | ended)
+    path = place(own_store, "share semicylinder 16x16 nodal").with_suffix(".json")
+    edit_json(path, lambda result: result.update(ended))
     analysed_again(own_store)
     (line,) = (line for line in elements_part(load_store(own_store)).text.splitlines() if "| `nodal` |" in line)
     assert line.endswith("| 1 | semicylinder |")

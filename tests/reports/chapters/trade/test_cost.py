@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from pathlib import Path
 
@@ -14,13 +13,9 @@ from reports.chapters.trade.cost import cost_page
 from reports.store.tables import load_store
 from studies.analysis.comparisons.tyre.models import BEHIND
 from studies.campaigns.report_cells import MODELS
-from studies.store.atomic import write_json, write_table
+from studies.store.atomic import write_table
+from support.pages.changed import edit_json, edit_table, place
 from support.stores.made_up import analysed_again
-
-
-def place(root: Path, label: str) -> Path:
-    index = json.loads((root / "campaigns" / "report.json").read_text())
-    return root / "cells" / next(row["id"] for row in index["cells"] if row["label"] == label)
 
 
 def row(text: str, start: str) -> list[str]:
@@ -39,9 +34,7 @@ def test_parts_that_are_the_whole(store: Path) -> None:
 @pytest.mark.slow
 def test_a_part_that_is_not_is_counted(own_store: Path) -> None:
     path = place(own_store, "model half angle plies").with_suffix(".json")
-    result = json.loads(path.read_text())
-    result["steps"][0]["force_N"] *= 1 + 3e-8
-    write_json(path, result)
+    edit_json(path, lambda result: result["steps"][0].update(force_N=result["steps"][0]["force_N"] * (1 + 3e-8)))
     contact = place(own_store, "model mirror isotropic") / "contact.csv"
     table = pd.read_csv(contact)
     table.loc[table.index[0], "active"] = 1 - table.loc[table.index[0], "active"]
@@ -113,7 +106,6 @@ def test_the_tables_say_what_the_grids_did(own_store: Path, seed: int) -> None:
 
 @pytest.mark.parametrize(("known", "said"), [(0.003, "reaches 0.2 %, which"), (0.02, "reaches 1 % or 0.2 %, which")])
 def test_what_the_reference_is_not_good_enough_for_is_said(own_store: Path, known: float, said: str) -> None:
-    path = own_store / "tables" / "work_precision.csv"
-    write_table(path, pd.read_csv(path).assign(known=known))
+    edit_table(own_store, "work_precision", lambda grids: grids.assign(known=known))
     text = cost_page(load_store(own_store)).text
     assert f"known to {100 * known:.2f} %, grey below that. Whether a grid {said} is less, is not decided." in text

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from reports.chapters.tyre.solid import solid_part
+from reports.chapters.tyre.page import solid_part
 from reports.figures.result_figures import draw_result
 from reports.store.cells import load_cell
 from reports.store.reading import StoreError
@@ -67,7 +67,7 @@ def write_cell(cell: Cell, directory: Path) -> None:
 @pytest.fixture
 def store(tmp_path: Path) -> Path:
     rows = []
-    for i, cell in enumerate(LISTS["solid"]()):
+    for i, cell in enumerate(LISTS["solid"].cells()):
         write_cell(cell, tmp_path / "cells" / str(i))
         _, request = resolve(cell.scene, cell.settings, **cell.options)
         rows.append(Row(cell, str(i), plain(request.data)).as_json())

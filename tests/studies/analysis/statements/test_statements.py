@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 import studies
-from reports.store.statements import of_page, sentence, statements
+from reports.store.statements import of_page, statements
 from reports.store.tables import Store
 from studies.analysis.everything import written
 from studies.analysis.evidence import ANSWERS, Evidence
@@ -20,6 +20,7 @@ from studies.analysis.statements.tables import maker_of, read_sentences
 from studies.analysis.statements.tables import statements as all_said
 from studies.arena.solver_run import FIELDS
 from studies.store.atomic import SCHEMA, write_json
+from support.pages.sentences import sentence
 from support.sentences import said as said_of
 from support.sentences import tables_of
 

@@ -1,0 +1,64 @@
+"""Ladders of meshes, as a scene declares them: the grids that show its orders and limits, and what is judged there."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from studies.scene import Scene
+
+ROTATIONS, SNAP, LINEAR = "large rotations", "snap through", "linear shells"  # the families, whose pictures they are in
+CLOSED, CONTACT, TYRE = "closed forms", "contact", "tyre"
+BENCHMARKS = "benchmarks"  # with the element of the paper, at every load of the published tables
+FULL = {"load_fraction": "1"}
+# A free edge has a layer as wide as the wall is thick, where twist turns into shear: even lines meet it on one mesh of
+# many, and the order changes there.
+EDGES = {**FULL, "lines": "edges"}
+CANCEL = "two errors of different order and opposite sign cancel on these meshes"
+LONG = ("64x1", "128x1", "256x1", "512x1")  # where nothing varies along a2
+
+
+@dataclass(frozen=True)
+class Ladder:
+    """A scene on meshes from coarse to fine; the size of their elements falls as 1 over the first number.
+
+    quantities: what is judged; the first one of a scene's first ladder is its headline.  measure, settings: as for
+    ``footprint solve``.  at: the step where quantities are read, KEY=VALUE; without one, the last step.
+    coarser: what is solved in the place of the finest mesh where that is left out and only two would be left.
+    causes: why quantities by name are not in an asymptotic range.  whole: settings at the load that the scene is known
+    for, where the ladder stops before it, its own load on the way.  name: that of its scene unless another is given.
+    """
+
+    family: str
+    meshes: tuple[str, ...]
+    quantities: tuple[str, ...]
+    measure: str = "exact"
+    settings: Mapping[str, str] = field(default_factory=dict)
+    at: str = ""
+    coarser: tuple[str, ...] = ()
+    causes: Mapping[str, str] = field(default_factory=dict)
+    whole: Mapping[str, str] = field(default_factory=dict)
+    name: str = ""
+    scene: str = ""
+
+    def climbed(self, *, finest: bool) -> tuple[str, ...]:
+        """Its meshes, with the finest or without."""
+        return self.meshes if finest else (*self.coarser, *self.meshes[:-1])
+
+
+def meshes(n1: int, n2: int, count: int = 4) -> tuple[str, ...]:
+    """A mesh and those of half the elements' size, a quarter, ..."""
+    return tuple(f"{n1 * 2**k}x{n2 * 2**k}" for k in range(count))
+
+
+def ladders_of(scene: Scene) -> tuple[Ladder, ...]:
+    """What a scene declares, with its name; none of one from outside that declares nothing."""
+    declared: tuple[Ladder, ...] = getattr(scene, "ladders", ())
+    return tuple(replace(each, name=each.name or scene.name, scene=scene.name) for each in declared)
+
+
+def judged_of(scene: Scene) -> tuple[str, ...]:
+    """The quantities that a scene is judged by, its headline first: those of its ladders, else of its references."""
+    ladders = [each for each in ladders_of(scene) if each.family != BENCHMARKS]
+    names = [name for ladder in ladders for name in ladder.quantities]
+    return tuple(dict.fromkeys(names or [reference.quantity for reference in scene.references]))
