@@ -1,4 +1,4 @@
-"""What unilateral, frictionless contact is: problem, judge, foundations, Newton, path following, algorithms.
+"""What unilateral contact is, with friction and without: problem, judge, foundations, Newton, paths, algorithms.
 
 Nothing here knows of shells, scenes or reports; a mechanical model is seen only as ``linearise(u, memory)``, gaps and
 weights. This package imports none of the others.

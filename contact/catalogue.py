@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from contact.algorithms.augmented_lagrangian import AugmentedLagrangian
 from contact.algorithms.lcp import Lcp
 from contact.algorithms.qp import Qp
@@ -13,3 +15,8 @@ from contact.problem import ContactAlgorithm
 ALGORITHMS: dict[str, type[ContactAlgorithm]] = {
     algorithm.name: algorithm for algorithm in (TrialAndError, Semismooth, Regularised, AugmentedLagrangian, Qp, Lcp)
 }
+
+
+def by_the_exact_law(springs: float = 1e4) -> dict[str, ContactAlgorithm]:
+    """All of the catalogue with an infinite epsilon, and regularised, which has none, on ``springs`` [MPa/mm]."""
+    return {name: kind(epsilon=springs if kind is Regularised else np.inf) for name, kind in ALGORITHMS.items()}

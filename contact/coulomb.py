@@ -1,20 +1,41 @@
-"""What Coulomb friction adds to a contact problem and to its answer: records alone.
+"""What Coulomb friction adds to a contact problem and to its answer: records alone; no algorithm may enter here.
 
-They name a coefficient, a moving foundation and what a path remembers; who solves with them is in
-:mod:`contact.friction`, which is not imported where they are not set. No algorithm and no scene may enter here.
+One step of a quasi-static path, implicit in time. Beside the normal forces f (m,) there is friction t (m, 2) [N]::
+
+    r(u) = G(u)^T f + S(u)^T t,    |t_i| <= mu_i f_i,    s_i(u) = 0  or  t_i = -mu_i f_i s_i/|s_i|
+
+s (m, 2) is the slip [mm]: how far a candidate has come relative to the foundation, in its tangent plane, since the last
+accepted state; S = ds/du. The foundation may have moved in its own plane in the meantime: that is part of s. What a
+path remembers are the anchors, the points of the foundation where the candidates were, and they are in the slip of the
+next step: states go in and come out, nothing is kept between calls. Forces are those of the foundation on the body, so
+that friction opposes the slip and its power is never positive.
+
+mu = 0 is contact without friction; an infinite one ties every candidate that touches. Normal forces are each a
+candidate's own: f = w p with the areas w of the contact problem, lumped.
 """
 
 from __future__ import annotations
 
+import enum
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 
+from contact.swept import Standing
+
 if TYPE_CHECKING:
-    from contact.problem import ContactProblem
+    from contact.friction.slip import Slip
+
+
+class State(enum.IntEnum):
+    """What a candidate does."""
+
+    OPEN = 0
+    STICK = 1
+    SLIP = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,45 +71,69 @@ class Motion:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class Surface(Standing):
     """The surface of a rigid foundation and the candidates before it, in a frame that is shifted with the foundation.
 
-    positions(u) -> y (m, 3) [mm] of the candidates there;  operator (3m, n): dy/du, rows 3i to 3i + 2 of candidate i.
-    gap(y) -> (m,) [mm], gradient(y) -> (m, 3): signed distance and unit normal.  size [mm]: of what y is a difference.
+    operator (3m, n): d positions/du, rows 3i to 3i + 2 of candidate i.  size [mm]: of what a position is a difference.
     """
 
-    positions: Callable[[np.ndarray], np.ndarray]
-    operator: sparse.csr_matrix
-    gap: Callable[[np.ndarray], np.ndarray]
-    gradient: Callable[[np.ndarray], np.ndarray]
-    size: float
+    operator: sparse.csr_matrix = field(kw_only=True)
+    size: float = field(kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
 class Coulomb:
-    """Coefficient mu in [0, inf] [-], and how the foundation has slid along itself: its motion in its shifted frame."""
+    """The law of one step: coefficients mu (m,) in [0, inf] [-], and the slip; all callables are pure.
 
-    mu: float
-    motion: Motion
+    slip(u) -> (m, 2) [mm];  slip_jacobian(u) -> (2m, n) CSR, rows 2i and 2i + 1 of candidate i.
+    slip_size: size [mm] of what a slip is a difference of; it has the rounding of it.
+    sliding: the slip as that on a rigid foundation, where anchors are kept from step to step; None where it is given.
+    """
 
-    def places(self, surface: Surface, u: np.ndarray) -> np.ndarray:
-        """Where the candidates are (m, 3) on the moving foundation."""
-        return self.motion.into(surface.positions(u))
+    mu: np.ndarray
+    slip: Callable[[np.ndarray], np.ndarray]
+    slip_jacobian: Callable[[np.ndarray], sparse.csr_matrix]
+    slip_size: float = 0.0
+    sliding: Slip | None = None
+
+    def __post_init__(self) -> None:
+        if not np.all(self.mu >= 0):
+            raise ValueError(f"mu must be {len(self.mu)} numbers in [0, inf]")
+
+    def bound(self, normal: np.ndarray) -> np.ndarray:
+        """mu f (m,) [N]: the radii of the discs."""
+        return radii(self.mu, normal)
+
+    def since(self, anchors: np.ndarray) -> Coulomb:
+        """The law with slips from other anchors (m, 3) on its foundation."""
+        assert self.sliding is not None
+        slip = replace(self.sliding, anchors=anchors)
+        return replace(self, slip=slip, slip_jacobian=slip.jacobian, sliding=slip)
+
+
+def radii(mu: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """mu f (m,) [N], 0 where a candidate is not pressed; infinite where mu is and it is."""
+    pressed = normal > 0
+    return np.where(pressed, mu, 0.0) * np.where(pressed, normal, 0.0)
+
+
+NO_PLACES = np.zeros((0, 3))
 
 
 @dataclass(frozen=True, eq=False)
 class Friction:
     """Friction of an accepted state, and what its path remembers.
 
-    force (m, 2) [N]: along the tangents at ``since``.  state (m,) of :class:`contact.friction.problem.State`.
+    force (m, 2) [N]: along the tangents at ``since``.  state (m,) of :class:`State`.
     since, anchors (m, 3) [mm]: places on the foundation from which the slip of this step has been counted, and from
-    which that of the next one is.  dissipation [N mm]: of the whole path up to here.
+    which that of the next one is; none where the law has no foundation.
+    dissipation [N mm]: of the whole path up to here.
     """
 
     force: np.ndarray
     state: np.ndarray
-    since: np.ndarray
-    anchors: np.ndarray
+    since: np.ndarray = field(default_factory=lambda: NO_PLACES)
+    anchors: np.ndarray = field(default_factory=lambda: NO_PLACES)
     dissipation: float = 0.0
 
     def only(self, chosen: np.ndarray) -> Friction:
@@ -116,20 +161,3 @@ class Friction:
         ):
             mine[chosen] = part
         return replace(whole, dissipation=self.dissipation)
-
-
-def with_friction(problem: ContactProblem, mu: float, motion: Motion) -> ContactProblem:
-    """The same problem with friction; its path is not followed by arc length, which friction leaves no curve to.
-
-    Raises ValueError where the problem does not know the surface of its foundation.
-    """
-    if problem.surface is None:
-        raise ValueError("friction needs a foundation that is known as a surface")
-    only = problem.only
-
-    def chosen(which: np.ndarray) -> ContactProblem:
-        assert only is not None
-        return with_friction(only(which), mu, motion)
-
-    coulomb = Coulomb(mu, motion)
-    return replace(problem, coulomb=coulomb, only=None if only is None else chosen, travel=None)

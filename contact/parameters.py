@@ -15,7 +15,7 @@ class Parameter:
     """A parameter by the name of its field.
 
     kind: "float", "int" or "choice", one of ``choices``.  low, high: range of a number, the bounds included unless
-    ``open_low``; infinity only where ``infinite``.
+    ``open_low``; infinity only where ``infinite``.  frictionless: it means something without friction alone.
     """
 
     key: str
@@ -27,6 +27,7 @@ class Parameter:
     open_low: bool = False
     infinite: bool = False
     choices: tuple[str, ...] = ()
+    frictionless: bool = False
 
 
 STIFFNESS = "MPa/mm"  # the unit of all that weighs pressure against gap
@@ -51,5 +52,6 @@ SYSTEM = Parameter(
     "linearised problem on the candidates whose state changes (condensed) or on all (full)",
     kind="choice",
     choices=("condensed", "full"),
+    frictionless=True,
 )
 SHARED = (EPSILON, TOLERANCE, SOLVER)  # what every algorithm here has

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
@@ -119,7 +119,7 @@ class ContactProblem:
     candidate leads through it, as through a plane.
 
     surface: what friction would act on, in a frame that is shifted with the foundation; None where nobody has said.
-    coulomb: friction, None for none; it is solved by the algorithms of :mod:`contact.friction` alone.
+    coulomb: the law of friction, None for none.
     """
 
     linearise: Linearise
@@ -162,9 +162,24 @@ class ContactProblem:
         turned = self.gap_curvature(u, self.nodal_forces(pressure))
         return sparse.csc_matrix(lin.tangent - (self._body(len(u)) @ turned if self.driven else turned))
 
-    def contact_force(self, u: np.ndarray, pressure: np.ndarray) -> np.ndarray:
-        """G^T W p (n,): the force of the foundation on the unknowns."""
-        return np.asarray(self.push(u).T @ self.nodal_forces(pressure))
+    def contact_force(self, u: np.ndarray, pressure: np.ndarray, friction: np.ndarray | None = None) -> np.ndarray:
+        """G^T W p + S^T t (n,): the force of the foundation on the unknowns; friction (m, 2) [N], where there is."""
+        pushed = np.asarray(self.push(u).T @ self.nodal_forces(pressure))
+        if friction is None or self.coulomb is None:
+            return pushed
+        return np.asarray(pushed + self.coulomb.slip_jacobian(u).T @ friction.ravel())
+
+    def since(self, anchors: np.ndarray) -> ContactProblem:
+        """The problem with friction whose slips are counted from these anchors (m, 3)."""
+        assert self.coulomb is not None
+        return replace(self, coulomb=self.coulomb.since(anchors))
+
+    @property
+    def unfit_for_friction(self) -> str | None:
+        """Why friction has no place in the problem, or None."""
+        if self.coupling is not None:
+            return "friction needs lumped coupling: each normal force a candidate's own"
+        return "friction needs a foundation whose travel is given" if self.driven else None
 
     def _body(self, n: int) -> sparse.dia_array:
         """Projector (n, n) onto the unknowns of the body."""
@@ -222,6 +237,12 @@ class ContactSolution:
     counters: Mapping[str, float] = field(default_factory=dict)
     history: tuple[Mapping[str, Any], ...] = ()
     friction: Friction | None = None
+
+    @property
+    def rubbed(self) -> Friction:
+        """The friction of a problem that has some."""
+        assert self.friction is not None
+        return self.friction
 
     @classmethod
     def at_rest(cls, n: int, m: int) -> ContactSolution:

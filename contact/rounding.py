@@ -1,17 +1,14 @@
 """What rounding excuses: how far from balance forces may be that no digit of u can bring nearer, and what that moves.
 
-Algorithms and the judge ask here, so that what one claims the other does not deny. No algorithm may enter here.
+Algorithms and the judge ask here what is excused, so that what one claims the other does not deny; what an imbalance
+still asks for each works out by itself, the judge in :mod:`contact.verify`. No algorithm may enter here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
-from scipy import sparse
 
-from contact.problem import ContactProblem, Linearised
-from contact.solvers.sparse import Factor, SingularMatrixError, checked_solve, factorise
+from contact.problem import Linearised
 
 ROUNDING_ALONE = 1e-6  # relative residual up to which rounding is an excuse by itself
 WORST_ROUNDING = 1e-4  # up to which it is one if it moves nothing, and beyond which it never is
@@ -51,29 +48,3 @@ def met(tolerance: float, push: float, rounding: float) -> float:
 def decides(residual: float, rounding: float) -> bool:
     """True when a relative residual is excused or not by its correction alone."""
     return ROUNDING_ALONE < residual <= min(rounding, WORST_ROUNDING)
-
-
-def correction(
-    problem: ContactProblem,
-    lin: Linearised,
-    u: np.ndarray,
-    pressure: np.ndarray,
-    epsilon: float,
-    factorised: Callable[[sparse.csc_matrix], Factor] = factorise,
-) -> float:
-    """|du|/|u|: the displacement that the imbalance still asks for, on the pressed nodes held at their gaps.
-
-    K du - G^T W dp = -(r - G^T W p),   G du + dp/epsilon = 0 on the nodes with p > 0;  ``lin``: at u, without memory.
-    Infinite when that is singular.
-    """
-    nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
-    K = problem.stiffness(lin, u, pressure)
-    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ problem.weight_matrix)[:, nodes]])
-    below = sparse.hstack([G[nodes], sparse.diags_array(np.full(len(nodes), 1 / epsilon), format="csr")])
-    A = sparse.csc_matrix(sparse.vstack([above, below]))
-    b = np.append(problem.contact_force(u, pressure) - lin.residual, np.zeros(len(nodes)))
-    try:
-        du = checked_solve(factorised(A), A, b)[: len(u)]
-    except SingularMatrixError:
-        return float("inf")
-    return float(np.linalg.norm(du) / np.linalg.norm(u))

@@ -30,12 +30,12 @@ GLIDES, ENOUGH = 16, 8  # open intervals of a point that glides along the surfac
 class Standing:
     """A foundation in a frame of its own, in which it is the same at every instant.
 
-    points(u) -> (m, 3): the candidates there [mm].  gap(y) -> (m,): the signed distance [mm], which never differs more
-    between two points than they are apart.  gradient(y) -> (m, 3): its gradient, unit vectors.  least_radius: of the
-    parts of its surface that bulge [mm], infinite where none does.
+    positions(u) -> (m, 3): the candidates there [mm].  gap(y) -> (m,): the signed distance [mm], which never differs
+    more between two points than they are apart.  gradient(y) -> (m, 3): its gradient, unit vectors.  least_radius: of
+    the parts of its surface that bulge [mm], infinite where none does.
     """
 
-    points: Callable[[np.ndarray], np.ndarray]
+    positions: Callable[[np.ndarray], np.ndarray]
     gap: Callable[[np.ndarray], np.ndarray]
     gradient: Callable[[np.ndarray], np.ndarray]
     least_radius: float = np.inf
@@ -57,8 +57,8 @@ def crossings(before: Standing | None, u0: np.ndarray, after: Standing | None, u
     """All passages from u0 (n,), the foundation where it was before, to u1, where it is after; none without them."""
     if before is None or after is None:
         return []
-    start = before.points(u0)
-    way = after.points(u1) - start
+    start = before.positions(u0)
+    way = after.positions(u1) - start
     whose, enters, leaves = dips(after.gap, start, way)
     begin, way = start[whose], way[whose]
     slides = after.gap(begin) <= TOUCHING * np.linalg.norm(way, axis=1)

@@ -6,17 +6,19 @@ What a wrong answer looks like it was spoilt by is told by :mod:`contact.diagnos
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from scipy import sparse
 
+from contact.friction.verify import LawResiduals, residuals_of_law, under
 from contact.problem import ContactProblem, Linearised
-from contact.rounding import ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
+from contact.rounding import ROUNDING_ALONE, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
+from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
 
 KKT = ("equilibrium", "penetration", "tension", "complementarity")
-BALANCES = ("energy", "force")
 _INNER = float(np.sqrt(3 / 7)) / 2
 PANELS = (1, 2, 4, 8, 16)
 UNRESOLVED = 0.5  # change of a mismatch with the panels, over it: of the rule then, and not of the answer
@@ -42,6 +44,8 @@ class Verdict:
     :func:`contact.rounding.met`.
     length [mm], pressure [MPa]: a large gap, see :func:`contact.scales.length`, and the largest pressure. The bounds of
     penetration and complementarity are relative to them.  gap_rounding [mm]: of the position of the foundation.
+    law: the residuals of friction, where there is some; tension and ``pressure`` are in N then, complementarity in
+    N mm, and the balance of energy is that of work under the given friction.
     """
 
     equilibrium: float
@@ -58,21 +62,26 @@ class Verdict:
     pressure: float = 0.0
     gap_rounding: float = 0.0
     push: float = 0.0
+    law: LawResiduals | None = None
 
     @property
     def kkt(self) -> dict[str, float]:
-        """The four residuals by name."""
-        return {name: getattr(self, name) for name in KKT}
+        """The four residuals by name, and those of friction."""
+        found = {name: getattr(self, name) for name in KKT}
+        return found if self.law is None else {**found, **self.law.by_name}
 
     @property
     def balances(self) -> dict[str, float]:
-        """The balances of energy and force by name, those that the problem can tell."""
-        return {name: getattr(self, name) for name in BALANCES if getattr(self, name) is not None}
+        """The balances of energy, of work with friction, and of force by name, those that the problem can tell."""
+        names = {"energy" if self.law is None else "work": self.energy, "force": self.force}
+        return {name: balance for name, balance in names.items() if balance is not None}
 
     @property
     def certificate(self) -> dict[str, Any]:
         """What a result says of itself: {failures, kkt, balances, rounding, scales}; certified when nothing failed."""
         told = {"failures": self.failures(), "kkt": self.kkt, "balances": self.balances, "rounding": self.rounding}
+        if self.law is not None:
+            return told | {"scales": {"length_mm": self.law.length, "force_N": self.law.force}}
         return told | {"scales": {"length_mm": self.length, "pressure_MPa": self.pressure}}
 
     def exceeded(
@@ -97,9 +106,10 @@ class Verdict:
             "tension": tension * self.pressure,
             "complementarity": self.gap_bound(complementarity) * self.pressure,
             "energy": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
+            "work": max(balance, min(self.energy_rounding, ROUNDING_ALONE)),
             "force": max(balance, min(self.force_rounding, ROUNDING_ALONE)),
-        }
-        sizes = {**self.kkt, **self.balances}
+        } | ({} if self.law is None else self.law.bounds)
+        sizes = {**{name: getattr(self, name) for name in KKT}, **self.balances, **self.kkt}
         return {name: (size, bounds[name]) for name, size in sizes.items() if not size <= bounds[name]}
 
     def failures(self, **bounds: float) -> list[str]:
@@ -125,15 +135,21 @@ def judge(
     problem: ContactProblem,
     u: np.ndarray,
     pressure: np.ndarray,
+    friction: np.ndarray | None = None,
     *,
     epsilon: float = np.inf,
     since: np.ndarray | None = None,
 ) -> Verdict:
-    """Recompute all residuals; raises ValueError when the pressures do not fit the candidates.
+    """Recompute all residuals; raises ValueError when the forces do not fit the candidates.
 
-    epsilon [MPa/mm]: with a finite one the conditions are those of its law, that is of the gap g + p/epsilon.
-    since (n,): state from which the energy is balanced, at the same loads; default the undeformed one.
+    friction (m, 2) [N]: of a problem that has some.
+    epsilon [MPa/mm]: with a finite one the conditions are those of its law, that is of the gap g + p/epsilon; with
+    friction of springs in both directions.
+    since (n,): state from which the energy is balanced, at the same loads; default the undeformed one. With friction,
+    the last accepted one.
     """
+    if problem.coulomb is not None:
+        return _with_friction(problem, u, pressure, friction, epsilon, since)
     if pressure.shape != problem.weights.shape:
         raise ValueError(f"{pressure.shape} pressures for {problem.weights.shape} contact candidates")
     if not np.all(np.isfinite(u)):
@@ -147,12 +163,14 @@ def judge(
     equilibrium = float(np.linalg.norm(imbalance)) / scale
     energy, energy_rounding = _energy_balance(problem, np.zeros_like(u) if since is None else since, u, contact, lin)
     force, force_rounding = _force_balance(problem, lin, u, pressure)
+    gaps = gap_residuals(problem, u, pressure, epsilon)
     return Verdict(
         equilibrium=equilibrium,
-        **gap_residuals(problem, u, pressure, epsilon),
+        penetration=gaps["penetration"],
+        complementarity=gaps["complementarity"],
         tension=float(np.max(-pressure, initial=0.0)),
         rounding=rounding,
-        correction=correction(problem, lin, u, pressure, epsilon) if decides(equilibrium, rounding) else np.inf,
+        correction=_correction(problem, lin, u, pressure, epsilon) if decides(equilibrium, rounding) else np.inf,
         energy=energy,
         force=force,
         energy_rounding=energy_rounding,
@@ -164,6 +182,30 @@ def judge(
     )
 
 
+def _with_friction(
+    problem: ContactProblem,
+    u: np.ndarray,
+    pressure: np.ndarray,
+    friction: np.ndarray | None,
+    epsilon: float,
+    since: np.ndarray | None,
+) -> Verdict:
+    """Of the contact under the given friction, and of the law."""
+    law, m = problem.coulomb, len(problem.weights)
+    assert law is not None
+    if friction is None or pressure.shape != (m,) or friction.shape != (m, 2):
+        shapes = f"{pressure.shape} and {None if friction is None else friction.shape}"
+        raise ValueError(f"forces of shapes {shapes} for {m} contact candidates")
+    w, normal = problem.weights, problem.nodal_forces(pressure)
+    give = np.divide(1 / epsilon, w, out=np.zeros_like(w), where=w > 0)
+    sprung = replace(problem, gap=lambda u: problem.gap(u) + give * normal)
+    found = judge(under(sprung, law, friction), u, normal, since=since)
+    found = replace(found, length=max(found.length, float(np.max(give * np.abs(normal), initial=0.0))))
+    opened = (normal <= 0) | (sprung.gap(u) > found.gap_bound())
+    large, none = (found.length, found.pressure), (GAP, POSITION)
+    return replace(found, law=residuals_of_law(law, u, (normal, friction), give, opened, large, none))
+
+
 def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, epsilon: float) -> dict[str, float]:
     """Penetration [mm] and complementarity [MPa mm] by the law of an epsilon [MPa/mm], that is of g + p/epsilon."""
     gap = problem.gap(u) if np.isinf(epsilon) else problem.gap(u) + pressure / epsilon
@@ -171,6 +213,31 @@ def gap_residuals(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, 
         "penetration": float(np.max(-gap, initial=0.0)),
         "complementarity": float(np.max(np.abs(pressure * gap), initial=0.0)),
     }
+
+
+def _correction(
+    problem: ContactProblem,
+    lin: Linearised,
+    u: np.ndarray,
+    pressure: np.ndarray,
+    epsilon: float,
+) -> float:
+    """|du|/|u|: the displacement that the imbalance still asks for, on the pressed nodes held at their gaps.
+
+    K du - G^T W dp = -(r - G^T W p),   G du + dp/epsilon = 0 on the nodes with p > 0;  ``lin``: at u, without memory.
+    Infinite when that is singular.
+    """
+    nodes, G = np.flatnonzero(pressure > 0), problem.gap_jacobian(u)
+    K = problem.stiffness(lin, u, pressure)
+    above = sparse.hstack([K, -sparse.csc_matrix(G.T @ problem.weight_matrix)[:, nodes]])
+    below = sparse.hstack([G[nodes], sparse.diags_array(np.full(len(nodes), 1 / epsilon), format="csr")])
+    A = sparse.csc_matrix(sparse.vstack([above, below]))
+    b = np.append(problem.contact_force(u, pressure) - lin.residual, np.zeros(len(nodes)))
+    try:
+        du = checked_solve(factorise(A), A, b)[: len(u)]
+    except SingularMatrixError:
+        return float("inf")
+    return float(np.linalg.norm(du) / np.linalg.norm(u))
 
 
 def _energy_balance(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from contact import parameters
+from contact.algorithms.base import frictionless_parameters, require_friction
 from contact.catalogue import ALGORITHMS
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactAlgorithm
@@ -36,9 +37,7 @@ def settings_of(contact: str) -> tuple[Setting, ...]:
 
 def without_friction(contact: str) -> tuple[str, ...]:
     """Those that no scene has and that the algorithm has without friction alone."""
-    from contact.friction.algorithms.catalogue import left_out  # nothing of friction is imported without it
-
-    return left_out(ALGORITHMS[contact]) if contact in ALGORITHMS else ()
+    return frictionless_parameters(ALGORITHMS[contact]) if contact in ALGORITHMS else ()
 
 
 def own_keys() -> tuple[str, ...]:
@@ -49,13 +48,10 @@ def own_keys() -> tuple[str, ...]:
 def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
     """The algorithm with those of the settings that it has; raises ValueError for a value that it cannot have.
 
-    With a coefficient of friction among them it is that of the same name for friction.
+    With a coefficient of friction among them it has to know friction, and so has each of its settings.
     """
     algorithm = ALGORITHMS[contact]
-    plain = algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})
-    if MU.key not in settings:
-        return plain
-    from contact.friction.algorithms.catalogue import twin  # nothing of friction is imported without it
-    from contact.friction.posed import WithFriction
-
-    return WithFriction(plain, twin(plain))
+    found = algorithm(**{p.key: settings[p.key] for p in algorithm.parameters if p.key in settings})
+    if MU.key in settings:
+        require_friction(found)
+    return found

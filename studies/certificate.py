@@ -14,6 +14,7 @@ import numpy as np
 
 from contact.continuation.stability import Stability, stability
 from contact.diagnosis import diagnose
+from contact.friction.slip import anchors_left
 from contact.newton.step import RESIDUAL_TOLERANCE
 from contact.problem import ContactProblem, ContactSolution, Linearised
 from contact.swept import Crossing
@@ -21,6 +22,8 @@ from contact.verify import claim, gap_residuals, judge
 
 UNITS = {"penetration": "mm", "tension": "MPa", "complementarity": "MPa mm"}  # of the residuals that have one
 NO_STATE = "what the judge refuses is no equilibrium"
+NO_POTENTIAL = "friction has no potential whose second variation would be looked at"
+UNTOLD = "friction"  # the failure of an answer that says nothing of its friction although candidates are pressed
 SWEPT = "swept"  # the failure of a state that a candidate has reached through the foundation
 
 
@@ -45,7 +48,7 @@ def certificate(
     found = (
         _judged(problem, state, epsilon, tolerance)
         if before is None
-        else _rubbed(problem, state, epsilon, tolerance, before)
+        else _with_friction(problem, state, epsilon, tolerance, before)
     )
     if passed:
         found["failures"].append(SWEPT)
@@ -94,13 +97,24 @@ def _linearised_once(problem: ContactProblem, u: np.ndarray) -> ContactProblem:
     return replace(problem, linearise=once)
 
 
-def _rubbed(
+def _with_friction(
     problem: ContactProblem,
     state: ContactSolution,
     epsilon: float,
     tolerance: float,
     before: tuple[ContactProblem, ContactSolution],
 ) -> dict[str, Any]:
-    from studies.friction.certificate import certificate_of_friction  # nothing of friction is imported without it
-
-    return certificate_of_friction(problem, state, epsilon, tolerance, before)
+    """Where the slip is counted from is worked out anew from the last accepted load: what the answer says is not."""
+    problem = problem.since(anchors_left(problem, *before, epsilon))
+    force = np.zeros((len(state.pressure), 2)) if state.friction is None else state.friction.force
+    verdict = judge(problem, state.u, state.pressure, force, epsilon=epsilon, since=before[1].u)
+    found, forces = verdict.certificate, problem.nodal_forces(state.pressure)
+    found["kkt"] |= gap_residuals(problem, state.u, forces, math.inf)
+    found["exceeded"] = verdict.exceeded(**claim(tolerance, len(state.u)))
+    found["failures"] = list(found["exceeded"])
+    if state.friction is None and forces.any():
+        found["failures"].append(UNTOLD)
+    values = {**verdict.kkt, **verdict.balances}
+    found["diagnosis"] = [f"{name}: {values[name]:.2e}" for name in found["failures"] if name in values]
+    found["stability"] = Stability(None, why=NO_POTENTIAL).record
+    return found

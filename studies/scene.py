@@ -76,7 +76,7 @@ class Setting:
     @classmethod
     def of(cls, parameter: Parameter, default: Value | None, otherwise: str = "") -> Setting:
         """The parameter of an algorithm as a setting."""
-        values = dict(vars(parameter))
+        values = {name: value for name, value in vars(parameter).items() if name != "frictionless"}
         return cls(help=values.pop("meaning"), default=default, otherwise=otherwise, **values)
 
     @property

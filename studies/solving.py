@@ -15,6 +15,7 @@ from typing import Any
 from contact.continuation.arc_length import Trace
 from contact.continuation.critical_points import PathEnd
 from contact.continuation.starts import Starts
+from contact.friction.slip import anchors_left
 from contact.interchange.linearised_step import freeze
 from contact.problem import ContactAlgorithm, Outcome
 from contact.swept import crossings
@@ -188,15 +189,11 @@ def _freeze(visited: Visited, result: Result, epsilon: float) -> Frozen:
     origin |= {"stage": stage, "parameter": parameter, "from": point.reached, "outcome": result.outcome.value}
     commit = {key: told["provenance"][key] for key in ("version", "commit")}
     meta = plain({**origin, **commit})
-    if problem.coulomb is None:
-        return freeze(problem, state.u, state.pressure, meta)
-    from contact.friction.interchange.frozen import frozen  # nothing of friction is imported without it
-    from contact.friction.posed import anchors_left, posed
-
-    # at a solution the slip is that of its own step, else that which the failed step begins with
-    before = visited.last_accepted if visited.converged else (visited.problem_at(point.reached), state)
-    since = anchors_left(problem, *before, epsilon)
-    return frozen(posed(problem, since), state.u, problem.nodal_forces(state.pressure), meta)
+    if problem.coulomb is not None:
+        # at a solution the slip is that of its own step, else that which the failed step begins with
+        before = visited.last_accepted if visited.converged else (visited.problem_at(point.reached), state)
+        problem = problem.since(anchors_left(problem, *before, epsilon))
+    return freeze(problem, state.u, state.pressure, meta)
 
 
 def _record_curve(visited: Visited, trace: Trace, result: Result, epsilon: float) -> None:

@@ -7,10 +7,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from contact.friction.run import FrictionalRun
 from contact.newton.loop import MOST_UPDATES
 from contact.newton.step import RESIDUAL_TOLERANCE, NewtonRun
 from contact.parameters import SHARED, Parameter
-from contact.problem import ContactProblem
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from contact.solvers.sparse import AUTO
 
 
@@ -18,11 +19,14 @@ from contact.solvers.sparse import AUTO
 class NewtonAlgorithm:
     """The fields of every algorithm, and the run that counts what its iteration spends.
 
-    epsilon [MPa/mm]: infinity enforces the constraint exactly.  solver: of the linear systems.  tolerance: of the
+    epsilon [MPa/mm]: infinity enforces the constraint exactly; with friction it is that of springs in both directions,
+    f = w epsilon <-g> and, in stick, t = -w epsilon s.  solver: of the linear systems.  tolerance: of the
     residual, relative to the forces in balance.
     Of its fields a user sets those in ``parameters``. The others (max_iterations and its like) only say when a solve is
     given up, how fast a penalty grows or whether a backend polishes: no answer depends on them, and a test that wants a
     failure sets them in Python.
+    friction: whether ``solve`` takes problems that have some. With an infinite epsilon candidates are held by unknowns
+    of their own then: where they have none the outcome is REFUSED.
     """
 
     epsilon: float = np.inf
@@ -31,11 +35,32 @@ class NewtonAlgorithm:
     tolerance: float = RESIDUAL_TOLERANCE
     max_updates: int = MOST_UPDATES
     parameters: ClassVar[tuple[Parameter, ...]] = SHARED
+    friction: ClassVar[bool] = False
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Applies to every problem."""
-        return None
+        return None if problem.coulomb is None else problem.unfit_for_friction
 
     def run(self, problem: ContactProblem) -> NewtonRun:
         """A new run of this algorithm on a problem."""
         return NewtonRun(problem, self.epsilon, self.solver, self.tolerance)
+
+    def rubbing(self, problem: ContactProblem, start: ContactSolution, *, lawful: bool = True) -> FrictionalRun:
+        """A new run on a problem with friction."""
+        return FrictionalRun.of(self.run(problem), start, lawful=lawful)
+
+
+def frictionless_parameters(algorithm: ContactAlgorithm | type[ContactAlgorithm]) -> tuple[str, ...]:
+    """Those that mean nothing with friction: semismooth's c, the system of qp and lcp, the method of lcp (Lemke's)."""
+    return tuple(parameter.key for parameter in algorithm.parameters if parameter.frictionless)
+
+
+def require_friction(algorithm: ContactAlgorithm) -> None:
+    """Raises ValueError unless the algorithm knows friction, and all that is set of it means something there."""
+    if not getattr(algorithm, "friction", False):
+        raise ValueError(f"{algorithm.name!r} knows no friction")
+    usual, lost = type(algorithm)(), frictionless_parameters(algorithm)
+    for key in lost:
+        if getattr(algorithm, key) != getattr(usual, key):
+            allowed = ", ".join(each.key for each in algorithm.parameters if each.key not in lost)
+            raise ValueError(f"{key} = {getattr(algorithm, key)}: with friction {algorithm.name} has {allowed} only")

@@ -1,4 +1,11 @@
-"""The linearised problem condensed on the candidates: a dense linear complementarity problem, solved exactly."""
+"""The linearised problem condensed on the candidates: a dense linear complementarity problem, solved exactly.
+
+With friction the problem is that on a polygon in the disc (:mod:`contact.friction.polygon`), by Lemke's pivots; where
+they find no end states are settled by exact steps alone, as the history says. Candidates that slip along a line have no
+polygon. ``sides``: of the polygon; friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact steps on the
+states of the answer put friction on the disc itself; without, a step ends with the forces of the polygon, which the
+judge refuses.
+"""
 
 from __future__ import annotations
 
@@ -11,9 +18,10 @@ from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
-from contact.newton.condensed import Condensed
+from contact.friction.loop import finished, unfinished
+from contact.friction.polygon import SIDES, by_pivots, no_polygon
+from contact.newton.condensed import Condensed, closed
 from contact.newton.loop import Step, StepError, decide_set, iterate
-from contact.newton.pivots import holding
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
@@ -50,15 +58,27 @@ class Lcp(NewtonAlgorithm):
 
     method: str = "lemke"
     system: str = "condensed"
+    sides: int = SIDES
+    finish: bool = True
     name: ClassVar[str] = "lcp"
+    friction: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
-        Parameter("method", "how the complementarity problem is solved", kind="choice", choices=tuple(METHODS)),
+        Parameter(
+            "method",
+            "how the complementarity problem is solved",
+            kind="choice",
+            choices=tuple(METHODS),
+            frictionless=True,
+        ),
         SYSTEM,
     )
 
     def supports(self, problem: ContactProblem) -> str | None:
         """All problems but consistent coupling with nnls."""
+        if problem.coulomb is not None:
+            refused = no_polygon(self.sides, problem.coulomb.mu, "is no row of a complementarity problem")
+            return refused or super().supports(problem)
         if self.method not in METHODS:
             return f"method {self.method!r} must be one of {', '.join(METHODS)}"
         if self.method == "nnls" and problem.coupling is not None:
@@ -67,6 +87,10 @@ class Lcp(NewtonAlgorithm):
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start`` on linearised problems that are each solved to the end."""
+        if problem.coulomb is not None:
+            run, by = self.rubbing(problem, start, lawful=self.finish), finished if self.finish else unfinished
+            choose = partial(by_pivots, sides=self.sides)
+            return run.finish(*by(run, run.start(), choose, [], self.max_iterations))
         step = _condensed if self.system == "condensed" else _full
         method = "active-set" if self.method == "nnls" and problem.driven else self.method
         return iterate(self.run(problem), start, partial(step, method), self.max_iterations)
@@ -90,7 +114,7 @@ def _condensed(method: str, run: NewtonRun, at: Iterate) -> Step:
         events.append(found.event)
         return (found.z > 0) ^ back
 
-    return replace(decide_set(run, at, linear, decide), event=next(filter(None, reversed(events)), None))
+    return replace(decide_set(run, at, linear, decide)[0], event=next(filter(None, reversed(events)), None))
 
 
 def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
@@ -122,23 +146,8 @@ def _full(method: str, run: NewtonRun, at: Iterate) -> Step:
             entering = np.flatnonzero(pushed_in)
     du = run.solution(factor, K, push @ multiplier - at.lin.residual) if len(nodes) else free_du
     pressure, active = multiplier / per_pressure, multiplier > 0
-    return Step(_closed(run, at, G, du, pressure, active), pressure, active, event)
-
-
-def _closed(
-    run: NewtonRun, at: Iterate, G: sparse.csr_matrix, du: np.ndarray, pressure: np.ndarray, active: np.ndarray
-) -> np.ndarray:
-    """The du (n,) whose gaps on the set are exact: rounding goes into the unknown that holds each most firmly.
-
-    Loads and contact forces cancel in du, and what they leave may be large beside gaps that hardly move.
-    """
-    nodes = np.flatnonzero(active)
-    if len(nodes) == 0:
-        return du
-    rows = G[nodes]
-    (pivot, slope), du = holding(run.problem.push(at.u)[nodes], nodes), du.copy()
-    du[pivot] -= (at.gap[nodes] + pressure[nodes] / run.epsilon + rows @ du) / slope
-    return du
+    exact = closed(du, at.gap, G, acting, pressure / run.epsilon, active) if active.any() else du
+    return Step(exact, pressure, active, event)
 
 
 def _solve(method: str, M: np.ndarray, q: np.ndarray, expected: np.ndarray) -> LcpSolution:

@@ -1,10 +1,16 @@
-"""A quadratic programme at each Newton step, solved by a public solver and finished by one exact step on its set."""
+"""A quadratic programme at each Newton step, solved by a public solver and finished by one exact step on its set.
+
+With friction it is that of Tresca's friction in the forces (:mod:`contact.friction.tresca`), with bounds from pass to
+pass. Clarabel has the disc |t| <= b as a second-order cone, the others a polygon in it of so many ``sides``, on which
+friction is up to 1 - cos(pi/sides) short. ``finish``: whether exact steps on the states of the answer follow, so that
+no digit comes from a backend; without, a step ends with the forces of the programme, which the judge refuses.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 from operator import add
 from typing import ClassVar
 
@@ -13,6 +19,10 @@ from scipy import sparse
 
 from contact.algorithms.base import NewtonAlgorithm
 from contact.events import Event, EventKind
+from contact.friction.compliance import Block, Chosen
+from contact.friction.loop import finished, unfinished
+from contact.friction.polygon import SIDES, no_polygon
+from contact.friction.tresca import by_passes
 from contact.newton.condensed import Condensed
 from contact.newton.loop import Step, StepError, decide_set, iterate, settle_set
 from contact.newton.state import Iterate
@@ -21,9 +31,10 @@ from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.parameters import SHARED, SYSTEM, Parameter
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.lcp_pivoting import LcpError, principal_pivot, unit
-from contact.solvers.qp_backends import BACKENDS, Answer, Programme, ask, missing
+from contact.solvers.qp_backends import BACKENDS, DISCS, Answer, Programme, ask, missing
 from contact.solvers.sparse import SingularMatrixError, asymmetry, negative_pivots, symmetric
 
+NEAR, SAME = 1e-3, 1e-7  # change of bounds, of the largest, at which passes end: before exact steps, and without
 SHIFTS = tuple(10.0**k for k in range(-6, 3))  # of the diagonal, tried on a tangent that is not convex
 
 
@@ -50,7 +61,10 @@ class Qp(NewtonAlgorithm):
     eps: float = 1e-8
     polish: bool = True
     system: str = "condensed"
+    sides: int = SIDES
+    finish: bool = True
     name: ClassVar[str] = "qp"
+    friction: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("backend", "solver of the quadratic programmes", kind="choice", choices=tuple(BACKENDS)),
@@ -60,14 +74,31 @@ class Qp(NewtonAlgorithm):
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs its backend and lumped coupling."""
+        if problem.coulomb is not None:
+            refused = no_polygon(self.sides, problem.coulomb.mu, "gives no bound of friction")
+            return refused or super().supports(problem) or missing(self.backend)
         if problem.coupling is not None:
             return "consistent coupling makes the problem non-symmetric: there is no energy to minimise"
         return missing(self.backend)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Newton from ``start``; the outcome is REFUSED where the tangent is not symmetric."""
+        if problem.coulomb is not None:
+            run, by = self.rubbing(problem, start, lawful=self.finish), finished if self.finish else unfinished
+            words = list[str]()
+            return run.finish(*by(run, run.start(), partial(self._choose, words), words, self.max_iterations))
         step = self._condensed if self.system == "condensed" else self._full
         return iterate(self.run(problem), start, _settled if problem.driven else step, self.max_iterations)
+
+    def _choose(self, words: list[str], block: Block) -> Chosen:
+        """Forces and states with friction; raises StepError."""
+        sides, near = 0 if self.backend in DISCS else self.sides, NEAR if self.finish else SAME
+        chosen, answer = by_passes(
+            block, sides, near, partial(ask, self.backend, eps=self.eps, polish=self.polish), words
+        )
+        if not answer.claimed:
+            words.append(f"{self.backend} says {answer.status!r}")
+        return chosen
 
     def _condensed(self, run: NewtonRun, at: Iterate) -> Step:
         _must_be_symmetric(run.problem.stiffness(at.lin, at.u, at.pressure))
@@ -88,8 +119,9 @@ class Qp(NewtonAlgorithm):
                 words[f"{self.backend} says {answer.status!r}"] = None
             return (answer.x > programme.P @ answer.x + programme.q) ^ base
 
-        claimed = decide_set(run, at, linear, decide).active
-        return self._finished(settle_set(run, at, claimed, linear=linear), claimed, max(shifts), list(words))
+        step, linear = decide_set(run, at, linear, decide)
+        settled = settle_set(run, at, step.active, linear=linear)
+        return self._finished(settled, step.active, max(shifts), list(words))
 
     def _full(self, run: NewtonRun, at: Iterate) -> Step:
         if len(at.gap) == 0:

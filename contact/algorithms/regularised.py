@@ -1,4 +1,8 @@
-"""Regularised contact, the paper's perturbed Lagrangian: a foundation of springs, p = epsilon <-g>."""
+"""Regularised contact, the paper's perturbed Lagrangian: a foundation of springs, p = epsilon <-g>.
+
+With friction t = -w epsilon s is pulled back radially to the disc of radius mu f: of a slip s the part -t/(w epsilon)
+is elastic, and an anchor of the next step is that much behind.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
+from contact.friction.loop import approach
 from contact.newton.loop import Step, came_back, iterate, settle_set
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
@@ -29,15 +34,19 @@ class Regularised(NewtonAlgorithm):
 
     epsilon: float = 1e4
     name: ClassVar[str] = "regularised"
+    friction: ClassVar[bool] = True
 
     def supports(self, problem: ContactProblem) -> str | None:
         """Needs a finite epsilon."""
         if np.isinf(self.epsilon):
             return "its law p = epsilon <-g> needs a finite epsilon: infinity is a constraint, not a spring"
-        return None
+        return super().supports(problem)
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
         """Iterate from the displacement of ``start``; its set and pressures follow from the gap."""
+        if problem.coulomb is not None:
+            run = self.rubbing(problem, start)
+            return run.finish(*approach(run, run.start(), 1.0, self.max_iterations))
         gap = problem.gap(start.u)
         sprung = replace(start, pressure=np.where(start.active, self.epsilon * np.maximum(-gap, 0.0), 0.0))
         return iterate(self.run(problem), sprung, _on_penetrated, self.max_iterations)

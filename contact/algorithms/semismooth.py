@@ -1,4 +1,13 @@
-"""Semismooth Newton: a primal-dual active set that settles before the next linearisation."""
+"""Semismooth Newton: a primal-dual active set that settles before the next linearisation.
+
+With friction the states are those that Alart and Curnier's function asks for; who slips on keeps the direction of the
+linearisation. States that come back are a cycle: that linearisation is left as it is, and where Newton has been before
+the states are changed one at a time there. Where that comes back, too, they are those of the complementarity problem on
+a polygon (:mod:`contact.friction.polygon`), as far as it applies, and the history says so. No rule ends for every
+problem: else, or where there is no answer, the outcome is CYCLING, or what Newton's iteration ends with. mu = 0 gives
+the iterates of contact alone but for its answer to cycles.
+Source: Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353-375.
+"""
 
 from __future__ import annotations
 
@@ -7,9 +16,11 @@ from functools import partial
 from typing import ClassVar
 
 from contact.algorithms.base import NewtonAlgorithm
+from contact.friction.loop import approach, finished
+from contact.friction.polygon import SIDES, by_pivots, no_polygon
 from contact.newton.loop import iterate, settle_most
 from contact.parameters import SHARED, Parameter
-from contact.problem import ContactProblem, ContactSolution
+from contact.problem import ContactProblem, ContactSolution, Outcome
 
 
 @dataclass(frozen=True)
@@ -37,13 +48,22 @@ class Semismooth(NewtonAlgorithm):
     c: float = 1.0
     settle: float = 0.05
     name: ClassVar[str] = "semismooth"
+    friction: ClassVar[bool] = True
     parameters: ClassVar[tuple[Parameter, ...]] = (
         *SHARED,
         Parameter("settle", "fraction of the set that may change before the next linearisation", low=0, high=1),
-        Parameter("c", "weight of gap against pressure, over stiffness per area", low=0, open_low=True),
+        Parameter(
+            "c", "weight of gap against pressure, over stiffness per area", low=0, open_low=True, frictionless=True
+        ),
     )
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        """Iterate from ``start`` until the set repeats and the forces balance."""
+        """Iterate from ``start`` until the set, or the states, repeat and the forces balance."""
+        if problem.coulomb is not None:
+            run = self.rubbing(problem, start)
+            at, outcome = approach(run, run.start(), self.settle, self.max_iterations)
+            if outcome is Outcome.CYCLING and no_polygon(SIDES, run.law.mu, "") is None:
+                at, outcome = finished(run, at, by_pivots, [], self.max_iterations)
+            return run.finish(at, outcome)
         step = partial(settle_most, settle=self.settle, c=self.c, most=self.max_updates)
         return iterate(self.run(problem), start, step, self.max_iterations, self.c)

@@ -1,4 +1,11 @@
-"""Trial and error, the paper's method: Newton to convergence on a fixed set, then swap every violating node."""
+"""Trial and error, the paper's method: Newton to convergence on a fixed set, then swap every violating node.
+
+With friction who is open, sticks and slips, and where to, is guessed; who slips does so in the direction of the last
+equilibrium, against its friction where it has stuck there; who comes back to the foundation sticks. Nothing answers a
+cycle there: it ends the solve, as CYCLING, and the history shows it. The GRECO plate with mu = 1 makes it cycle on
+every mesh (studies.experiments.friction); it is the rule for those who come back that does: where they stick or slip as
+Alart and Curnier's function says, the same sets end.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +15,17 @@ from typing import ClassVar
 import numpy as np
 
 from contact.algorithms.base import NewtonAlgorithm
+from contact.coulomb import State
 from contact.events import Event, EventKind
+from contact.friction.laws import Laws
+from contact.friction.run import FAILURES, FrictionalRun, Point
 from contact.newton.loop import CYCLE, StepError, first_of, only_released, settle_exactly
 from contact.newton.state import Iterate
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution, Outcome
 from contact.solvers.sparse import SingularMatrixError
+
+STATES_CYCLE = "cycle detected: these states were tried {} sets before"
 
 
 @dataclass(frozen=True)
@@ -35,9 +47,12 @@ class TrialAndError(NewtonAlgorithm):
     epsilon: float = 1e4
     max_sets: int = 200
     name: ClassVar[str] = "trial-and-error"
+    friction: ClassVar[bool] = True
 
     def solve(self, problem: ContactProblem, start: ContactSolution) -> ContactSolution:
-        """Start from the set of ``start`` and the nodes that already penetrate."""
+        """Start from the set, or the states, of ``start`` and the nodes that already penetrate."""
+        if problem.coulomb is not None:
+            return self._with_friction(self.rubbing(problem, start, lawful=False))
         run = self.run(problem)
         u, pressure, before = start.u, start.pressure, start.active
         active = before | (problem.gap(u) < 0)
@@ -71,6 +86,40 @@ class TrialAndError(NewtonAlgorithm):
         ended = Outcome.CYCLING if cycles else Outcome.ITERATION_LIMIT
         return run.finish(replace(at, active=active), ended)
 
+    def _with_friction(self, run: FrictionalRun) -> ContactSolution:
+        at = run.start()
+        laws, tried = _next_states(run, at), list[bytes]()
+        while len(tried) < self.max_sets:
+            tried.append(laws.key)
+            try:
+                at, outcome = self._under(run, at, laws)
+            except FAILURES as error:
+                return run.finish(at, run.failed(error))
+            if not outcome.converged:
+                return run.finish(at, outcome)
+            after = _next_states(run, at)
+            if after.same(laws):
+                lawful = run.by_law(at)
+                if run.newton.balanced(lawful.newton):
+                    return run.finish(lawful, Outcome.CONVERGED)
+            elif after.key in tried:
+                ago = len(tried) - tried.index(after.key)
+                run.newton.tally.tell(Event(EventKind.CYCLE, STATES_CYCLE.format(ago)))
+                return run.finish(at, Outcome.CYCLING)
+            laws = after
+        return run.finish(at, Outcome.ITERATION_LIMIT)
+
+    def _under(self, run: FrictionalRun, at: Point, laws: Laws) -> tuple[Point, Outcome]:
+        """Newton under these laws, whether what comes out obeys them or not; raises FAILURES."""
+        run.note(at, laws, at.laws)
+        for _ in range(self.max_iterations):
+            at = run.advance(at, run.linear(at, laws).step(laws), laws)
+            run.note(at, laws, laws)
+            ended = run.ended(at, laws)
+            if ended is not None:
+                return at, ended
+        return at, Outcome.ITERATION_LIMIT
+
     def _equilibrium(self, run: NewtonRun, at: Iterate, before: np.ndarray) -> tuple[Iterate, Outcome]:
         """Newton on the set of the iterate; ``before`` (m,): the set before it."""
         for iteration in range(self.max_iterations + 1):
@@ -99,3 +148,14 @@ def _settled(run: NewtonRun, at: Iterate) -> tuple[np.ndarray, Event]:
     except (SingularMatrixError, StepError) as error:
         return at.active, Event(EventKind.CYCLE, str(error))
     return step.active, step.event or CYCLE
+
+
+def _next_states(run: FrictionalRun, at: Point) -> Laws:
+    """The laws expected at a point, with the direction of the slip itself where a candidate slips on."""
+    laws, slip, was = run.expected(at), at.local.slip, at.laws.state
+    size = np.linalg.norm(slip, axis=1)
+    on = (laws.state == State.SLIP) & (was == State.SLIP) & (size > 0)
+    direction = np.divide(slip, size[:, None], out=laws.direction.copy(), where=on[:, None])
+    returns = (was == State.OPEN) & laws.closed & (run.law.mu > 0)
+    direction[returns] = 0.0
+    return Laws(np.where(returns, State.STICK, laws.state).astype(np.int8), direction, np.zeros_like(laws.across))

@@ -60,17 +60,17 @@ def _laid(problem: ContactProblem, start: ContactSolution) -> ContactSolution:
 
     Who is in contact and has never rubbed sticks.
     """
-    if problem.coulomb is None or problem.surface is None or start.friction is not None:
+    if problem.coulomb is None or problem.coulomb.sliding is None or start.friction is not None:
         return start
-    places = problem.coulomb.places(problem.surface, start.u)
+    places = problem.coulomb.sliding.places(start.u)
     return replace(start, friction=Friction(np.zeros((len(places), 2)), start.active.astype(np.int8), places, places))
 
 
 def _slid(problem: ContactProblem, start: ContactSolution) -> float:
     """How far [mm] the foundation has slid under a body with friction that stays where it is."""
-    if problem.coulomb is None or problem.surface is None or start.friction is None:
+    if problem.coulomb is None or problem.coulomb.sliding is None or start.friction is None:
         return 0.0
-    way = problem.coulomb.places(problem.surface, start.u) - start.friction.anchors
+    way = problem.coulomb.sliding.places(start.u) - start.friction.anchors
     return float(np.max(np.linalg.norm(way, axis=1), initial=0.0))
 
 
@@ -85,6 +85,6 @@ def _spread(
         counters = {key: before.counters.get(key, 0) + value for key, value in counters.items()}
         history = (*before.history, *history)
     friction = part.friction
-    if friction is not None and problem.coulomb is not None and problem.surface is not None:
-        friction = friction.of_all(chosen, problem.coulomb.places(problem.surface, part.u))
+    if friction is not None and problem.coulomb is not None and problem.coulomb.sliding is not None:
+        friction = friction.of_all(chosen, problem.coulomb.sliding.places(part.u))
     return replace(part, pressure=pressure, active=active, counters=counters, history=history, friction=friction)

@@ -178,7 +178,8 @@ class Stepper:
         trial = self.target if last else self.reached + self.step
         state, problem = self.states[-1][1], self.problem_at(trial)
         most = min(BRIEF, getattr(self.algorithm, "max_iterations", BRIEF))
-        algorithm = hasty(self.algorithm, most) if self.vain and self.bounded else self.algorithm
+        brief = self.vain and self.bounded and problem.coulomb is None  # with friction no step is easy
+        algorithm = hasty(self.algorithm, most) if brief else self.algorithm
         start = self.start_at(self.states[-1], trial)
         if start is None:
             return self._tried(trial, problem, solve_within_reach(algorithm, problem, state))

@@ -21,8 +21,6 @@ from contact.answered import answered
 from contact.continuation.critical_points import negative_eigenvalues
 from contact.continuation.equilibrium_curve import ArcPoint
 from contact.events import Event, EventKind
-from contact.newton.held import Held, holdable
-from contact.newton.pivots import Pivots
 from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Linearisation, Outcome
@@ -112,16 +110,7 @@ class PressedCurve:
         run = NewtonRun(problem, self.algorithm.epsilon, tally=self.tally)
         A, b = problem.stiffness(run.linearise(x, None), x, point.pressure), np.zeros_like(x)
         b[-1] = _size(A)
-        nodes, pressing = np.flatnonzero(point.active), np.zeros_like(point.pressure)
-        if holdable(problem):
-            held, still = Held.on(problem, x, nodes, A, run.epsilon), np.zeros(len(nodes))
-            y = run.solution(run.factorise(held.matrix), held.matrix, held.load(b, still))
-            found = held.motion(y, still)
-            pressing[nodes] = held.forces(y, found, -b) / problem.weights[nodes]
-        else:
-            pivots = Pivots.choose(problem, x, nodes, A, run.epsilon).homogeneous()
-            A, load = pivots.substitute(A, b)
-            found, pressing[nodes] = pivots.resolve(run.solution(run.factorise(A), A, load))
+        found, pressing = run.response(x, A, np.flatnonzero(point.active), b)
         found[:-1] *= self.m
         size = float(np.linalg.norm(found))
         return found / size, pressing / size

@@ -1,5 +1,5 @@
-"""Coulomb friction on rigid foundations: the frictional problem, its law, its algorithms and its judge.
+"""Coulomb friction on rigid foundations as a law of contact: slips, states, their linear steps, Newton, and the judge.
 
-Nothing here is imported where there is no friction: a problem without it is solved by :mod:`contact.algorithms`, to the
-last digit as before. No scene and no shell may enter here.
+Where a problem has no friction nothing here is used, and its digits are those of contact alone. No scene and no shell
+may enter here.
 """

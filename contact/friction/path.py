@@ -1,4 +1,4 @@
-"""Load steps of a frictional problem: anchors of slips go in and come out. No scene, no algorithm may enter here."""
+"""Load steps with friction that are never cut: anchors of slips go in and come out. No scene may enter here."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.problem import FrictionalProblem, FrictionalSolution
-from contact.problem import Outcome
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, Outcome
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +17,7 @@ class Stage:
     anchored(u): places of the candidates on the foundation once u (n,) is accepted, as the next stage wants them.
     """
 
-    problem: FrictionalProblem
+    problem: ContactProblem
     anchored: Callable[[np.ndarray], np.ndarray]
 
 
@@ -28,7 +26,7 @@ class PathState:
     """An accepted state: solution, anchors, dissipation -t.s [N mm] of its step, and the load it stands at."""
 
     load: float
-    solution: FrictionalSolution
+    solution: ContactSolution
     anchors: np.ndarray
     dissipation: float = 0.0
 
@@ -36,7 +34,7 @@ class PathState:
 def follow(
     stage_at: Callable[[float, np.ndarray], Stage],
     loads: Iterable[float],
-    algorithm: FrictionalAlgorithm,
+    algorithm: ContactAlgorithm,
     start: PathState,
 ) -> Iterator[PathState]:
     """One step to each load in turn, from ``start``; ends with the first that is not converged.
@@ -55,6 +53,7 @@ def follow(
         yield at
 
 
-def dissipation(problem: FrictionalProblem, solution: FrictionalSolution) -> float:
+def dissipation(problem: ContactProblem, solution: ContactSolution) -> float:
     """-sum t.s [N mm] of a step, never negative but for rounding: mu f |s| where a candidate slips, else 0."""
-    return float(-np.sum(solution.friction * problem.slip(solution.u)))
+    assert problem.coulomb is not None
+    return float(-np.sum(solution.rubbed.force * problem.coulomb.slip(solution.u)))

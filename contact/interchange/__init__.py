@@ -1,1 +1,1 @@
-"""Contact problems on their own: a linearised step as a file, and an independent oracle for it. No model."""
+"""Contact problems on their own: a linearised step as a file, those of others, independent oracles. No model."""

@@ -11,19 +11,28 @@ The file is one .npz (a zip of .npy arrays, no pickles) with the arrays
     r (n,) [N], gap (m,) [mm], weights (m,) [mm^2], scale () [N], the size of the forces in balance
     W_data, W_indices, W_indptr       only with consistent coupling: W (m, m) in CSR; else W = diag(weights)
     meta ()                           a JSON object as text: format and format_version, and where the problem is from
+
+With friction there is t (m, 2) [N] beside, and S^T t beside G^T W p, each candidate's normal force f = w p::
+
+    |t_i| <= mu_i f_i,    s_i = s0_i + S_i du:    s_i = 0  or  t_i = -mu_i f_i s_i/|s_i|
+
+    S_data, S_indices, S_indptr       S (2m, n) in CSR [-], rows 2i and 2i + 1 of candidate i
+    slip (m, 2) [mm], mu (m,) [-]     s0, and the coefficients; infinite ones tie
+    meta                              has "friction": "coulomb" as well: who does not look has the step without friction
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from scipy import sparse
 
+from contact.coulomb import Coulomb
 from contact.interchange.untrusted import parsed_object, read_arrays, text_of
 from contact.problem import ContactProblem, linear_mechanics
 from contact.solvers.sparse import symmetric
@@ -32,6 +41,8 @@ FORMAT, VERSION = "footprint contact step", 1
 PARTS = ("data", "indices", "indptr")  # of a sparse matrix
 ARRAYS = ("meta", "r", "gap", "weights", "scale", *(f"{name}_{part}" for name in "KG" for part in PARTS))
 COUPLED = tuple(f"W_{part}" for part in PARTS)
+FRICTION = {"friction": "coulomb"}  # in meta
+RUBBED = (*(f"S_{part}" for part in PARTS), "slip", "mu")
 
 
 class FrozenStepError(ValueError):
@@ -68,24 +79,38 @@ class FrozenStep:
 
     def write(self, path: Path) -> None:
         """Write the file described above; any suffix."""
-        matrices = {"K": self.K, "G": self.G} | ({} if self.coupling is None else {"W": self.coupling})
-        arrays: dict[str, Any] = {"r": self.r, "gap": self.gap, "weights": self.weights, "scale": self.scale}
-        for name, matrix in matrices.items():
-            arrays |= {f"{name}_data": matrix.data, f"{name}_indices": matrix.indices, f"{name}_indptr": matrix.indptr}
-        meta = json.dumps({**self.meta, "format": FORMAT, "format_version": VERSION}, allow_nan=False)
+        meta = json.dumps({**self.meta, **self._head(), "format": FORMAT, "format_version": VERSION}, allow_nan=False)
         with path.open("wb") as file:
-            np.savez_compressed(file, meta=np.array(meta), **arrays)
+            np.savez_compressed(file, meta=np.array(meta), **self._arrays())
+
+    def _head(self) -> dict[str, str]:
+        """What the format adds to meta."""
+        return {}
+
+    def _arrays(self) -> dict[str, Any]:
+        arrays: dict[str, Any] = {"r": self.r, "gap": self.gap, "weights": self.weights, "scale": self.scale}
+        coupled = {} if self.coupling is None else parts("W", self.coupling)
+        return arrays | parts("K", self.K) | parts("G", self.G) | coupled
 
     @classmethod
-    def read(cls, path: Path) -> FrozenStep:
-        """The step in a file; raises FrozenStepError for whatever else is in it, OSError when it cannot be opened."""
+    def read(cls, path: Path) -> Self:
+        """The step in a file, with the friction that it has; raises OSError when it cannot be opened.
+
+        Raises FrozenStepError for whatever else is in it.
+        """
         try:
-            return cls._checked(read_arrays(path, ARRAYS, COUPLED))
+            arrays = read_arrays(path, ARRAYS, (*COUPLED, *RUBBED))
+            found: FrozenStep = FrozenStep._checked(arrays)
+            if FRICTION.items() <= found.meta.items():
+                found = FrozenFrictionalStep.of(found, arrays)
+            if not isinstance(found, cls):
+                raise ValueError(f"its meta has no {json.dumps(FRICTION)}: it is a step without friction")
         except (ValueError, KeyError, TypeError) as error:
             reason = (
                 f"{error} is missing" if isinstance(error, KeyError) else (str(error).splitlines() or ["damaged"])[0]
             )
             raise FrozenStepError(f"{path} is no frozen contact step: {reason}") from None
+        return found
 
     @classmethod
     def _checked(cls, arrays: dict[str, np.ndarray]) -> FrozenStep:
@@ -112,11 +137,81 @@ class FrozenStep:
         )
 
 
+@dataclass(frozen=True, eq=False)
+class FrozenFrictionalStep(FrozenStep):
+    """A step with lumped coupling and friction: S (2m, n), slip s0 (m, 2) [mm] and mu (m,).
+
+    In FCLib's global form (Acary, Brémond, Huber 2018), M v = H r + f, u = H^T v + w, candidates one after another, the
+    normal first: M = K, v = du, f = -r, H = [G^T S^T], w = [g s0], r = [f t] and u = [gap slip].
+    """
+
+    S: sparse.csr_matrix = field(kw_only=True)
+    slip: np.ndarray = field(kw_only=True)
+    mu: np.ndarray = field(kw_only=True)
+
+    def problem(self) -> ContactProblem:
+        """The same as a problem in du."""
+        law = Coulomb(self.mu, lambda du: self.slip + (self.S @ du).reshape(-1, 2), lambda du: self.S)
+        return replace(super().problem(), coulomb=law)
+
+    @property
+    def H(self) -> sparse.csc_matrix:
+        """H (n, 3m) [-] of FCLib."""
+        m = len(self.mu)
+        stacked = sparse.csr_matrix(sparse.vstack([self.G, self.S]))
+        rows = np.column_stack([np.arange(m), m + 2 * np.arange(m), m + 2 * np.arange(m) + 1]).ravel()
+        return sparse.csc_matrix(stacked[rows].T)
+
+    @property
+    def w(self) -> np.ndarray:
+        """w (3m,) [mm] of FCLib."""
+        return np.column_stack([self.gap, self.slip]).ravel()
+
+    def _head(self) -> dict[str, str]:
+        return FRICTION
+
+    def _arrays(self) -> dict[str, Any]:
+        return super()._arrays() | parts("S", self.S) | {"slip": self.slip, "mu": self.mu}
+
+    @classmethod
+    def of(cls, step: FrozenStep, arrays: Mapping[str, Any]) -> FrozenFrictionalStep:
+        """The step with the arrays of its friction; raises ValueError or KeyError naming the array."""
+        n, m = len(step.r), len(step.gap)
+        S, slip, mu = _matrix(arrays, "S", sparse.csr_matrix, (2 * m, n)), arrays["slip"], arrays["mu"]
+        for name, array, shape in (("slip", slip, (m, 2)), ("mu", mu, (m,))):
+            finite = array.dtype == np.float64 and (name == "mu" or np.all(np.isfinite(array)))
+            if array.shape != shape or not finite:
+                raise ValueError(f"{name} must be finite numbers of the shape {shape}")
+        meta = {key: value for key, value in step.meta.items() if key not in FRICTION}
+        found = cls.beside(replace(step, meta=meta), sparse.csr_matrix(S), slip, mu)
+        unfit = found.problem().unfit_for_friction
+        if unfit is not None:
+            raise ValueError(unfit)
+        return found
+
+    @classmethod
+    def beside(cls, step: FrozenStep, S: sparse.csr_matrix, slip: np.ndarray, mu: np.ndarray) -> FrozenFrictionalStep:
+        """The step with friction beside it."""
+        contact = {each.name: getattr(step, each.name) for each in fields(FrozenStep)}
+        return cls(**contact, S=S, slip=slip, mu=mu)
+
+
 def freeze(problem: ContactProblem, u: np.ndarray, pressure: np.ndarray, meta: Mapping[str, Any]) -> FrozenStep:
-    """The problem linearised at u, the curvature of the gap weighed by the pressures there; meta: what JSON knows."""
-    lin = problem.linearise(u, None)
+    """The problem linearised at u, the curvature of the gap weighed by the pressures there; meta: what JSON knows.
+
+    The curvature of a slip is left out: slips are short against the radius of a foundation.
+    """
+    lin, law = problem.linearise(u, None), problem.coulomb
     K, G = problem.stiffness(lin, u, pressure), sparse.csr_matrix(problem.gap_jacobian(u))
-    return FrozenStep(K, lin.residual, G, problem.gap(u), problem.weights, lin.scale, problem.coupling, dict(meta))
+    step = FrozenStep(K, lin.residual, G, problem.gap(u), problem.weights, lin.scale, problem.coupling, dict(meta))
+    if law is None:
+        return step
+    return FrozenFrictionalStep.beside(step, sparse.csr_matrix(law.slip_jacobian(u)), law.slip(u), law.mu)
+
+
+def parts(name: str, matrix: sparse.csc_matrix | sparse.csr_matrix) -> dict[str, np.ndarray]:
+    """The arrays of a sparse matrix."""
+    return {f"{name}_{part}": getattr(matrix, part) for part in PARTS}
 
 
 def _numbers(arrays: Mapping[str, np.ndarray], name: str) -> np.ndarray:

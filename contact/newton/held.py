@@ -105,30 +105,12 @@ class Held:
         found[soft] = -(self.slope * self.share * y[self.pivot])[soft] / self.compliance[soft]
         return found
 
-    def let_go(self) -> sparse.csc_matrix:
-        """-T^T K P (n, a): what a unit of each slack puts on the right-hand side."""
-        left = sparse.csc_matrix(self.columns @ sparse.diags_array(-1.0 / self.slope))
-        return sparse.csc_matrix(left - self.balancing.T @ left[self.pivot])
-
-    def felt(self) -> sparse.csc_matrix:
-        """T^T K^T P (n, a), with f = felt^T y + :meth:`stiffness` s but for constants."""
-        left = sparse.csc_matrix(self.across.T @ sparse.diags_array(1.0 / self.slope))
-        return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
-
-    def pushed(self, acting: sparse.csr_matrix) -> sparse.csc_matrix:
-        """T^T G^T (n, b): what unit forces on other candidates put on the right-hand side."""
-        left = sparse.csc_matrix(acting.T)
-        return sparse.csc_matrix(left - self.balancing.T @ left[self.pivot])
-
-    def opened(self, rows: sparse.csr_matrix) -> sparse.csc_matrix:
-        """T^T G^T (n, b): what of y there is in the gaps of other candidates."""
-        left = sparse.csc_matrix(rows.T)
-        return sparse.csc_matrix(left - self.following.T @ left[self.pivot])
-
-    def stiffness(self, slacks: np.ndarray) -> np.ndarray:
-        """Columns of P^T K P (a, k): forces of these slacks, all else at rest."""
-        columns = self.columns[self.pivot][:, slacks].toarray()
-        return np.asarray(columns / self.slope[:, None] / self.slope[slacks])
+    @property
+    def stiffness(self) -> sparse.csc_matrix:
+        """P^T K P (a, a): forces of slacks, all else at rest."""
+        inner = self.columns[self.pivot].tocoo()
+        scaled = inner.data / self.slope[inner.row] / self.slope[inner.col]
+        return sparse.csc_matrix((scaled, (inner.row, inner.col)), shape=inner.shape)
 
     def shared(self, rows: sparse.csr_matrix) -> sparse.csr_matrix:
         """G P (b, a): gaps of other candidates under the slacks."""

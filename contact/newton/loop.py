@@ -157,6 +157,7 @@ def settle_set(
     linear, seen = linear or run.linear(at.lin, at.u, at.pressure, active), set[bytes]()
     updates = 0
     while True:
+        linear = linear.near(active)
         wrong = _misplaced(run, at, linear, active, c)
         after = active ^ wrong
         seen.add(active.tobytes())
@@ -189,7 +190,7 @@ def settle_exactly(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.n
     if not isinstance(linear, Condensed):
         return _one_at_a_time(run, at, linear, active, c)
     try:
-        return replace(decide_set(run, at, linear, _by_pivots, active), event=PIVOTS)
+        return replace(decide_set(run, at, linear, _by_pivots, active)[0], event=PIVOTS)
     except LcpError as error:
         told = f"cycle detected, and pivots do not end on the linearised problem: {error}"
         raise StepError(Outcome.CYCLING, told) from None
@@ -199,6 +200,7 @@ def _one_at_a_time(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.n
     """Murty's least index on one linearisation."""
     updates = 0
     while True:
+        linear = linear.near(active)
         wrong = _misplaced(run, at, linear, active, c)
         if updates == MOST_UPDATES or not wrong.any():
             return Step(*linear.step(active), active, CYCLE, updates)
@@ -226,8 +228,10 @@ Decide = Callable[[np.ndarray, np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 
 def decide_set(
     run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide, active: np.ndarray | None = None
-) -> Step:
+) -> tuple[Step, Condensed]:
     """The step on the set that ``decide`` makes of the misplaced candidates, joined by others until there are none.
+
+    With it goes the linearisation that it comes from, as it is factorised then.
 
     decide: of candidates that the linear complementarity problem w = M z + q is about, those with z > 0: their state is
     not the one that they have in the set of ``linear``. A candidate that was decided is decided again with every later
@@ -235,6 +239,7 @@ def decide_set(
     Raises what decide and the linearisation raise.
     """
     active = linear.base if active is None else active
+    linear = linear.near(active)
     wrong = _misplaced(run, at, linear, active)
     decided = active ^ linear.base
     while wrong.any():
@@ -243,8 +248,9 @@ def decide_set(
         changed = decide(*linear.block(nodes), linear.base[nodes], (active ^ linear.base)[nodes])
         active = linear.base.copy()
         active[nodes[changed]] ^= True
+        linear = linear.near(active)
         wrong = _misplaced(run, at, linear, active) & ~decided
-    return Step(*linear.step(active), active)
+    return Step(*linear.step(active), active), linear
 
 
 def _misplaced(run: NewtonRun, at: Iterate, linear: LinearStep, active: np.ndarray, c: float = 1.0) -> np.ndarray:

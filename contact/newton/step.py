@@ -12,14 +12,14 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import norm
 
-from contact.newton.condensed import Condensed
-from contact.newton.held import holdable
+from contact.newton.condensed import Condensed, Linear
+from contact.newton.held import Held, holdable
 from contact.newton.pivots import Pivots
 from contact.newton.state import Iterate, Tally
 from contact.problem import ContactProblem, ContactSolution, Linearised, Outcome
-from contact.rounding import ROUNDING_ALONE, correction, decides, excused, met, rounding_floor
+from contact.rounding import ROUNDING_ALONE, decides, excused, met, rounding_floor
 from contact.scales import Stiffness, length
-from contact.solvers.sparse import AUTO, Factor, checked_solve, factorise, instead
+from contact.solvers.sparse import AUTO, Factor, SingularMatrixError, checked_solve, factorise, instead
 
 RESIDUAL_TOLERANCE = 1e-9  # relative to the forces in balance; what every algorithm's ``tolerance`` is by default
 GAP_TOLERANCE = 1e-12  # relative to a large gap
@@ -34,6 +34,9 @@ def gap_rounding(problem: ContactProblem, large: float) -> float:
 
 class LinearStep(Protocol):
     """A linearised problem that knows its step on any set."""
+
+    def near(self, active: np.ndarray) -> LinearStep:
+        """The one to ask for the step on a set (m,): this one, or one that is factorised anew."""
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and pressures (m,) on the set (m,); raises SingularMatrixError."""
@@ -99,8 +102,9 @@ class NewtonRun:
     def known(self, at: Iterate, last: Iterate | None) -> Iterate | None:
         """Of a balanced iterate and the ``last`` one on its set, the first whose rounding moves nothing, if any.
 
-        The last step has told what the residual before it asked for. What the next one will ask for is worked out as
-        the judge does it, without the memory of the way there: one linearisation and one factorisation more.
+        The last step has told what the residual before it asked for. What the next one will ask for is worked out
+        without the memory of the way there, of which the judge knows nothing: one linearisation and one factorisation
+        more.
         """
         if last is None or at.residual <= max(self.tolerance, min(ROUNDING_ALONE, _rounding(at))):
             return at
@@ -112,8 +116,38 @@ class NewtonRun:
         anew = self.at(self.linearise(at.u, None), at.u, pressure, at.active)
         rounding, asked = _rounding(anew), np.inf
         if decides(anew.residual, rounding):
-            asked = correction(self.problem, anew.lin, at.u, pressure, self.epsilon, self._as_judged)
+            asked = self._asked(anew)
         return anew.residual <= self.tolerance or excused(anew.residual, rounding, asked)
+
+    def _asked(self, at: Iterate) -> float:
+        """|du|/|u|: the displacement that the imbalance still asks for, on the pressed nodes held at their gaps."""
+        left = self.problem.contact_force(at.u, at.pressure) - at.lin.residual
+        try:
+            K = self.problem.stiffness(at.lin, at.u, at.pressure)
+            du, _ = self.response(at.u, K, np.flatnonzero(at.pressure > 0), left)
+        except SingularMatrixError:
+            return float("inf")
+        return float(np.linalg.norm(du) / np.linalg.norm(at.u))
+
+    def response(
+        self, u: np.ndarray, K: sparse.csc_matrix, nodes: np.ndarray, force: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) under forces (n,) while the gaps of these candidates stay, and the pressures (m,) that hold them.
+
+        K du - G^T W dp = force,   G_A du + dp_A/epsilon = 0,   dp = 0 outside A.
+        Raises SingularMatrixError, ValueError.
+        """
+        pressures = np.zeros(len(self.problem.weights))
+        if holdable(self.problem):
+            held, still = Held.on(self.problem, u, nodes, K, self.epsilon), np.zeros(len(nodes))
+            y = self.solution(self.factorise(held.matrix), held.matrix, held.load(force, still))
+            du = held.motion(y, still)
+            pressures[nodes] = held.forces(y, du, -force) / self.problem.weights[nodes]
+        else:
+            pivots = Pivots.choose(self.problem, u, nodes, K, self.epsilon).homogeneous()
+            A, load = pivots.substitute(K, force)
+            du, pressures[nodes] = pivots.resolve(self.solution(self.factorise(A), A, load))
+        return du, pressures
 
     def stuck(self, at: Iterate) -> bool:
         """True when the residual is rounding and the steps no longer shrink; without balance, that is the end."""
@@ -159,7 +193,7 @@ class NewtonRun:
     def linear(self, lin: Linearised, u: np.ndarray, pressure: np.ndarray, active: np.ndarray) -> LinearStep:
         """The linearised problem, factorised on the set ``active``; raises SingularMatrixError."""
         if holdable(self.problem):
-            return Condensed(self, lin, u, pressure, active)
+            return Condensed(self, Linear.at(self, lin, u, pressure), active)
         return Substituted(self, lin, u, pressure)
 
     def factorise(self, A: sparse.csc_matrix) -> Factor:
@@ -169,13 +203,6 @@ class NewtonRun:
         self.tally.counters["factorisations"] += 1
         if instead(factor, self.solver, ordered=self.problem.ordered):
             self.tally.counters["superlu_instead"] = self.tally.counters.get("superlu_instead", 0) + 1
-        return factor
-
-    def _as_judged(self, A: sparse.csc_matrix) -> Factor:
-        """The factor that the judge makes, counted and timed; raises SingularMatrixError."""
-        with self.tally.timed("factorisation_s"):
-            factor = factorise(A)
-        self.tally.counters["factorisations"] += 1
         return factor
 
     def solution(self, factor: Factor, A: sparse.csc_matrix, b: np.ndarray) -> np.ndarray:
@@ -219,6 +246,10 @@ class Substituted:
     u: np.ndarray
     pressure: np.ndarray
     found: dict[bytes, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+    def near(self, active: np.ndarray) -> Substituted:
+        """The same for every set."""
+        return self
 
     def step(self, active: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """du (n,) and pressures (m,) on the set; raises SingularMatrixError."""

@@ -1,4 +1,4 @@
-"""Rigid frictionless foundations: the signed distance of an obstacle from points in space, and who may touch it.
+"""Rigid foundations: the signed distance of an obstacle from points in space, and who may touch it.
 
 A foundation sees positions only; how they depend on the unknowns comes as a sparse matrix. This file has the plane and
 the contact problem against any foundation; drum and sphere are in :mod:`contact.obstacles.drum_sphere`, cleats
@@ -15,7 +15,6 @@ from scipy import sparse
 
 from contact.coulomb import Surface
 from contact.problem import ContactProblem, Linearisation, Linearise
-from contact.swept import Standing
 
 
 class Foundation(Protocol):
@@ -186,22 +185,16 @@ def _against(linearise: Linearise, candidates: Candidates, foundation: Foundatio
         gap_curvature=curvature,
         directions=lambda u: foundation.gradient(candidates.positions(u)),
         gap_size=foundation.size + float(np.max(np.abs(candidates.reference), initial=0.0)),
-        standing=standing(candidates, foundation),
+        standing=surface(candidates, foundation),
     )
-
-
-def standing(candidates: Candidates, foundation: Foundation) -> Standing:
-    """Both in the frame of the foundation."""
-    there = foundation.moved(-foundation.origin)
-    origin, radius = foundation.origin, foundation.least_radius
-    return Standing(lambda u: candidates.positions(u) - origin, there.gap, there.gradient, radius)
 
 
 def surface(candidates: Candidates, foundation: Foundation) -> Surface:
     """Both in the frame that is shifted with the foundation."""
     origin, there = foundation.origin, foundation.moved(-foundation.origin)
     size = foundation.size + float(np.max(np.abs(candidates.reference), initial=0.0))
-    return Surface(lambda u: candidates.positions(u) - origin, candidates.operator, there.gap, there.gradient, size)
+    place, radius = (lambda u: candidates.positions(u) - origin), foundation.least_radius
+    return Surface(place, there.gap, there.gradient, radius, operator=candidates.operator, size=size)
 
 
 def against_plane(linearise: Linearise, candidates: Candidates, plane: RigidPlane) -> ContactProblem:

@@ -2,23 +2,22 @@
 
 An answer is a .npz or a .json with ``du`` (n,) [mm], and ``pressure`` (m,) [MPa] with the ``claims`` it makes; to a
 problem with friction ``normal`` (m,) [N] and ``friction`` (m, 2) [N], without claims. The residuals and bounds of
-friction are those of :mod:`contact.friction.verify`. No algorithm is run and no answer of ours is looked at here.
+friction are those of :mod:`contact.verify`. No algorithm is run and no answer of ours is looked at here.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.verify import judge
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.untrusted import parsed_object, read_arrays, read_json, text_of
+from contact.verify import judge
 from studies.arena.accuracy import RESIDUALS, Accuracy, Scales, accuracy
 from studies.request import UsageError
 
@@ -161,12 +160,14 @@ def judge_friction_answer(step: FrozenFrictionalStep, path: Path) -> Judgement:
     with _in_one_line(path, "no answer to a problem with friction"):
         told = _values(path, (), RUBBED)
         du, normal, friction = (np.asarray(told[name], dtype=float) for name in RUBBED)
-    if du.shape != step.step.r.shape:
-        raise UsageError(f"du of the shape {du.shape} for {len(step.step.r)} unknowns")
+    if du.shape != step.r.shape:
+        raise UsageError(f"du of the shape {du.shape} for {len(step.r)} unknowns")
     try:
-        verdict = judge(step.problem(), du, normal, friction)
+        by_forces = replace(step.problem(), weights=np.ones(len(step.mu)))  # normal forces for pressures
+        verdict = judge(by_forces, du, normal, friction)
     except ValueError as error:
         raise UsageError(str(error)) from None
     failures = verdict.failures()
     word = f"NOT certified: {', '.join(failures)}" if failures else "certified: every residual within its bound"
-    return Judgement(verdict.kkt, verdict.force, verdict.length, not failures, word)
+    scales = verdict.certificate["scales"]
+    return Judgement(verdict.kkt, scales["force_N"], scales["length_mm"], not failures, word)

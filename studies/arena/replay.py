@@ -11,7 +11,6 @@ import numpy as np
 
 from contact.answered import answered
 from contact.catalogue import ALGORITHMS
-from contact.friction.interchange.oracle import Confirmation as FrictionConfirmation
 from contact.interchange.linearised_step import FrozenStep, FrozenStepError
 from contact.interchange.oracle import Confirmation, OracleError, confirm
 from contact.problem import ContactAlgorithm, ContactSolution
@@ -61,7 +60,7 @@ def of_a_part(meta: Mapping[str, Any]) -> list[str]:
     return [] if model == FULL else [f"of the model {model} alone: forces and nodes are those of that part"]
 
 
-def said_by(oracle: Confirmation | FrictionConfirmation | str | None) -> list[str]:
+def said_by(oracle: Confirmation | str | None) -> list[str]:
     """What a user reads of the oracle: nothing where it was not asked."""
     if oracle is None:
         return []

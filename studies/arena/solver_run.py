@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
 from studies.arena.solver_summaries import data_profiles, performance_profiles, rank_correlation, summary
 from studies.arena.solver_table import LIMIT_S, ROUNDS, TOLERANCES, Tell, kind, read, recorded, solver_table
 from studies.arena.solvers.base import Solver
@@ -69,7 +69,7 @@ def problems_in(folder: Path) -> dict[str, FrozenStep]:
         found = {path.stem: FrozenStep.read(path) for path in paths}
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
-    without = {name: step for name, step in found.items() if "friction" not in step.meta}
+    without = {name: step for name, step in found.items() if not isinstance(step, FrozenFrictionalStep)}
     if not without:
         raise UsageError(f"--problems {folder}: all frozen steps in it are with friction, which no solver here knows")
     return dict(sorted(without.items(), key=lambda item: len(item[1].r)))

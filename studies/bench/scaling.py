@@ -24,7 +24,7 @@ from scipy import sparse
 from contact.newton.state import Tally
 from contact.newton.step import NewtonRun
 from contact.problem import ContactProblem, ContactSolution
-from contact.solvers.multifrontal.patterns import analysed, clear
+from contact.solvers.multifrontal.analysis import analysed, clear
 from contact.solvers.sparse import Factor, backward_error, factor_flops, factorise
 from formulations.geometry.grid import TensorGrid
 from formulations.geometry.transfer import Transfer

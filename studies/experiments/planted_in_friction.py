@@ -2,25 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from contact.friction import posed
-from contact.friction.algorithms import catalogue
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.posed import WithFriction
-from contact.friction.problem import State
-from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
-from studies import solving
+from contact.coulomb import State
+from contact.friction.run import FrictionalRun, Point
+from contact.friction.slip import Slip
+from contact.problem import ContactAlgorithm, ContactSolution, Outcome
+from studies import algorithm_settings, solving
 from studies.certificate import certificate
 from studies.experiments.planting import Fault, fault, swapped
-from studies.friction.settings import DRAG
+from studies.friction.settings import DRAG, MU
 from studies.friction.stages import Stages
+from studies.fuzz import state_laws
 from studies.fuzz.cases import FRICTION
+from studies.request import Value
 
 Change = Callable[[ContactSolution, ContactSolution], ContactSolution]
 
@@ -29,12 +29,12 @@ def answer(name: str) -> Callable[[Change], Fault]:
     """A fault of every converged answer with friction; change(found, start)."""
 
     def named(change: Change) -> Fault:
-        @fault(name, WithFriction, "solve", FRICTION)
+        @fault(name, FrictionalRun, "finish", FRICTION)
         def changed(
-            sound: Callable[..., ContactSolution], own: WithFriction, problem: ContactProblem, start: ContactSolution
+            sound: Callable[..., ContactSolution], run: FrictionalRun, at: Point, outcome: Outcome
         ) -> ContactSolution:
-            found = sound(own, problem, start)
-            return found if found.friction is None or not found.outcome.converged else change(found, start)
+            found = sound(run, at, outcome)
+            return change(found, run.begun) if outcome.converged else found
 
         return changed
 
@@ -91,17 +91,25 @@ def in_own_units(sound: Callable[..., tuple[float, ...]], stages: Stages, settin
     return tuple(stop / unit for stop in found) if setting is DRAG else found
 
 
-@fault("anchors are a thousandth off", posed, "_anchors", FRICTION)
+@fault("anchors are a thousandth off", Slip, "left", FRICTION)
 def anchored_elsewhere(sound: Callable[..., np.ndarray], *arguments: Any) -> np.ndarray:
     """Where candidates are taken to have stuck, for the algorithm and its judge alike."""
     return 1.001 * sound(*arguments)
 
 
-@fault("settings of an algorithm are dropped with friction", catalogue, "twin", FRICTION)
-def without_settings(sound: Callable[..., Any], algorithm: ContactAlgorithm) -> FrictionalAlgorithm:
-    """All but the stiffness of its springs."""
-    return catalogue.FRICTIONAL[algorithm.name](epsilon=algorithm.epsilon)
+@contextmanager
+def _settings_dropped() -> Iterator[None]:
+    """All but the stiffness of springs, where it is solved and where it is looked at."""
+    sound = algorithm_settings.configured
+
+    def configured(contact: str, settings: Mapping[str, Value]) -> ContactAlgorithm:
+        found = sound(contact, settings)
+        return type(found)(epsilon=found.epsilon) if MU.key in settings else found
+
+    with swapped(solving, "configured", configured), swapped(state_laws, "configured", configured):
+        yield
 
 
+DROPPED = Fault("settings of an algorithm are dropped with friction", _settings_dropped, FRICTION)
 UNJUDGED = Fault("friction along the slip, and no judge is asked", _unjudged, FRICTION)
-FAULTS = (kept, along, UNJUDGED, gained, in_own_units, anchored_elsewhere, without_settings)
+FAULTS = (kept, along, UNJUDGED, gained, in_own_units, anchored_elsewhere, DROPPED)

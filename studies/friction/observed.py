@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from contact.friction.posed import slip_of
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.slip import slip_of
 from contact.problem import ContactProblem, ContactSolution
 from studies.scene import Units
 from studies.store.tables import Table
@@ -36,11 +36,10 @@ def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dic
     assert state.friction is not None
     y, pull = problem.surface.positions(state.u), in_space(problem, state)
     f = problem.nodal_forces(state.pressure)
-    pressed = f > 0
     normal = np.sum(f[:, None] * problem.surface.gradient(y), axis=0)
     axis = normal / (float(np.linalg.norm(normal)) or 1.0)
     arm = y - np.outer(y @ axis, axis)
-    bound = np.where(pressed, problem.coulomb.mu, 0.0) * np.where(pressed, f, 0.0)
+    bound = problem.coulomb.bound(f)
     work = units.force * units.length
     values = (
         np.linalg.norm(pull.sum(axis=0)) / units.force,
@@ -56,10 +55,8 @@ def forces(problem: ContactProblem, state: ContactSolution, units: Units) -> dic
 
 def in_space(problem: ContactProblem, state: ContactSolution) -> np.ndarray:
     """Friction (m, 3) [N] of the foundation on each candidate."""
-    assert problem.coulomb is not None
-    assert state.friction is not None
-    along = slip_of(problem, state.friction.since).directions @ problem.coulomb.motion.rotation.T
-    return np.asarray(np.einsum("mk,mki->mi", state.friction.force, along))
+    slip = slip_of(problem, state.rubbed.since)
+    return np.asarray(np.einsum("mk,mki->mi", state.rubbed.force, slip.directions @ slip.motion.rotation.T))
 
 
 def nodal(problem: ContactProblem, state: ContactSolution, units: Units) -> Table:

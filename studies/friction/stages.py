@@ -12,7 +12,8 @@ from functools import partial
 
 import numpy as np
 
-from contact.coulomb import Motion, Surface, with_friction
+from contact.coulomb import Motion, Surface
+from contact.friction.slip import with_friction
 from contact.problem import ContactProblem, ContactSolution
 from studies.friction.observed import FORCES, FRICTION, forces, nodal
 from studies.friction.settings import DRAG, MU, TURN, WAY
@@ -83,24 +84,24 @@ class Stages:
     def __init__(self, stages: Iterable[Stage], settings: Settings) -> None:
         self._stages, self._settings = stages, settings
         self._mu = settings.number(MU.key)
-        self._pressed: Pressed | None = None
 
     def __iter__(self) -> Iterator[Stage]:
+        pressed = list[Pressed]()  # of this walk alone: each stage is begun before the next one is asked for
         for stage in self._stages:
             if isinstance(stage, CurveStage):
                 raise UsageError("friction needs steps of the travel: arc length has no path with it")
-            yield replace(stage, begin=partial(self._begin, stage), observe=partial(_observe, stage))
-        if self._pressed is None:
+            yield replace(stage, begin=partial(self._begin, stage, pressed.append), observe=partial(_observe, stage))
+        if not pressed:
             raise UsageError("the scene has no rigid surface that friction could act on")
         drags = self._stops(DRAG)
-        yield from self._slid(self._pressed, DRAG, drags, lambda t: (t, 0.0))
+        yield from self._slid(pressed[-1], DRAG, drags, lambda t: (t, 0.0))
         far = drags[-1] if drags else 0.0
-        yield from self._slid(self._pressed, TURN, self._stops(TURN), lambda t: (far, t))
+        yield from self._slid(pressed[-1], TURN, self._stops(TURN), lambda t: (far, t))
 
     def _stops(self, setting: Setting) -> tuple[float, ...]:
         return self._settings.numbers(setting.key) if setting.key in self._settings else ()
 
-    def _begin(self, stage: Stage, previous: ContactSolution | None) -> Begun:
+    def _begin(self, stage: Stage, note: Callable[[Pressed], None], previous: ContactSolution | None) -> Begun:
         problem_at, start = stage.begin(previous)
         if problem_at(stage.targets[0]).surface is None:
             return problem_at, start
@@ -109,7 +110,7 @@ class Stages:
             share = stage.rubs(t)
             return with_friction(problem_at(t), share * self._mu if share else 0.0, Motion.none())
 
-        self._pressed = Pressed(stage, problem_at(stage.targets[-1]), start.u)
+        note(Pressed(stage, problem_at(stage.targets[-1]), start.u))
         return rubbed, start
 
     def _slid(

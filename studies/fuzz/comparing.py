@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import null_space
 
-from contact.friction.posed import posed, slip_of
+from contact.friction.slip import slip_of
 from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution
 from studies.analysis.comparisons.disagreements import BRANCHES, LOAD_STEPS, UNSTABLE, Facts, why
 
@@ -118,8 +118,7 @@ def _force(answer: Answer) -> np.ndarray:
     problem, state = answer.problem, answer.state
     if problem.coulomb is None or state.friction is None:
         return problem.contact_force(state.u, state.pressure)
-    rubbing = posed(problem, state.friction.since)
-    return rubbing.force(state.u, problem.nodal_forces(state.pressure), state.friction.force)
+    return problem.since(state.friction.since).contact_force(state.u, state.pressure, state.friction.force)
 
 
 def tangent(answer: Answer, held: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

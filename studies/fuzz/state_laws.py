@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction.posed import WithFriction
+from contact.friction.slip import sliding_of
 from contact.problem import ContactProblem, ContactSolution
 from contact.rounding import rounding_floor
 from contact.solvers.sparse import symmetric
@@ -159,9 +159,8 @@ def _settings_count(one: Attempt) -> None:
     """Every setting of the algorithm that was given is one of what solves; raises Broken."""
     request = one.found.request
     algorithm = configured(request.contact, request.settings)
-    solves = algorithm.rubbing if isinstance(algorithm, WithFriction) else algorithm
     own = [setting.key for setting in settings_of(request.contact) if setting.key in one.asked.settings]
-    lost = [key for key in own if getattr(solves, key, None) != request.settings[key]]
+    lost = [key for key in own if getattr(algorithm, key, None) != request.settings[key]]
     if lost:
         raise Broken("settings count", f"{request.contact} with friction drops {', '.join(lost)}")
 
@@ -202,17 +201,17 @@ class Slipped:
         (old, start), (problem, state) = before, after
         assert problem.surface is not None
         assert problem.coulomb is not None
-        surface, coulomb = problem.surface, problem.coulomb
-        motion = coulomb.motion if old.coulomb is None else old.coulomb.motion
+        surface, sliding = problem.surface, sliding_of(problem)
+        motion = sliding.motion if old.coulomb is None else sliding_of(old).motion
         first = motion.into((old.surface or surface).positions(start.u))
-        way = coulomb.places(surface, state.u) - first
+        way = sliding.places(state.u) - first
         normals = surface.gradient(first)
         normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         slip = way - np.sum(way * normals, axis=1)[:, None] * normals
         f = problem.nodal_forces(state.pressure)
-        bound = np.where(f > 0, coulomb.mu, 0.0) * np.where(f > 0, f, 0.0)
+        bound = problem.coulomb.bound(f)
         length = max(surface.size, float(np.max(np.abs(way), initial=0.0)))
-        return cls(slip, in_space(problem, state) @ coulomb.motion.rotation, f, bound, length)
+        return cls(slip, in_space(problem, state) @ sliding.motion.rotation, f, bound, length)
 
     def check(self) -> None:
         """Raises Broken where friction is beyond its bound, or does not oppose the slip of a candidate."""

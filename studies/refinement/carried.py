@@ -97,7 +97,7 @@ class Carrier:
         start = replace(start, pressure=np.where(active, self._at_candidates(state.pressure), 0.0), active=active)
         if state.friction is None:
             return start
-        from contact.friction.problem import State as Rubs  # nothing of friction is imported without it
+        from contact.coulomb import State as Rubs  # nothing of friction is imported without it
 
         weights = visited.problem_at(t).weights
         traction = state.friction.force / np.where(weights > 0, weights, 1.0)[:, None]

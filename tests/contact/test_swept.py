@@ -87,7 +87,9 @@ def test_the_frame_moves_with_the_foundation() -> None:
     (found,) = crossings(ends[0], still, ends[1], still)
     assert found.candidate == 12  # the middle one of 25
     assert (found.enters, found.leaves) == pytest.approx((0.1 / 3, 0.9 / 3), abs=1e-8)
-    np.testing.assert_allclose(ends[1].points(still) - ends[0].points(still), np.tile(3 * UP, (25, 1)), atol=1e-15)
+    np.testing.assert_allclose(
+        ends[1].positions(still) - ends[0].positions(still), np.tile(3 * UP, (25, 1)), atol=1e-15
+    )
 
 
 def test_no_straight_way_leads_through_a_plane_or_out_of_a_hollow_ball(rng) -> None:

@@ -10,8 +10,8 @@ from scipy import sparse
 
 from contact.operations import COLUMNS, DENSE_PIVOTS, FACTORISATIONS, PROGRAMMES, SOLUTIONS
 from contact.solvers.lcp_pivoting import active_set, lemke, principal_pivot
+from contact.solvers.multifrontal.analysis import analysed
 from contact.solvers.multifrontal.factor import Multifrontal
-from contact.solvers.multifrontal.patterns import analysed
 from contact.solvers.qp_backends import Programme, ask, operations
 from contact.solvers.sparse import Factor, checked_solve, factorise, response
 from formulations.operations import ASSEMBLY

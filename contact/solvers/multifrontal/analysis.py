@@ -1,5 +1,7 @@
 """The fronts of a pattern: what each has of the matrix, and where the Schur complements of its children go.
 
+The analyses of the patterns that were met last are kept: a solve meets one pattern many times.
+
 A front is the dense matrix of its own unknowns and of those that they touch, its boundary: F11 (m, m), F21 (b, m),
 F12 (m, b), and F22 (b, b), to which only children contribute. No value of a matrix enters here.
 """
@@ -8,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -18,6 +21,7 @@ from contact.solvers.multifrontal.tree import Nodes, subtrees
 Places = tuple[np.ndarray, np.ndarray]  # in the data of a matrix, and in a block, flat and by columns
 Part = slice | np.ndarray
 SLACK = 0.1  # of the rows of a front, that may be zeros for a node to join it
+KEPT = 8  # analyses
 PIECES = 12  # of a boundary, up to which each goes to its parent by itself: a slice is ten times as fast as a gather
 
 
@@ -220,3 +224,49 @@ def _ranges(begins: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     """Every begins[i], ..., begins[i] + lengths[i] - 1, one after the other."""
     ends = np.cumsum(lengths)
     return np.repeat(begins - ends + lengths, lengths) + np.arange(ends[-1] if len(ends) else 0)
+
+
+@dataclass(frozen=True, eq=False)
+class Pattern:
+    """Where the entries of a matrix are, by columns; two are equal where their entries are in the same places."""
+
+    indptr: np.ndarray
+    indices: np.ndarray
+
+    def __hash__(self) -> int:
+        return hash(self.indices.tobytes())
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Pattern) and all(
+            np.array_equal(mine, its) for mine, its in ((self.indptr, other.indptr), (self.indices, other.indices))
+        )
+
+
+def analysed(A: sparse.csc_matrix) -> tuple[sparse.csc_matrix, Analysis]:
+    """A, with zeros where its pattern is not symmetric or its diagonal not whole, and the analysis of that pattern."""
+    A.sort_indices()
+    found = _analysis(Pattern(A.indptr, A.indices))
+    if found is None:
+        A = _with_zeros(A)
+        found = _analysis(Pattern(A.indptr, A.indices))
+        assert found is not None
+    return A, found
+
+
+def clear() -> None:
+    """Forget all analyses."""
+    _analysis.cache_clear()
+
+
+@lru_cache(maxsize=KEPT)
+def _analysis(pattern: Pattern) -> Analysis | None:
+    return Analysis.of(pattern.indptr, pattern.indices)
+
+
+def _with_zeros(A: sparse.csc_matrix) -> sparse.csc_matrix:
+    """A with zeros across the diagonal from its entries, and on it."""
+    entries, n = A.tocoo(), A.shape[0]
+    rows = np.concatenate([entries.row, entries.col, np.arange(n)])
+    columns = np.concatenate([entries.col, entries.row, np.arange(n)])
+    data = np.concatenate([entries.data, np.zeros(A.nnz + n)])
+    return sparse.csc_matrix(sparse.coo_matrix((data, (rows, columns)), shape=A.shape))

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy import sparse
@@ -28,35 +27,13 @@ class PivotError(ArithmeticError):
     """The own unknowns of a front are singular, or not finite."""
 
 
-class Eliminated(Protocol):
-    """A front whose own unknowns are eliminated."""
-
-    @property
-    def negative(self) -> int:
-        """Number of negative eigenvalues of a symmetric F11."""
-
-    @property
-    def nnz(self) -> int:
-        """Entries of the factors."""
-
-    @property
-    def flops(self) -> float:
-        """Floating-point operations that it took, an addition and a multiplication each one."""
-
-    @property
-    def solving(self) -> int:
-        """Those of forward and backward with one right-hand side."""
-
-    def forward(self, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """What stays of a right-hand side, and what it takes off that of the boundary."""
-
-    def backward(self, own: np.ndarray, boundary: np.ndarray) -> np.ndarray:
-        """The own unknowns, from what has stayed and the solution on the boundary."""
-
-
 @dataclass(frozen=True, eq=False)
 class Definite:
-    """F11 = L L^T; below: F21 L^-T."""
+    """A front whose own unknowns are eliminated, F11 = L L^T; below: F21 L^-T.
+
+    forward(b): what stays of a right-hand side, and what it takes off that of the boundary; backward: the own unknowns,
+    from what has stayed and the solution on the boundary. negative: eigenvalues of F11 below zero.
+    """
 
     L: np.ndarray
     below: np.ndarray
@@ -64,19 +41,19 @@ class Definite:
 
     @property
     def nnz(self) -> int:
-        """m (m + 1)/2 + m b."""
+        """Entries of the factors: m (m + 1)/2 + m b."""
         b, m = self.below.shape
         return m * (m + 1) // 2 + m * b
 
     @property
     def flops(self) -> float:
-        """m^3/3 + m^2 b + m b^2."""
+        """Operations of the elimination, an addition and a multiplication each one: m^3/3 + m^2 b + m b^2."""
         b, m = map(float, self.below.shape)
         return m**3 / 3 + m * m * b + m * b * b
 
     @property
     def solving(self) -> int:
-        """Each entry twice."""
+        """Operations of forward and backward with one right-hand side: each entry twice."""
         return 4 * self.nnz
 
     def forward(self, own: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -124,6 +101,9 @@ class General:
     def backward(self, own: np.ndarray, boundary: np.ndarray) -> np.ndarray:
         """What is left."""
         return np.asarray(own - self.beside @ boundary)
+
+
+Eliminated = Definite | General
 
 
 @dataclass(frozen=True, eq=False)

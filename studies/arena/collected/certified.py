@@ -21,12 +21,9 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from contact.catalogue import ALGORITHMS
-from contact.friction.interchange import oracle as friction_oracle
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.interchange.oracle_states import Known
-from contact.friction.problem import FrictionalSolution, State
-from contact.friction.verify import judge as judge_friction
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange import friction_oracle
+from contact.interchange.friction_states import Known
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.oracle import AGREEMENT, OracleError, minimise, refusal
 from contact.problem import ContactSolution
 from contact.verify import judge
@@ -201,8 +198,8 @@ def find_with_friction(step: FrozenFrictionalStep) -> FrictionCertified:
     From rest, and where K leaves free what contacts hold, from all of them sticking.
     """
     problem, reasons = step.problem(), []
-    rest = FrictionalSolution.at_rest(len(step.step.r), len(step.mu))
-    starts = rest, replace(rest, state=np.full(len(step.mu), State.STICK, np.int8))
+    rest = ContactSolution.at_rest(len(step.r), len(step.mu))
+    starts = rest, replace(rest, active=np.ones(len(step.mu), bool))
     for (name, algorithm), start in product(algorithms().items(), starts):
         if np.isfinite(algorithm.epsilon):
             continue
@@ -211,11 +208,11 @@ def find_with_friction(step: FrozenFrictionalStep) -> FrictionCertified:
         except (ValueError, ArithmeticError) as error:
             reasons.append(f"{name}: {error}")
             continue
-        wrong = (
-            judge_friction(problem, found.u, found.normal, found.friction).failures() if found.outcome.converged else []
-        )
+        friction = found.rubbed
+        wrong = judge(problem, found.u, found.pressure, friction.force).failures() if found.outcome.converged else []
         if found.outcome.converged and not wrong:
-            return FrictionCertified(Known(found.u, found.normal, found.friction, found.state), name)
+            normal = problem.nodal_forces(found.pressure)
+            return FrictionCertified(Known(found.u, normal, friction.force, friction.state), name)
         reasons.append(f"{name}: {', '.join(wrong) or found.outcome.word}")
     raise NotCertifiedError("; ".join(dict.fromkeys(reasons)))
 
@@ -240,10 +237,11 @@ def confirm_with_friction(
         return replace(answer, confirmed_by=(EQUATIONS,))
     if _apart(step, own, answer.known) <= same:
         return replace(answer, confirmed_by=(EQUATIONS, PROGRAMMES))
-    wrong = judge_friction(step.problem(), own.du, own.normal, own.friction).failures()
+    pressure = np.divide(own.normal, step.weights, out=np.zeros_like(own.normal), where=step.weights > 0)
+    wrong = judge(step.problem(), own.du, pressure, own.friction).failures()
     return replace(answer, confirmed_by=(EQUATIONS,), several=not wrong)
 
 
-def _apart(step: FrozenFrictionalStep, own: friction_oracle.OracleAnswer, known: Known) -> float:
+def _apart(step: FrozenFrictionalStep, own: Known, known: Known) -> float:
     found = friction_oracle.compared(step, own, known.du, known.normal, known.friction)
     return max(found.displacement_error, found.force_error)

@@ -16,8 +16,7 @@ from typing import Any, Generic, TypeVar
 import numpy as np
 import pandas as pd
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
 from studies.store.atomic import write_by, write_table, write_text
 
 HERE = files("studies.arena.collected")
@@ -29,7 +28,6 @@ FRICTION_SUMS = ("sum_S", "sum_slip", "sum_mu")  # and of a step with friction, 
 LEFT_OUT = ["name", "family", "why"]
 KEPT, FORMAT = "kept", "format.md"  # a folder of files, and what all files are in words
 Tell = Callable[[str], None]
-AnyStep = FrozenStep | FrozenFrictionalStep
 Step = TypeVar("Step", FrozenStep, FrozenFrictionalStep)
 
 
@@ -52,22 +50,16 @@ class Candidate(Generic[Step]):
     states: np.ndarray | None = None
 
 
-def sums(step: AnyStep) -> dict[str, float]:
+def sums(step: FrozenStep) -> dict[str, float]:
     """Norms of K, r, G and gap, with friction of S, slip and mu: what a problem is recognised by on another machine."""
+    found = _norms(SUMS, step.K.data, step.r, step.G.data, step.gap)
     if isinstance(step, FrozenFrictionalStep):
-        return sums(step.step) | _norms(FRICTION_SUMS, step.S.data, step.slip, step.mu)
-    return _norms(SUMS, step.K.data, step.r, step.G.data, step.gap)
+        found |= _norms(FRICTION_SUMS, step.S.data, step.slip, step.mu)
+    return found
 
 
 def _norms(names: tuple[str, ...], *parts: np.ndarray) -> dict[str, float]:
     return {name: float(np.linalg.norm(part)) for name, part in zip(names, parts, strict=True)}
-
-
-def _headed(step: Step, head: Mapping[str, Any]) -> Step:
-    """The step with this origin."""
-    if isinstance(step, FrozenFrictionalStep):
-        return replace(step, step=replace(step.step, meta=head))
-    return replace(step, meta=head)
 
 
 @dataclass(frozen=True)
@@ -136,7 +128,7 @@ def write(directory: Path, candidate: Candidate[Step]) -> Path:
     """The file of a problem, without its answer."""
     path = directory / f"{candidate.name}.npz"
     head = {"name": candidate.name, "family": candidate.family, "licence": candidate.licence, **candidate.origin}
-    write_by(path, _headed(candidate.step, head | {"collection_version": VERSION}).write)
+    write_by(path, replace(candidate.step, meta=head | {"collection_version": VERSION}).write)
     return path
 
 
@@ -157,10 +149,9 @@ def _kept(name: str) -> pd.DataFrame:
         return pd.read_csv(file, keep_default_na=False)
 
 
-def _differing(row: Mapping[Hashable, Any], step: AnyStep, sizes: Mapping[str, float]) -> list[str]:
+def _differing(row: Mapping[Hashable, Any], step: FrozenStep, sizes: Mapping[str, float]) -> list[str]:
     """What a row of the manifest says otherwise than a step, a line each; sums with a size are known to so much."""
-    bare = step.step if isinstance(step, FrozenFrictionalStep) else step
-    if (len(bare.r), len(bare.gap)) != (row["unknowns"], row["candidates"]):
+    if (len(step.r), len(step.gap)) != (row["unknowns"], row["candidates"]):
         return [f"{row['name']}: of another size"]
     lines = []
     for name, own in sums(step).items():

@@ -18,8 +18,7 @@ from typing import Any
 import numpy as np
 from scipy import io, sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep
 from contact.interchange.untrusted import MOST, read_bytes
 from contact.solvers.sparse import SingularMatrixError, symmetric
 from studies.arena.collected.candidates import condensed, has_dual
@@ -146,14 +145,14 @@ def read_lcp(path: Path) -> tuple[np.ndarray, np.ndarray]:
 
 def fclib_market(path: Path, step: FrozenFrictionalStep) -> None:
     """Into a directory: M, H, f, w and mu as .mtx, and problem.json."""
-    _market(path, {"M": step.step.K, "H": step.H}, {"f": -step.step.r, "w": step.w, "mu": step.mu})
-    write_json(path / "problem.json", {**step.step.meta, "spacedim": SPACE, "form": "global problem of FCLib"})
+    _market(path, {"M": step.K, "H": step.H}, {"f": -step.r, "w": step.w, "mu": step.mu})
+    write_json(path / "problem.json", {**step.meta, "spacedim": SPACE, "form": "global problem of FCLib"})
 
 
 def fclib_arrays(path: Path, step: FrozenFrictionalStep) -> None:
     """One .npz: M and H by compressed columns (x, i, p as CSparse has them), f, w, mu, spacedim."""
-    told = {"f": -step.step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
-    for name, matrix in (("M", sparse.csc_matrix(step.step.K)), ("H", step.H)):
+    told = {"f": -step.r, "w": step.w, "mu": step.mu, "spacedim": np.array(SPACE)}
+    for name, matrix in (("M", sparse.csc_matrix(step.K)), ("H", step.H)):
         told |= {f"{name}_x": matrix.data, f"{name}_i": matrix.indices, f"{name}_p": matrix.indptr}
     with path.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **told)

@@ -17,11 +17,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.interchange.frozen import FrozenFrictionalStep, frozen
-from contact.friction.interchange.own_ways import with_own_ways
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import State
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import State
+from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
+from contact.interchange.own_ways import with_own_ways
+from contact.problem import ContactProblem, ContactSolution
 from studies.arena.collected.certified import confirm_with_friction, find_with_friction
 from studies.arena.collected.collection import LEFT_OUT, Candidate, Collection, Tell, silent, sums, write
 from studies.arena.collected.rule import condition, kind
@@ -50,10 +51,17 @@ def _on_path(
     before = rest
     for i, load in enumerate(loads, 1):
         stage, at = stage_at(load, before.anchors), before.solution
-        step = frozen(stage.problem, at.u, at.normal, {})
+        step = _frozen(stage.problem, at)
         yield Candidate(family, f"{name}-s{i}", {"source": source, "target": load}, step)
         if i < len(loads):
             before = next(follow(stage_at, (load,), Semismooth(settle=0.0), before))
+
+
+def _frozen(problem: ContactProblem, at: ContactSolution) -> FrozenFrictionalStep:
+    """Of a problem with friction."""
+    step = freeze(problem, at.u, at.pressure, {})
+    assert isinstance(step, FrozenFrictionalStep)
+    return step
 
 
 def strips() -> Iterator[Rubbed]:
@@ -84,7 +92,7 @@ def plates() -> Iterator[Rubbed]:
     """The GRECO plate: open, sliding and sticking in one."""
     for element, n, mu in (("Q2", 8, 1.0), ("Q2", 16, 1.0), ("Q2", 16, 0.3), ("Q1", 16, 1.0), ("Q2", 32, 1.0)):
         plate = GrecoPlate(element, n)
-        step = frozen(plate.rubbed(mu), np.zeros(len(plate.free)), np.zeros(len(plate.x)), {})
+        step = _frozen(plate.rubbed(mu), ContactSolution.at_rest(len(plate.free), len(plate.x)))
         name = f"greco-{element}-{n}-mu{mu:g}"
         yield Candidate("greco", name, {"source": "GRECO plate with friction, SSNV128"}, step)
 
@@ -158,11 +166,11 @@ FAMILIES: dict[str, Callable[[], Iterator[Rubbed]]] = {
 def row(candidate: Rubbed) -> dict[str, Any]:
     """Of the manifest, but for the size of the file; raises NotCertifiedError."""
     step = candidate.step
-    stiff = condition(step.step.K)
+    stiff = condition(step.K)
     answer = confirm_with_friction(step, find_with_friction(step), stiff)
     known, counts = answer.known, np.bincount(answer.known.state, minlength=len(State))
-    told = {"name": candidate.name, "family": candidate.family, "unknowns": len(step.step.r)}
-    told |= {"candidates": len(step.mu), "entries": step.step.K.nnz, "kind": kind(step.step), "condition": stiff}
+    told = {"name": candidate.name, "family": candidate.family, "unknowns": len(step.r)}
+    told |= {"candidates": len(step.mu), "entries": step.K.nnz, "kind": kind(step), "condition": stiff}
     told |= {"friction": "coulomb", "mu": float(np.max(step.mu))}
     told |= dict(zip(("open", "sticking", "slipping"), map(int, counts), strict=True))
     told |= {"force_N": float(known.normal.sum()), "friction_N": float(np.linalg.norm(known.friction, axis=1).sum())}
@@ -193,7 +201,7 @@ def _of(families: Iterable[str]) -> Iterator[Rubbed]:
 def _sizes(row: Mapping[Hashable, Any], step: FrozenFrictionalStep) -> dict[str, float]:
     """What is in balance is known to its parts, a gap and a slip to what moves."""
     moved = float(row["displacement_mm"])
-    return {"sum_r": step.step.scale, "sum_gap": moved, "sum_slip": moved}
+    return {"sum_r": step.scale, "sum_gap": moved, "sum_slip": moved}
 
 
 FRICTIONAL = Collection(

@@ -82,7 +82,7 @@ class InteriorPoint(Entry):
                 told.append(Event(EventKind.SUBSTITUTE, text))
             return (found.z > found.w) & found.ended
 
-        claimed = _with_neighbours(run, at, linear, decide)
+        claimed, linear = _with_neighbours(run, at, linear, decide)
         step = settle_set(run, at, claimed, linear=linear)
         wrong = int(np.sum(claimed ^ step.active))
         if wrong:
@@ -91,7 +91,7 @@ class InteriorPoint(Entry):
         return replace(step, event=reduce(add, events) if events else None, updates=0)
 
 
-def _with_neighbours(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -> np.ndarray:
+def _with_neighbours(run: NewtonRun, at: Iterate, linear: Condensed, decide: Decide) -> tuple[np.ndarray, Condensed]:
     """The set (m,) that ``decide`` makes of the misplaced candidates and of those that are near to being so.
 
     Near is who presses, or stands off, by no more than the misplaced of the same state pull or enter on the mean. Were
@@ -100,13 +100,14 @@ def _with_neighbours(run: NewtonRun, at: Iterate, linear: Condensed, decide: Dec
     """
     active, decided = linear.base, np.zeros(len(at.gap), bool)
     while True:
+        linear = linear.near(active)
         gap, pressure = linear.foreseen(active)
         way = max(at.length, float(np.max(np.abs(gap - at.gap), initial=0.0)))
         reached = replace(at, gap=gap, pressure=pressure, active=active, length=way)
         wrong, margin = run.misplaced(reached, solved=True), np.where(active, pressure, gap)
         decided |= active ^ linear.base
         if not np.any(wrong & ~decided):
-            return active
+            return active, linear
         for side in (active, ~active):
             if np.any(wrong & side):
                 decided |= side & (margin <= -np.mean(margin[wrong & side]))

@@ -7,8 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.interchange.linearised_step import FrozenStep, FrozenStepError
+from contact.interchange.linearised_step import FrozenFrictionalStep, FrozenStep, FrozenStepError
 from studies.commands import FAILED, OK
 from studies.commands.options import check_directory, check_file, positive, progress_bar
 from studies.door.columns import columns
@@ -144,11 +143,10 @@ def _say(wrong: list[str], count: int, directory: Path) -> int:
     return FAILED if wrong else OK
 
 
-def _step(path: Path) -> FrozenStep | FrozenFrictionalStep:
+def _step(path: Path) -> FrozenStep:
     """With friction where the file says so; raises UsageError."""
     try:
-        step = FrozenStep.read(path)
-        return FrozenFrictionalStep.read(path) if "friction" in step.meta else step
+        return FrozenStep.read(path)
     except FrozenStepError as error:
         raise UsageError(str(error)) from None
 
@@ -158,8 +156,7 @@ def _export(options: argparse.Namespace) -> int:
 
     step = _step(options.problem)
     export(step, options.format, options.out)
-    bare = step.step if isinstance(step, FrozenFrictionalStep) else step
-    print(f"{len(bare.r)} unknowns, {len(bare.gap)} candidates: {options.out}")
+    print(f"{len(step.r)} unknowns, {len(step.gap)} candidates: {options.out}")
     return OK
 
 

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from studies.arena.replay import Resolved, algorithm_of, read_step, resolve_step
 from studies.commands import FAILED, NOT_CONVERGED, OK
-from studies.friction.replay import ResolvedWithFriction, has_friction, resolve_with_friction
+from studies.friction.replay import resolve_with_friction
 from studies.outside import blamed
 from studies.scene import UsageError
 
@@ -25,10 +26,10 @@ def run(options: argparse.Namespace) -> int:
     if options.epsilon is not None and not options.epsilon > 0:
         raise UsageError(f"epsilon = {options.epsilon} must be a number in (0, inf]")
     algorithm, step = algorithm_of(options.contact, options.epsilon), read_step(options.file)
-    found: Resolved | ResolvedWithFriction
     with blamed(options.contact):
-        if has_friction(step):
-            found = resolve_with_friction(options.file, algorithm, oracle=options.oracle)
+        found: Resolved
+        if isinstance(step, FrozenFrictionalStep):
+            found = resolve_with_friction(step, algorithm, oracle=options.oracle)
         else:
             found = resolve_step(step, algorithm, oracle=options.oracle)
     print("\n".join(found.lines()))

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 import pandas as pd
 
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.problem import State
+from contact.catalogue import ALGORITHMS
+from contact.coulomb import State
 from studies.experiments.friction.rubbed_scenes import solved
 from studies.experiments.rows import Row, tabulated
 from studies.result import Result
@@ -57,7 +57,7 @@ def _compared(case: str) -> Iterator[Row]:
     scene, mesh, settings = CASES[case]
     settings = {**settings, "tolerance": TOLERANCE}
     first = solved(scene, settings, mesh, contact="semismooth")
-    for name in FRICTIONAL:
+    for name in ALGORITHMS:
         exact = {} if name == "regularised" else {"epsilon": np.inf}
         found = solved(scene, {**settings, **exact}, mesh, contact=name) if name != "semismooth" else first
         reached = min(len(found.steps), len(first.steps))

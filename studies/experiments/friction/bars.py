@@ -40,10 +40,10 @@ from itertools import pairwise, product
 import numpy as np
 from scipy import sparse
 
-from contact.friction.algorithms.semismooth import Semismooth
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import State
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import FrictionalSolution, State
-from contact.problem import ContactProblem, linear_mechanics
+from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 from studies.experiments.friction.klarbring import in_plane
 from studies.experiments.rows import Row, tabulated
 
@@ -120,9 +120,9 @@ class Bar:
     def rest(self) -> PathState:
         """Pressed, sticking, under its tension."""
         size, m = 2 * (self.n + 1), self.n + 1
-        at = FrictionalSolution.at_rest(size, m)
-        pressed = (self.press + self.tension * self.curvature) * self.shares
-        return PathState(0.0, replace(at, normal=pressed, state=np.full(m, State.STICK, np.int8)), np.zeros(m))
+        at = ContactSolution.at_rest(size, m)
+        pressed = np.full(m, self.press + self.tension * self.curvature)
+        return PathState(0.0, replace(at, pressure=pressed, active=np.ones(m, bool)), np.zeros(m))
 
     def follow(self, pulls: Sequence[float]) -> list[PathState]:
         """The states at these pulls in turn, from rest; a front passes many nodes on one linearisation."""
@@ -160,7 +160,7 @@ def strip_table(meshes: Sequence[int] = MESHES, steps: Sequence[int] = (1, 4)) -
         ends = [float(state.solution.u[-2]) for state in states]
         first = states[count - 1].solution
         loop = sum(state.dissipation for state in states[3 * count :])
-        read, counted = front(bar, first.u[::2]), float(np.sum((first.state == State.SLIP) * bar.shares))
+        read, counted = front(bar, first.u[::2]), float(np.sum((first.rubbed.state == State.SLIP) * bar.shares))
         yield (
             {"elements": n, "steps": count, "offset": q - _slipping(q)}
             | {"converged": len(states) == len(pulls) and all(s.solution.outcome.converged for s in states)}
@@ -217,10 +217,10 @@ def capstan_table(
         sign = SIDES[side]
         bar = Bar(n, RADIUS * theta, mu, curvature=sign / RADIUS, tension=sign * N0, driven=True)
         found = bar.follow([sign * DRIVEN])[-1].solution
-        ratio = 1 - sign * float(np.sum(found.friction[:, 0])) / N0
+        ratio = 1 - sign * float(np.sum(found.rubbed.force[:, 0])) / N0
         yield (
             {"side": side, "mu": mu, "theta_rad": theta, "elements": n, "outcome": found.outcome.word}
-            | {"slipping": int(np.sum(found.state == State.SLIP)), "ratio": ratio}
+            | {"slipping": int(np.sum(found.rubbed.state == State.SLIP)), "ratio": ratio}
             | {"error": ratio / math.exp(mu * theta) - 1}
             | {"at_spring": 1 + STIFF * (DRIVEN - sign * float(found.u[-2])) / N0}
         )

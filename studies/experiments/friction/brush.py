@@ -2,7 +2,7 @@
 
 Each point of the patch has three unknowns and a stiffness k (3, 3) of its own, by area [N/mm^3]. It is pressed by how
 far its springs are approached, so that pressures are those of the solve; a stiffness that couples lets them depend on
-friction. The plane z = 0 is dragged along itself and turned about z, by any amount: :mod:`contact.friction.foundation`.
+friction. The plane z = 0 is dragged along itself and turned about z, by any amount: :mod:`contact.friction.slip`.
 """
 
 from __future__ import annotations
@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Motion
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.foundation import Slip
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import Coulomb, Motion
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import FrictionalProblem, FrictionalSolution
+from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, RigidPlane
-from contact.problem import ContactProblem, linear_mechanics
+from contact.problem import ContactProblem, ContactSolution, linear_mechanics
 
 GROUND = RigidPlane(np.array([0.0, 0.0, -1.0]), 0.0)
 
@@ -54,24 +53,24 @@ class Brush:
         mechanics = linear_mechanics(
             K, np.zeros(3 * m), float(np.linalg.norm(self.areas * near * self.stiffness[2, 2]))
         )
-        contact = ContactProblem(mechanics, lambda u: across @ u - near, lambda u: across, self.areas)
         motion = self.moved(load)
         slip = Slip(candidates, GROUND, motion, anchors)
         size = float(np.max(np.abs(candidates.reference), initial=0.0) + np.linalg.norm(motion.translation))
         slips = slip.jacobian(np.zeros(3 * m))  # the same everywhere
-        problem = FrictionalProblem(contact, np.full(m, self.mu), slip, lambda u: slips, size)
+        law = Coulomb(np.full(m, self.mu), slip, lambda u: slips, size)
+        problem = ContactProblem(mechanics, lambda u: across @ u - near, lambda u: across, self.areas, coulomb=law)
         return Stage(problem, slip.places)
 
     def follow(self, loads: Sequence[float]) -> list[PathState]:
         """The states at these loads in turn, from rest."""
         m = len(self.areas)
-        rest = PathState(0.0, FrictionalSolution.at_rest(3 * m, m), self.candidates.reference)
+        rest = PathState(0.0, ContactSolution.at_rest(3 * m, m), self.candidates.reference)
         return list(follow(self.stage_at, loads, Semismooth(), rest))
 
     def friction(self, state: PathState) -> np.ndarray:
         """Forces (m, 3) [N] of the plane on the points along itself, in space."""
         anchored = Slip(self.candidates, GROUND, self.moved(state.load), state.anchors)
-        own = np.einsum("mk,mki->mi", state.solution.friction, anchored.directions)
+        own = np.einsum("mk,mki->mi", state.solution.rubbed.force, anchored.directions)
         return np.asarray(own @ anchored.motion.rotation.T)
 
     def moment(self, state: PathState) -> float:

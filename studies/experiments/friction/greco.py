@@ -31,12 +31,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
+from contact.algorithms.semismooth import Semismooth
 from contact.catalogue import ALGORITHMS
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.coulomb import State
 from contact.operations import SPENT
-from contact.problem import ContactProblem, ContactSolution, linear_mechanics
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
 from studies.experiments.friction.klarbring import algorithms, in_plane
 from studies.experiments.rows import Row, tabulated
 from studies.scenes.element import spaced_lines
@@ -116,7 +115,7 @@ class GrecoPlate:
         K, f, G = self.stiffness, self.forces[self.free], self.across
         return ContactProblem(linear_mechanics(K, f), lambda u: G @ u, lambda u: G, self.weights)
 
-    def rubbed(self, mu: float = 1.0) -> FrictionalProblem:
+    def rubbed(self, mu: float = 1.0) -> ContactProblem:
         """The plate on the plane with friction."""
         return in_plane(self.problem, self.along, mu)
 
@@ -126,9 +125,9 @@ class GrecoPlate:
         rest = ContactSolution.at_rest(len(self.free), len(self.x))
         return ALGORITHMS[algorithm](epsilon=math.inf).solve(problem, rest)
 
-    def solve_rubbed(self, algorithm: FrictionalAlgorithm | None = None, mu: float = 1.0) -> FrictionalSolution:
+    def solve_rubbed(self, algorithm: ContactAlgorithm | None = None, mu: float = 1.0) -> ContactSolution:
         """With friction, from rest, by semismooth Newton unless another algorithm is given."""
-        rest = FrictionalSolution.at_rest(len(self.free), len(self.x))
+        rest = ContactSolution.at_rest(len(self.free), len(self.x))
         return (algorithm or Semismooth()).solve(self.rubbed(mu), rest)
 
     def _load(self, basis: Basis) -> np.ndarray:
@@ -205,7 +204,7 @@ def friction_table(meshes: Sequence[int] = (16, 32)) -> Iterator[Row]:
             row |= {key: found.counters[key] for key in ("newton_iterations", "factorisations")}
             row |= {"operations": spent, "error": np.max(np.abs(slips / SLIPS - 1))}
             row |= {f"slip_{place:g}": slip for place, slip in zip(PLACES, slips, strict=True)}
-            yield row | {"friction_N": float(np.sum(found.friction[:, 0]))}
+            yield row | {"friction_N": float(np.sum(found.rubbed.force[:, 0]))}
 
 
 def tied(plate: GrecoPlate) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -246,6 +245,6 @@ def tied_table(cases: Sequence[tuple[str, int]] = TIED) -> Iterator[Row]:
         row |= {"tied": math.nan, "otherwise": math.nan, "difference": math.nan}
         if answers:
             u, holds = answers[0]
-            row |= {"tied": int(holds.sum()), "otherwise": int(np.sum((found.state == State.STICK) != holds))}
+            row |= {"tied": int(holds.sum()), "otherwise": int(np.sum((found.rubbed.state == State.STICK) != holds))}
             row |= {"difference": float(np.max(np.abs(found.u - u)) / np.max(np.abs(u)))}
         yield row

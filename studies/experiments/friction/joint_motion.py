@@ -15,13 +15,12 @@ from itertools import combinations
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Motion
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.foundation import Slip
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import Coulomb, Motion
 from contact.friction.path import PathState, Stage, dissipation
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates
-from contact.problem import ContactProblem
+from contact.problem import ContactProblem, ContactSolution
 from studies.experiments.friction.brush import GROUND
 from studies.experiments.friction.truss import Truss
 from studies.experiments.rows import Row, tabulated
@@ -60,15 +59,16 @@ def stage_at(truss: Truss, load: np.ndarray, body: Motion, ground: Motion, ancho
     across = sparse.csr_matrix((push.ravel(), np.arange(3 * feet), starts), shape=(feet, size))
     turned, carried = load @ body.rotation.T, (body.out(truss.nodes) - truss.nodes).ravel()
     extent = float(np.max(np.abs(ground.translation)) + np.max(np.abs(ground.centre)) + np.max(truss.nodes))
-    contact = ContactProblem(
+    slip = Slip(candidates, GROUND, ground, anchors)
+    problem = ContactProblem(
         lambda u, memory: truss.linearise(u, turned, carried),
         lambda u: GROUND.gap(ground.into(candidates.positions(u))),
         lambda u: across,
         np.ones(feet),
         gap_size=extent,
+        coulomb=Coulomb(np.full(feet, MU), slip, slip.jacobian, extent),
     )
-    slip = Slip(candidates, GROUND, ground, anchors)
-    return Stage(FrictionalProblem(contact, np.full(feet, MU), slip, slip.jacobian, extent), slip.places)
+    return Stage(problem, slip.places)
 
 
 @tabulated
@@ -83,9 +83,7 @@ def joint_motion_table() -> Iterator[Row]:
     truss = pyramid()
     rng = np.random.default_rng(0)
     for name in LOADS:
-        standing = replace(
-            FrictionalSolution.at_rest(truss.nodes.size, len(FEET)), state=np.full(len(FEET), State.STICK)
-        )
+        standing = replace(ContactSolution.at_rest(truss.nodes.size, len(FEET)), active=np.ones(len(FEET), bool))
         was, at = Motion.none(), PathState(0.0, standing, FEET)
         steps = [("loaded", was), *(("together", motion) for motion in MOTIONS), ("alone", ALONE)]
         first = standing
@@ -104,9 +102,9 @@ def joint_motion_table() -> Iterator[Row]:
                 {"load": name, "index": index, "step": step, "outcome": found.outcome.word}
                 | {"turn_rad": float(np.linalg.norm(motion.turn)), "way_mm": float(np.linalg.norm(motion.translation))}
                 | {"iterations": found.counters["newton_iterations"]}
-                | {"friction_N": float(np.sum(np.linalg.norm(found.friction, axis=1)))}
-                | {"change_N": float(np.max(np.abs(found.friction - first.friction)))}
-                | {"normal_change_N": float(np.max(np.abs(found.normal - first.normal)))}
+                | {"friction_N": float(np.sum(np.linalg.norm(found.rubbed.force, axis=1)))}
+                | {"change_N": float(np.max(np.abs(found.rubbed.force - first.rubbed.force)))}
+                | {"normal_change_N": float(np.max(np.abs(found.pressure - first.pressure)))}
                 | {"bar_change_N": float(np.max(np.abs(truss.forces(found.u) - truss.forces(first.u))))}
                 | {"dissipation_N_mm": at.dissipation}
             )

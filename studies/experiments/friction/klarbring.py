@@ -13,15 +13,14 @@ Source: Klarbring, Ingenieur-Archiv 60 (1990) 529-541.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import sparse
 
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.problem import ContactProblem, linear_mechanics
+from contact.catalogue import by_the_exact_law
+from contact.coulomb import Coulomb, State
+from contact.problem import ContactAlgorithm, ContactProblem, ContactSolution, linear_mechanics
 from studies.experiments.rows import Row, tabulated
 
 STIFF = 1e10  # MPa/mm, of regularised
@@ -30,13 +29,14 @@ SAME = 1e-7  # of the answer: springs give way by the inverse of their stiffness
 
 def in_plane(
     contact: ContactProblem, along: sparse.csr_matrix, mu: float, start: np.ndarray | float = 0.0
-) -> FrictionalProblem:
+) -> ContactProblem:
     """A plane problem with friction: slips start (m,) + along (m, n) u, and none in the second direction."""
     slips = sparse.csr_matrix(sparse.kron(along, [[1.0], [0.0]]))
     begun = np.zeros((len(contact.weights), 2))
     begun[:, 0] = start
     coefficients = np.full(len(contact.weights), mu)
-    return FrictionalProblem(contact, coefficients, lambda u: begun + (slips @ u).reshape(-1, 2), lambda u: slips)
+    law = Coulomb(coefficients, lambda u: begun + (slips @ u).reshape(-1, 2), lambda u: slips)
+    return replace(contact, coulomb=law)
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Springs:
         return self.mu * abs(self.nt) / self.tt
 
     @property
-    def problem(self) -> FrictionalProblem:
+    def problem(self) -> ContactProblem:
         """The same for an algorithm; areas are 1."""
         K = sparse.csc_matrix([[self.tt, self.nt], [self.nt, self.nn]])
         G, along = sparse.csr_matrix([[0.0, 1.0]]), sparse.csr_matrix([[1.0, 0.0]])
@@ -116,9 +116,9 @@ CASES: dict[str, Springs] = {  # K_tt, K_nt, K_nn, mu, F_t, F_n, s0
 }
 
 
-def algorithms(stiffness: float) -> list[FrictionalAlgorithm]:
+def algorithms(stiffness: float) -> list[ContactAlgorithm]:
     """All of the catalogue, on springs of this stiffness [MPa/mm] where there are any."""
-    return [kind(epsilon=stiffness) if kind.name == "regularised" else kind() for kind in FRICTIONAL.values()]
+    return list(by_the_exact_law(stiffness).values())
 
 
 @tabulated
@@ -130,19 +130,19 @@ def klarbring_table() -> Iterator[Row]:
     for case, springs in CASES.items():
         there_are = answers(springs)
         for algorithm in algorithms(STIFF):
-            solution = algorithm.solve(springs.problem, FrictionalSolution.at_rest(2, 1))
+            solution = algorithm.solve(springs.problem, ContactSolution.at_rest(2, 1))
             row = {"case": case, "mu_Knt_over_Ktt": springs.coupling, "answers": len(there_are)}
             row |= {"which": ", ".join(answer.word for answer in there_are), "algorithm": algorithm.name}
             yield row | {"outcome": solution.outcome.word, "found": _found(solution, there_are)}
 
 
-def _found(solution: FrictionalSolution, there_are: Sequence[Answer]) -> str:
+def _found(solution: ContactSolution, there_are: Sequence[Answer]) -> str:
     if not solution.outcome.converged:
         return ""
-    told = np.array([*solution.u, solution.normal[0], solution.friction[0, 0]])
+    told = np.array([*solution.u, solution.pressure[0], solution.rubbed.force[0, 0]])
     for answer in there_are:
         known = np.array([answer.u_t, answer.u_n, answer.f, answer.t])
         state = State[answer.word.split()[0].upper()]
-        if solution.state[0] == state and np.max(np.abs(told - known)) <= SAME * np.max(np.abs(known)):
+        if solution.rubbed.state[0] == state and np.max(np.abs(told - known)) <= SAME * np.max(np.abs(known)):
             return answer.word
     return "wrong"

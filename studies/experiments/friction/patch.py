@@ -21,7 +21,7 @@ from itertools import product
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from contact.friction.problem import State
+from contact.coulomb import State
 from studies.experiments.friction.brush import Brush, spun
 from studies.experiments.rows import Row, tabulated
 
@@ -96,7 +96,7 @@ def parking_table(rings: Sequence[int] = (10, 19, 40, 79), cores: Sequence[float
         states = brush.follow([disc.phi, -disc.phi, disc.phi])
         first, loop = states[0], sum(state.dissipation for state in states[1:])
         slip = np.linalg.norm((first.anchors[:, :2] - brush.places)[::SECTORS], axis=1)
-        read = _root(np.linalg.norm(brush.places, axis=1)[::SECTORS], slip, first.solution.state[::SECTORS])
+        read = _root(np.linalg.norm(brush.places, axis=1)[::SECTORS], slip, first.solution.rubbed.state[::SECTORS])
         moment = brush.moment(first)
         yield (
             {"pressure": pressure, "core": core, "rings": n, "outcome": states[-1].solution.outcome.word}

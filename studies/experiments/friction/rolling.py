@@ -20,13 +20,12 @@ from itertools import product
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Motion
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.foundation import Slip
+from contact.algorithms.semismooth import Semismooth
+from contact.coulomb import Coulomb, Motion, State
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, RigidPlane
-from contact.problem import ContactProblem
+from contact.problem import ContactProblem, ContactSolution
 from studies.experiments.friction.truss import Truss
 from studies.experiments.rows import Row, tabulated
 
@@ -75,28 +74,27 @@ class Wheel:
         columns = 3 * np.arange(n) + 2
         signs = np.repeat([1.0, -1.0], n)
         across = sparse.csr_matrix((signs, np.tile(columns, 2), np.arange(2 * n + 1)), shape=(2 * n, size))
-        contact = ContactProblem(
+        law = Coulomb(
+            np.full(2 * n, self.mu),
+            lambda u: np.concatenate([slip(u) for slip in slips]),
+            lambda u: along,
+            RADIUS + abs(load),
+        )
+        problem = ContactProblem(
             lambda u, memory: truss.linearise(u, start, nothing),
             lambda u: np.concatenate([plane.gap(candidates.positions(u)) for plane in (lower, upper)]),
             lambda u: across,
             np.ones(2 * n),
             gap_size=RADIUS,
-        )
-        problem = FrictionalProblem(
-            contact,
-            np.full(2 * n, self.mu),
-            lambda u: np.concatenate([slip(u) for slip in slips]),
-            lambda u: along,
-            RADIUS + abs(load),
+            coulomb=law,
         )
         return Stage(problem, lambda u: np.concatenate([slip.places(u) for slip in slips]))
 
     def follow(self, loads: Sequence[float]) -> list[PathState]:
         """The states at these loads in turn, each begun from the last one rolled on by its rigid motion."""
         m, size = 2 * self.n, 3 * (self.n + 1)
-        state = np.full(m, State.OPEN, np.int8)
-        state[[0, self.n + self.n // 2]] = State.STICK
-        standing = replace(FrictionalSolution.at_rest(size, m), state=state)
+        stands = np.isin(np.arange(m), [0, self.n + self.n // 2])
+        standing = replace(ContactSolution.at_rest(size, m), active=stands)
         at = PathState(-1.0, standing, np.tile(self.truss.nodes[:-1], (2, 1)))
         states = []
         for load in loads:
@@ -127,7 +125,8 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
     for state in wheel.follow([-0.5, 0.0, *(step * k for k in range(1, round(way / step) + 1))]):
         found, s = state.solution, max(state.load, 0.0)
         x = truss.nodes + found.u.reshape(-1, 3)
-        sticks = (found.state == State.STICK).reshape(2, n)
+        friction = found.rubbed
+        sticks = (friction.state == State.STICK).reshape(2, n)
         lies = (sticks & np.roll(sticks, -1, axis=1)).any(axis=0)
         bars = np.linalg.norm(np.roll(x[:n], -1, axis=0) - x[:n], axis=1)[lies]
         yield (
@@ -135,8 +134,8 @@ def rolling_path(wheel: Wheel, step: float, way: float) -> Iterator[Row]:
             | {"hub_mm": float(x[-1, 0]), "hub_error_mm": float(x[-1, 0] - s / 2)}
             | {"middle_error_mm": float(x[-1, 2] + wheel.squeeze * (1 + min(state.load, 0.0)) / 2)}
             | {"turn_rad": _turn(truss.nodes, x), "bar_mm": float(np.mean(bars)) if len(bars) else math.nan}
-            | {"press_N": float(found.normal[:n].sum()), "drag_N": float(found.friction[:n, 0].sum())}
-            | {"sticking": int(sticks.sum()), "slipping": int(np.sum(found.state == State.SLIP))}
+            | {"press_N": float(found.pressure[:n].sum()), "drag_N": float(friction.force[:n, 0].sum())}
+            | {"sticking": int(sticks.sum()), "slipping": int(np.sum(friction.state == State.SLIP))}
             | {"dissipation_N_mm": state.dissipation}
         )
 

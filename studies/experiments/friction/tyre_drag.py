@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from contact.algorithms.semismooth import Semismooth as Frictionless
-from contact.coulomb import Motion
-from contact.friction.foundation import Slip
+from contact.coulomb import Coulomb, Motion
 from contact.friction.path import PathState, Stage
-from contact.friction.problem import FrictionalProblem, FrictionalSolution
+from contact.friction.slip import Slip
 from contact.obstacles.foundation import Candidates, Foundation
-from contact.problem import ContactProblem
+from contact.problem import ContactProblem, ContactSolution
 from studies.complete import complete
 from studies.scenes.tyre.foundation import NORMAL
 from studies.scenes.tyre.model import TyreModel
@@ -38,12 +37,12 @@ class TyreDrag:
         slip = Slip(self.candidates, self.plane, Motion(drag * self.way, np.zeros(3), np.zeros(3)), anchors)
         size = self.plane.size + float(np.max(np.abs(self.candidates.reference)))
         mu = np.full(len(self.pressed.weights), self.mu)
-        return Stage(FrictionalProblem(self.pressed, mu, slip, slip.jacobian, size), slip.places)
+        return Stage(replace(self.pressed, coulomb=Coulomb(mu, slip, slip.jacobian, size)), slip.places)
 
     @property
     def rest(self) -> PathState:
         """Inflated, and not touching yet."""
-        rest = FrictionalSolution.at_rest(len(self.begun), len(self.pressed.weights))
+        rest = ContactSolution.at_rest(len(self.begun), len(self.pressed.weights))
         return PathState(0.0, replace(rest, u=self.begun), self.candidates.positions(self.begun))
 
 

@@ -8,15 +8,16 @@ from collections.abc import Iterable
 import numpy as np
 import pytest
 
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.interchange.oracle import compared, minimise
-from contact.friction.problem import FrictionalSolution, State
-from contact.friction.verify import judge
+from contact.catalogue import ALGORITHMS, by_the_exact_law
+from contact.coulomb import State
+from contact.interchange.friction_oracle import compared, minimise
+from contact.problem import ContactSolution
+from contact.verify import judge
 from studies.experiments.friction.public.random_steps import random_step
 
 FEW, MANY = 20, 150
 TOLERANCE = 1e-12  # of the residual: what it leaves of forces is below the agreement with the oracle
-EXACT = [name for name, kind in FRICTIONAL.items() if np.isinf(kind().epsilon)]
+EXACT = [name for name, algorithm in by_the_exact_law().items() if np.isinf(algorithm.epsilon)]
 QUICK = ["semismooth", "trial-and-error"]
 
 
@@ -29,13 +30,13 @@ def counted(seeds: Iterable[int], names: Iterable[str] = QUICK) -> Counter[str]:
         own = minimise(step)
         counts["false"] += bool(judge(problem, own.du, own.normal, own.friction).failures())
         counts["every state"] += len(set(own.state.tolist())) == len(State)
-        for algorithm in [FRICTIONAL[name](tolerance=TOLERANCE) for name in names]:
-            found = algorithm.solve(problem, FrictionalSolution.at_rest(len(step.step.r), len(step.mu)))
+        for algorithm in [ALGORITHMS[name](tolerance=TOLERANCE, epsilon=np.inf) for name in names]:
+            found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), len(step.mu)))
             if not found.outcome.converged:
                 counts[f"{algorithm.name} {found.outcome.word}"] += 1
                 continue
-            counts["false"] += bool(judge(problem, found.u, found.normal, found.friction).failures())
-            same = compared(step, own, found.u, found.normal, found.friction).agrees
+            counts["false"] += bool(judge(problem, found.u, found.pressure, found.rubbed.force).failures())
+            same = compared(step, own, found.u, found.pressure, found.rubbed.force).agrees
             counts[f"{algorithm.name} {'agrees' if same else 'differs'}"] += 1
     return counts
 
@@ -69,6 +70,6 @@ def test_they_agree_on_many() -> None:
 
 def test_steps_are_the_same_for_the_same_seed_alone() -> None:
     one, again, other = random_step(3), random_step(3), random_step(4)
-    assert np.array_equal(one.step.r, again.step.r)
-    assert len(one.step.r) != len(other.step.r) or not np.array_equal(one.step.r, other.step.r)
+    assert np.array_equal(one.r, again.r)
+    assert len(one.r) != len(other.r) or not np.array_equal(one.r, other.r)
     assert minimise(one).state.tolist() == minimise(again).state.tolist()

@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.newton.laws import Laws, Local, friction_of
+from contact.catalogue import ALGORITHMS, by_the_exact_law
+from contact.coulomb import State
+from contact.friction.laws import Laws, Local, friction_of
 from contact.friction.path import PathState, Stage, follow
-from contact.friction.problem import FrictionalSolution, State
-from contact.friction.verify import judge
+from contact.problem import ContactSolution
+from contact.verify import judge
 from studies.experiments.friction.public.random_steps import random_step
 
 STOPS = 7
@@ -41,39 +42,36 @@ class RandomPath:
 
     def stage(self, stop: float, anchors: np.ndarray) -> Stage:
         """The problem at a stop, slips counted from the anchors (m, 2) on the moving foundation."""
-        base, drag, S = self.step.step, self.drags[int(stop)], self.step.S
-        moved = replace(
-            self.step,
-            step=replace(base, r=self.loads[int(stop)] * base.r),
-            slip=np.tile(-drag, (len(anchors), 1)) - anchors,
-        )
+        drag, S = self.drags[int(stop)], self.step.S
+        slip = np.tile(-drag, (len(anchors), 1)) - anchors
+        moved = replace(self.step, r=self.loads[int(stop)] * self.step.r, slip=slip)
         return Stage(moved.problem(), lambda u: (S @ u).reshape(-1, 2) - drag)
 
     def states(self, name: str) -> list[tuple[Stage, PathState]]:
         """The accepted states of an algorithm with the problems that they answer."""
-        n, m = len(self.step.step.r), len(self.step.mu)
+        n, m = len(self.step.r), len(self.step.mu)
         seen: list[Stage] = []
 
         def stage_at(stop: float, anchors: np.ndarray) -> Stage:
             seen.append(self.stage(stop, anchors))
             return seen[-1]
 
-        start = PathState(-1, FrictionalSolution.at_rest(n, m), np.zeros((m, 2)))
-        path = follow(stage_at, range(len(self.drags)), FRICTIONAL[name](), start)
+        start = PathState(-1, ContactSolution.at_rest(n, m), np.zeros((m, 2)))
+        path = follow(stage_at, range(len(self.drags)), by_the_exact_law()[name], start)
         return [(seen[i], at) for i, at in enumerate(path) if at.solution.outcome.converged]
 
 
-@pytest.mark.parametrize("name", FRICTIONAL)
+@pytest.mark.parametrize("name", ALGORITHMS)
 @pytest.mark.parametrize("seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(4, 84))])
 def test_no_algorithm_converges_to_what_the_judge_refuses(name: str, seed: int) -> None:
     states = RandomPath(seed).states(name)
     assert states or name == "trial-and-error"  # which cycles on most of them, and says so
-    epsilon = FRICTIONAL[name]().epsilon
+    epsilon = by_the_exact_law()[name].epsilon
     largest = max((abs(at.dissipation) for _, at in states), default=0.0)
     for stage, at in states:
         found = at.solution
-        verdict = judge(stage.problem, found.u, found.normal, found.friction, epsilon=epsilon)
-        assert not verdict.failures(), (at.load, verdict.law)
+        verdict = judge(stage.problem, found.u, found.pressure, found.rubbed.force, epsilon=epsilon)
+        assert not verdict.failures(), (at.load, verdict.kkt)
         if np.isinf(epsilon):
             assert at.dissipation >= -DISSIPATED * largest
 

@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from contact.coulomb import Motion
-from contact.friction.foundation import Slip, tangents
+from contact.friction.slip import Slip, tangents
 from contact.obstacles.drum_sphere import Drum, Sphere
 from contact.obstacles.foundation import Candidates, RigidPlane
 from support.problems.differences import central_difference

@@ -5,26 +5,27 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.friction.algorithms.regularised import Regularised
-from contact.friction.algorithms.springs import SprungStep
-from contact.friction.newton.held import Directions
-from contact.friction.newton.laws import Local, directed
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
-from contact.friction.verify import judge
+from contact.algorithms.regularised import Regularised
+from contact.coulomb import State
+from contact.friction.held import Directions
+from contact.friction.laws import Local, directed
+from contact.friction.springs import SprungStep
+from contact.friction.step import Linear
 from contact.newton.step import NewtonRun
-from contact.problem import Outcome
+from contact.problem import ContactProblem, ContactSolution, Outcome
+from contact.verify import judge
 from support.problems.planted_friction import linear, planted
 
 
-def solved(problem: FrictionalProblem, epsilon: float, n: int) -> FrictionalSolution:
-    return Regularised(epsilon=epsilon).solve(problem, FrictionalSolution.at_rest(n, len(problem.mu)))
+def solved(problem: ContactProblem, epsilon: float, n: int) -> ContactSolution:
+    return Regularised(epsilon=epsilon).solve(problem, ContactSolution.at_rest(n, len(problem.coulomb.mu)))
 
 
-def returned(problem: FrictionalProblem, u: np.ndarray, k: float) -> tuple[np.ndarray, np.ndarray]:
+def returned(problem: ContactProblem, u: np.ndarray, k: float) -> tuple[np.ndarray, np.ndarray]:
     """f = k <-g>, and t = -k s pulled back to the disc: the law, written apart from the algorithm."""
-    f, y = k * np.maximum(-problem.contact.gap(u), 0.0), -k * problem.slip(u)
+    f, y = k * np.maximum(-problem.gap(u), 0.0), -k * problem.coulomb.slip(u)
     size = np.linalg.norm(y, axis=1)
-    return f, y * np.minimum(1.0, problem.mu * f / np.where(size > 0, size, 1.0))[:, None]
+    return f, y * np.minimum(1.0, problem.coulomb.mu * f / np.where(size > 0, size, 1.0))[:, None]
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -34,8 +35,8 @@ def test_the_error_falls_with_the_inverse_of_epsilon(seed: int) -> None:
     for epsilon in stiff:
         found = solved(wanted.problem, epsilon, len(wanted.u))
         assert found.outcome is Outcome.CONVERGED
-        assert np.array_equal(found.state, wanted.state)
-        errors.append(np.max(np.abs(found.friction - wanted.friction)))
+        assert np.array_equal(found.rubbed.state, wanted.state)
+        errors.append(np.max(np.abs(found.rubbed.force - wanted.friction)))
     assert np.polyfit(np.log(stiff), np.log(errors), 1)[0] == pytest.approx(-1, abs=0.02)
 
 
@@ -47,8 +48,8 @@ def test_no_digit_is_lost_on_stiff_springs(mu: float, epsilon: float) -> None:
     found = solved(wanted.problem, epsilon, len(wanted.u))
     assert found.outcome is Outcome.CONVERGED
     f, t = returned(wanted.problem, found.u, epsilon) if epsilon < 1e5 else (wanted.normal, wanted.friction)
-    assert np.max(np.abs(found.normal - f)) < 1e-8
-    assert np.max(np.abs(found.friction - t)) < 1e-8
+    assert np.max(np.abs(found.pressure - f)) < 1e-8
+    assert np.max(np.abs(found.rubbed.force - t)) < 1e-8
 
 
 @pytest.mark.parametrize("along", [0.1, 3.0])
@@ -62,9 +63,9 @@ def test_one_candidate_in_closed_form(along: float) -> None:
     sticks = along * k / (K + k) <= mu * f
     u_t = along / (K + k) if sticks else (along - mu * f) / K
     assert found.u == pytest.approx([0.6 * u_t, 0.8 * u_t, -pressed / (K + k)], rel=1e-12)
-    assert found.normal[0] == pytest.approx(f, rel=1e-12)
-    assert np.linalg.norm(found.friction) == pytest.approx(k * u_t if sticks else mu * f, rel=1e-12)
-    assert found.state[0] == (State.STICK if sticks else State.SLIP)
+    assert found.pressure[0] == pytest.approx(f, rel=1e-12)
+    assert np.linalg.norm(found.rubbed.force) == pytest.approx(k * u_t if sticks else mu * f, rel=1e-12)
+    assert found.rubbed.state[0] == (State.STICK if sticks else State.SLIP)
 
 
 def test_the_step_is_newtons_on_the_residual() -> None:
@@ -72,22 +73,22 @@ def test_the_step_is_newtons_on_the_residual() -> None:
     one, k = planted(1, 0.5, m=5), 30.0
     problem, rng = one.problem, np.random.default_rng(8)
     u = one.u + 0.01 * rng.standard_normal(len(one.u))
-    G = problem.contact.gap_jacobian(u)
-    u = u - G.T @ (problem.contact.gap(u) + rng.uniform(0.2, 0.4, 5))  # rows of G are orthonormal: all are pushed in
+    G = problem.gap_jacobian(u)
+    u = u - G.T @ (problem.gap(u) + rng.uniform(0.2, 0.4, 5))  # rows of G are orthonormal: all are pushed in
     f, t = returned(problem, u, k)
-    stuck = np.linalg.norm(t, axis=1) < 0.999 * problem.mu * f
+    stuck = np.linalg.norm(t, axis=1) < 0.999 * problem.coulomb.mu * f
     assert 0 < stuck.sum() < 5
     state = np.where(stuck, State.STICK, State.SLIP).astype(np.int8)
-    local = Local(problem.contact.gap(u) + f / k, problem.slip(u) + t / k, f, t, np.ones(5))
-    laws = directed(local, state, problem.mu * f)
-    lin, now = problem.contact.linearise(u, None), np.column_stack([problem.contact.gap(u), problem.slip(u)]).ravel()
-    ways = Directions.of(G, problem.slip_jacobian(u))
-    step = SprungStep(NewtonRun(problem.contact, k), lin, lin.tangent, ways, now, problem.mu, np.full(5, k))
-    du = step.step(laws).du
+    local = Local(problem.gap(u) + f / k, problem.coulomb.slip(u) + t / k, f, t, np.ones(5))
+    laws = directed(local, state, problem.coulomb.mu * f)
+    lin, now = problem.linearise(u, None), np.column_stack([problem.gap(u), problem.coulomb.slip(u)]).ravel()
+    ways = Directions.of(G, problem.coulomb.slip_jacobian(u))
+    linear = Linear(lin.tangent, lin.residual, ways, now, problem.coulomb.mu)
+    du = SprungStep(NewtonRun(problem, k), linear, np.full(5, k)).step(laws).du
 
     def residual(h: float) -> np.ndarray:
         at = u + h * du
-        return problem.contact.linearise(at, None).residual - problem.force(at, *returned(problem, at, k))
+        return problem.linearise(at, None).residual - problem.contact_force(at, *returned(problem, at, k))
 
     lengths = np.array([1e-2, 1e-3])
     left = [np.max(np.abs(residual(h) - (1 - h) * residual(0.0))) for h in lengths]
@@ -98,9 +99,9 @@ def test_the_step_is_newtons_on_the_residual() -> None:
 def test_the_judge_takes_it_with_its_own_epsilon_alone(epsilon: float) -> None:
     wanted = planted(3, 0.5)
     found = solved(wanted.problem, epsilon, len(wanted.u))
-    answer = wanted.problem, found.u, found.normal, found.friction
+    answer = wanted.problem, found.u, found.pressure, found.rubbed.force
     assert judge(*answer, epsilon=epsilon).failures() == []
     for other in (1.001 * epsilon, np.inf):
         assert {"penetration", "complementarity", "stick"} & set(judge(*answer, epsilon=other).failures())
-    turned = found.friction @ np.array([[0.0, 1.0], [-1.0, 0.0]])
-    assert "direction" in judge(wanted.problem, found.u, found.normal, turned, epsilon=epsilon).failures()
+    turned = found.rubbed.force @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+    assert "direction" in judge(wanted.problem, found.u, found.pressure, turned, epsilon=epsilon).failures()

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.newton.held import Directions
-from contact.friction.newton.laws import Laws
-from contact.friction.newton.step import FrictionalStep, Stepped
-from contact.friction.problem import FrictionalProblem, State
+from contact.coulomb import State
+from contact.friction.held import Directions
+from contact.friction.laws import Laws
+from contact.friction.step import FrictionalStep, Linear, Stepped
 from contact.newton.step import NewtonRun
+from contact.problem import ContactProblem
 from tests.support.problems.planted_friction import planted
 
 
@@ -25,12 +26,12 @@ def random_laws(rng: np.random.Generator, m: int, *, flat: bool) -> Laws:
     return Laws(state, d * slips[:, None], rng.uniform(0, 2, m) * slips)
 
 
-def saddle_point(problem: FrictionalProblem, u: np.ndarray, laws: Laws) -> Stepped:
+def saddle_point(problem: ContactProblem, u: np.ndarray, laws: Laws) -> Stepped:
     """The same with every force an unknown."""
-    n, m, contact = len(u), len(problem.mu), problem.contact
-    lin = contact.linearise(u, None)
-    G, S = contact.gap_jacobian(u).toarray(), problem.slip_jacobian(u).toarray()
-    g, s = contact.gap(u), problem.slip(u)
+    n, m = len(u), len(problem.weights)
+    lin = problem.linearise(u, None)
+    G, S = problem.gap_jacobian(u).toarray(), problem.coulomb.slip_jacobian(u).toarray()
+    g, s = problem.gap(u), problem.coulomb.slip(u)
     A = np.zeros((n + 3 * m, n + 3 * m))
     b = np.zeros(n + 3 * m)
     A[:n, :n], b[:n] = lin.tangent.toarray(), -lin.residual
@@ -47,7 +48,7 @@ def saddle_point(problem: FrictionalProblem, u: np.ndarray, laws: Laws) -> Stepp
             if state == State.STICK and way.any():
                 A[row, row], A[row, :n], b[row] = 0, way, -s[i, k]
             elif state == State.SLIP:
-                A[row, f] = problem.mu[i] * laws.direction[i, k]
+                A[row, f] = problem.coulomb.mu[i] * laws.direction[i, k]
                 A[row, :n] += laws.spring[i, k] @ S[2 * i : 2 * i + 2]
                 b[row] = -laws.spring[i, k] @ s[i]
     x = np.linalg.solve(A, b)
@@ -55,12 +56,12 @@ def saddle_point(problem: FrictionalProblem, u: np.ndarray, laws: Laws) -> Stepp
     return Stepped(du, g + G @ du, s + (S @ du).reshape(-1, 2), x[n : n + m], x[n + m :].reshape(-1, 2))
 
 
-def linear_step(problem: FrictionalProblem, u: np.ndarray, base: Laws) -> FrictionalStep:
-    contact = problem.contact
-    ways = Directions.of(contact.gap_jacobian(u), problem.slip_jacobian(u))
-    now = np.column_stack([contact.gap(u), problem.slip(u)]).ravel()
-    lin = contact.linearise(u, None)
-    return FrictionalStep(NewtonRun(contact), lin, sparse.csc_matrix(lin.tangent), ways, now, problem.mu, base)
+def linear_step(problem: ContactProblem, u: np.ndarray, base: Laws) -> FrictionalStep:
+    ways = Directions.of(problem.gap_jacobian(u), problem.coulomb.slip_jacobian(u))
+    now = np.column_stack([problem.gap(u), problem.coulomb.slip(u)]).ravel()
+    lin = problem.linearise(u, None)
+    linear = Linear(sparse.csc_matrix(lin.tangent), lin.residual, ways, now, problem.coulomb.mu)
+    return FrictionalStep(NewtonRun(problem), linear, base)
 
 
 @pytest.mark.parametrize("anew", [True, False])
@@ -70,14 +71,16 @@ def test_a_step_is_that_of_the_saddle_point_system_on_any_states(
     seed: int, components: int, anew: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Factorised on every choice of states, and by the columns of one factorisation alone."""
-    monkeypatch.setattr("contact.friction.newton.step.factor_flops", lambda factor: 0.0 if anew else np.inf)
+    monkeypatch.setattr("contact.friction.step.factor_flops", lambda factor: 0.0 if anew else np.inf)
     problem = planted(seed, 0.5, components=components).problem
-    m, rng = len(problem.mu), np.random.default_rng(100 + seed)
-    u = rng.standard_normal(problem.slip_jacobian(np.zeros(0)).shape[1])
+    m, rng = len(problem.coulomb.mu), np.random.default_rng(100 + seed)
+    u = rng.standard_normal(problem.coulomb.slip_jacobian(np.zeros(0)).shape[1])
     base = random_laws(rng, m, flat=components == 1)
     step = linear_step(problem, u, base)
     for laws in (base, *(random_laws(rng, m, flat=components == 1) for _ in range(4))):
+        step = step.near(laws)
         wanted, foreseen, found = saddle_point(problem, u, laws), step.foreseen(laws), step.step(laws)
+        assert (step.base is laws) == (anew or laws is base)
         assert np.max(np.abs(found.du - wanted.du)) < 1e-11
         for told in (foreseen, found):
             for name in ("gap", "slip", "normal", "friction"):

@@ -92,7 +92,7 @@ def test_two_bounds_on_one_unknown_are_exchanged() -> None:
         np.testing.assert_allclose(du, exact_du, rtol=0, atol=DENSE)
         np.testing.assert_allclose(pressure, exact_pressure, rtol=0, atol=DENSE)
     with pytest.raises(ValueError, match="share an unknown"):
-        linear.step(np.isin(np.arange(12), (0, 6)))
+        linear.near(np.isin(np.arange(12), (0, 6)))
 
 
 def test_a_set_that_leaves_a_mechanism_is_singular() -> None:
@@ -109,15 +109,17 @@ def test_where_columns_or_their_system_cost_more_the_set_is_factorised_anew(
     monkeypatch: pytest.MonkeyPatch, column: int
 ) -> None:
     data, u, _ = example("definite", True, 0)
-    monkeypatch.setattr("contact.newton.condensed.response_flops", lambda factor, left, right: column * right.shape[1])
+    monkeypatch.setattr("contact.newton.exchange.response_flops", lambda factor, left, right: column * right.shape[1])
     enough = 2 * column + dense_solution(2)
     monkeypatch.setattr("contact.newton.condensed.factor_flops", lambda factor: enough)
     linear = linearised(data.problem(), u, np.zeros(6, bool), math.inf, AUTO)
     few, many = np.arange(6) < 2, np.arange(6) < 5
-    linear.step(few)
-    assert not linear.base.any()
-    du, _ = linear.step(many)
-    assert np.array_equal(linear.base, many)
+    assert linear.near(few) is linear
+    anew = linear.near(many)
+    assert np.array_equal(anew.base, many)
+    du, _ = anew.step(many)
+    linear.foreseen(many)
+    assert not linear.base.any()  # a question changes nothing
     np.testing.assert_allclose(du, dense_step(data, np.diag(data.w), u, many, math.inf)[0], rtol=0, atol=DENSE)
 
 

@@ -9,10 +9,9 @@ from hypothesis import strategies as st
 from scipy import sparse
 
 from contact.solvers.multifrontal import tree
-from contact.solvers.multifrontal.analysis import PIECES, Analysis
+from contact.solvers.multifrontal.analysis import PIECES, Analysis, analysed
 from contact.solvers.multifrontal.bordered import Bordered
 from contact.solvers.multifrontal.factor import Multifrontal, PivotError
-from contact.solvers.multifrontal.patterns import analysed
 from contact.solvers.sparse import (
     BACKWARD_ERROR,
     checked_solve,

@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contact.friction.interchange.oracle import Confirmation
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.interchange.linearised_step import FrozenFrictionalStep
+from contact.interchange.oracle import Confirmation
 from contact.problem import ContactProblem
 from studies.algorithm_settings import configured
 from studies.arena.replay import algorithm_of, read_step
@@ -19,7 +20,7 @@ from studies.certificate import certificate
 from studies.complete import complete
 from studies.exchange.of_scene import problem_of
 from studies.friction.observed import FRICTION, in_space
-from studies.friction.replay import has_friction, resolve_with_friction
+from studies.friction.replay import resolve_with_friction
 from studies.friction.stages import Stages
 from studies.request import UsageError
 from studies.result import Result
@@ -89,6 +90,17 @@ def test_a_setting_of_an_algorithm_that_has_none_of_it_with_friction_is_refused(
     assert plain.settings[key] == value
     _, rubbed = complete("panel", {"mu": 0.3}, contact=contact)
     assert key not in rubbed.settings
+
+
+def test_walks_of_the_same_stages_know_nothing_of_each_other() -> None:
+    scene, request = complete("panel", {"shape": "plate", "mu": 0.2, "drag_mm": 0.2}, "4x4")
+    stages = Stages(list(scene.build(request).stages()), request.settings)
+    other = iter(stages)
+    next(other)
+    *_, last = walk(stages, configured(request.contact, request.settings))
+    assert last.stage.name == "drag"
+    with pytest.raises(UsageError, match="no rigid surface"):  # its own press has not begun
+        list(other)
 
 
 def test_a_part_of_a_tyre_is_not_dragged() -> None:
@@ -253,12 +265,13 @@ def test_a_frozen_step_is_solved_again_with_its_friction(dragged: Result, tmp_pa
     assert dragged.frozen is not None
     file = tmp_path / "step.npz"
     dragged.frozen().write(file)
-    assert has_friction(read_step(file))
-    again = resolve_with_friction(file, algorithm_of("semismooth"), oracle=True)
+    step = read_step(file)
+    assert isinstance(step, FrozenFrictionalStep)
+    again = resolve_with_friction(step, algorithm_of("semismooth"), oracle=True)
     assert again.sound
     assert isinstance(again.oracle, Confirmation)
-    assert again.solution.normal.sum() == pytest.approx(dragged.steps[-1]["force_N"], rel=1e-6)
-    pull = float(np.linalg.norm(again.solution.friction.sum(axis=0)))
+    assert (step.weights @ again.solution.pressure) == pytest.approx(dragged.steps[-1]["force_N"], rel=1e-6)
+    pull = float(np.linalg.norm(again.solution.rubbed.force.sum(axis=0)))
     assert pull == pytest.approx(dragged.steps[-1]["friction_N"], rel=1e-6)
 
 

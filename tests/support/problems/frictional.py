@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from studies.experiments.friction.public.random_steps import dense_step
 
 
@@ -68,7 +68,7 @@ def klarbring(mu: float, load: tuple[float, float], coupling: float) -> FrozenFr
 
 def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:
     """Every answer of :func:`klarbring`, state by state, each by its two equations."""
-    K, (along, across) = springs.step.K.toarray()[:2, :2], -springs.step.r[:2]
+    K, (along, across) = springs.K.toarray()[:2, :2], -springs.r[:2]
     mu, found = float(springs.mu[0]), []
 
     def take(u_t: float, u_n: float, f: float, t: float, state: State) -> None:
@@ -89,15 +89,10 @@ def all_answers(springs: FrozenFrictionalStep) -> list[Answer]:
 
 def balanced(made: FrozenFrictionalStep, answer: Answer) -> FrozenFrictionalStep:
     """The same step with the load under which any ``answer`` is in equilibrium."""
-    base = made.step
-    r = base.G.T @ answer.normal + made.S.T @ answer.friction.ravel() - base.K @ answer.u
-    return replace(made, step=replace(base, r=r))
+    return replace(made, r=made.G.T @ answer.normal + made.S.T @ answer.friction.ravel() - made.K @ answer.u)
 
 
 def in_units(made: FrozenFrictionalStep, length: float, force: float) -> FrozenFrictionalStep:
     """The same where a mm is so many units of length, and a N so many of force."""
-    base = made.step
-    there = replace(
-        base, K=base.K * (force / length), r=base.r * force, gap=base.gap * length, scale=base.scale * force
-    )
-    return replace(made, step=there, slip=made.slip * length)
+    loads = {"K": made.K * (force / length), "r": made.r * force, "scale": made.scale * force}
+    return replace(made, **loads, gap=made.gap * length, slip=made.slip * length)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import sparse
 
-from contact.friction.problem import FrictionalProblem, State
+from contact.coulomb import Coulomb, State
 from contact.problem import ContactProblem, linear_mechanics
 
 
@@ -15,7 +15,7 @@ from contact.problem import ContactProblem, linear_mechanics
 class Planted:
     """A problem and its only answer."""
 
-    problem: FrictionalProblem
+    problem: ContactProblem
     u: np.ndarray
     normal: np.ndarray
     friction: np.ndarray
@@ -24,13 +24,17 @@ class Planted:
 
 def linear(
     K: np.ndarray, f: np.ndarray, G: np.ndarray, S: np.ndarray, g0: np.ndarray, s0: np.ndarray, mu: np.ndarray
-) -> FrictionalProblem:
+) -> ContactProblem:
     """r = K u - f, g = g0 + G u, s = s0 + S u; S (2m, n), s0 (m, 2)."""
     gaps, slips, m = sparse.csr_matrix(G), sparse.csr_matrix(S), len(g0)
-    contact = ContactProblem(
-        linear_mechanics(sparse.csc_matrix(K), f), lambda u: g0 + gaps @ u, lambda u: gaps, np.ones(m)
-    )
-    return FrictionalProblem(contact, mu, lambda u: s0 + (slips @ u).reshape(-1, 2), lambda u: slips)
+    law = Coulomb(mu, lambda u: s0 + (slips @ u).reshape(-1, 2), lambda u: slips)
+    mechanics = linear_mechanics(sparse.csc_matrix(K), f)
+    return ContactProblem(mechanics, lambda u: g0 + gaps @ u, lambda u: gaps, np.ones(m), coulomb=law)
+
+
+def with_mu(problem: ContactProblem, mu: np.ndarray) -> ContactProblem:
+    """The same with other coefficients (m,)."""
+    return replace(problem, coulomb=replace(problem.coulomb, mu=mu))
 
 
 def planted(seed: int, mu: float, *, components: int = 2, m: int = 7, coupled: float = 0.3) -> Planted:
@@ -71,7 +75,7 @@ def planted(seed: int, mu: float, *, components: int = 2, m: int = 7, coupled: f
     return Planted(linear(K, f, G, S, g0, s0, np.full(m, mu)), u, normal, friction, state)
 
 
-def tied(seed: int) -> FrictionalProblem:
+def tied(seed: int) -> ContactProblem:
     """The same with an infinite coefficient: the loads stay, the answer does not."""
     problem = planted(seed, 0.5).problem
-    return replace(problem, mu=np.full_like(problem.mu, np.inf))
+    return with_mu(problem, np.full_like(problem.coulomb.mu, np.inf))

@@ -8,8 +8,8 @@ for the small ones in ``public_problems.json``. The table beside this module is 
         siconos/numerics/src/FrictionContact/test/data siconos/numerics/python/tests/data
 
 with h5py installed, else problems in HDF5 are left out. Algorithms get contacts with ways of their own
-(:mod:`contact.friction.interchange.own_ways`), the oracle the problem as a step of its unknowns
-(:mod:`contact.friction.interchange.siconos`).
+(:mod:`contact.interchange.own_ways`), the oracle the problem as a step of its unknowns
+(:mod:`contact.interchange.siconos`).
 
 Of 65 files 62 are problems. With 5 s of the processor each, 56 of them have an answer that the judge takes, and nothing
 that is called solved is refused by it: semismooth has 46, the augmented Lagrangian 45, the oracle 43, lcp 42, qp 26 and
@@ -38,18 +38,17 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from contact.friction.algorithms.base import FrictionalAlgorithm
-from contact.friction.algorithms.catalogue import FRICTIONAL
-from contact.friction.interchange.fclib import read_fclib
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.interchange.oracle import OracleAnswer, minimise
-from contact.friction.interchange.own_ways import with_own_ways
-from contact.friction.interchange.siconos import HDF5, SiconosError, SiconosProblem, read
-from contact.friction.problem import FrictionalSolution
-from contact.friction.verify import judge
+from contact.catalogue import by_the_exact_law
+from contact.interchange.fclib import read_fclib
+from contact.interchange.friction_oracle import minimise
+from contact.interchange.friction_states import Known
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.interchange.oracle import AGREEMENT, OracleError
-from contact.problem import Outcome
+from contact.interchange.own_ways import with_own_ways
+from contact.interchange.siconos import HDF5, SiconosError, SiconosProblem, read
+from contact.problem import ContactAlgorithm, ContactSolution, Outcome
 from contact.solvers.sparse import checked_solve, factorise
+from contact.verify import judge
 from studies.experiments.rows import Row
 from studies.store.atomic import write_table
 
@@ -74,9 +73,9 @@ class Tried:
 Solved = Callable[[Callable[[], Tried]], Tried]
 
 
-def algorithms() -> dict[str, FrictionalAlgorithm]:
+def algorithms() -> dict[str, ContactAlgorithm]:
     """Those of the catalogue, by name."""
-    return {name: kind() for name, kind in FRICTIONAL.items()}
+    return by_the_exact_law()
 
 
 def public_table() -> pd.DataFrame:
@@ -183,26 +182,26 @@ def _told(found: Tried, wanted: np.ndarray | None, free: float) -> Row:
     return told | {"seconds": f"{found.seconds:.2f}", "reason": found.reason}
 
 
-def _by_algorithm(algorithm: FrictionalAlgorithm, step: FrozenFrictionalStep) -> Tried:
+def _by_algorithm(algorithm: ContactAlgorithm, step: FrozenFrictionalStep) -> Tried:
     problem, m = step.problem(), len(step.mu)
     why = algorithm.supports(problem)
     if why is not None:
         return Tried(Outcome.REFUSED.word, reason=why)
     try:
-        found = algorithm.solve(problem, FrictionalSolution.at_rest(len(step.step.r), m))
+        found = algorithm.solve(problem, ContactSolution.at_rest(len(step.r), m))
     except (ValueError, ArithmeticError) as error:
         return Tried(Outcome.REFUSED.word, reason=str(error).splitlines()[0])
     if not found.outcome.converged:
         return Tried(found.outcome.word)
     if np.isfinite(algorithm.epsilon):
         return Tried(found.outcome.word, reason=f"by its own law, of springs of {algorithm.epsilon:g} MPa/mm")
-    return _judged(found.outcome.word, step, found.u, found.normal, found.friction)
+    return _judged(found.outcome.word, step, found.u, found.pressure, found.rubbed.force)
 
 
 def _by_oracle(problem: SiconosProblem) -> Tried:
     try:
         step = problem.step()
-        found: OracleAnswer = minimise(step)
+        found: Known = minimise(step)
     except (SiconosError, OracleError) as error:
         return Tried("none", reason=str(error).splitlines()[0])
     return _judged("converged", step, found.du, found.normal, found.friction)
@@ -210,7 +209,7 @@ def _by_oracle(problem: SiconosProblem) -> Tried:
 
 def _judged(word: str, step: FrozenFrictionalStep, u: np.ndarray, normal: np.ndarray, friction: np.ndarray) -> Tried:
     wrong = judge(step.problem(), u, normal, friction).failures()
-    ways = np.column_stack([step.step.gap + step.step.G @ u, step.slip + (step.S @ u).reshape(-1, 2)])
+    ways = np.column_stack([step.gap + step.G @ u, step.slip + (step.S @ u).reshape(-1, 2)])
     return Tried(word, certified=not wrong, ways=ways, reason=", ".join(wrong))
 
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.problem import State
-from contact.interchange.linearised_step import FrozenStep
+from contact.coulomb import State
+from contact.interchange.linearised_step import FrozenFrictionalStep
 
 
 def random_step(seed: int) -> FrozenFrictionalStep:
@@ -46,5 +45,5 @@ def dense_step(
 ) -> FrozenFrictionalStep:
     """Of dense matrices, with areas one."""
     scale = float(np.linalg.norm(r))
-    contact = FrozenStep(sparse.csc_matrix(K), r, sparse.csr_matrix(G), gap, np.ones(len(gap)), scale)
-    return FrozenFrictionalStep(contact, sparse.csr_matrix(S), slip, mu)
+    contact = sparse.csc_matrix(K), r, sparse.csr_matrix(G), gap, np.ones(len(gap)), scale
+    return FrozenFrictionalStep(*contact, S=sparse.csr_matrix(S), slip=slip, mu=mu)

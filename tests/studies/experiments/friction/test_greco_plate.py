@@ -11,7 +11,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 
 from contact.catalogue import ALGORITHMS
-from contact.friction.problem import State
+from contact.coulomb import State
 from contact.interchange.linearised_step import freeze
 from contact.interchange.oracle import confirm
 from contact.problem import ContactSolution, Outcome, linear_mechanics
@@ -138,7 +138,7 @@ def test_the_greco_plate_on_a_fine_mesh() -> None:
 
 
 TIED_ROUNDING = 1e-12
-# friction_of in contact.friction.newton.laws multiplies an infinite bound by no slip, and drops what comes of it
+# friction_of in contact.friction.laws multiplies an infinite bound by no slip, and drops what comes of it
 UNBOUNDED = pytest.mark.filterwarnings("ignore:invalid value encountered in multiply:RuntimeWarning")
 
 
@@ -149,10 +149,10 @@ def test_without_friction_the_plate_is_that_of_the_frictionless_algorithm(elemen
     plate = GrecoPlate(element, 8, load)
     alone, found = plate.solve("semismooth"), plate.solve_rubbed(mu=0.0)
     assert found.outcome.converged
-    assert np.array_equal(found.state != State.OPEN, alone.active)
-    assert not found.friction.any()
+    assert np.array_equal(found.rubbed.state != State.OPEN, alone.active)
+    assert not found.rubbed.force.any()
     assert found.counters["newton_iterations"] == alone.counters["newton_iterations"]
-    for value, known in ((found.u, alone.u), (found.normal, plate.weights * alone.pressure)):
+    for value, known in ((found.u, alone.u), (found.pressure, alone.pressure)):
         assert np.max(np.abs(value - known)) < TIED_ROUNDING * np.max(np.abs(known))
 
 
@@ -185,5 +185,5 @@ def test_a_large_coefficient_ties_the_same_nodes() -> None:
     plate = GrecoPlate("Q1", 6)
     ((u, holds),) = tied(plate)
     found = plate.solve_rubbed(mu=1e6)
-    assert np.array_equal(found.state == State.STICK, holds)
+    assert np.array_equal(found.rubbed.state == State.STICK, holds)
     np.testing.assert_allclose(found.u, u, rtol=0, atol=1e-12 * np.max(np.abs(u)))

@@ -67,8 +67,8 @@ def test_its_gaps_and_slips_have_their_derivatives(rng: np.random.Generator) -> 
     problem = stage_at(pyramid(), ON_FEET, moved, moved, FEET).problem
     u, du = (rng.normal(size=3 * (len(FEET) + len(TOP))) for _ in range(2))
     for value, jacobian in (
-        (problem.contact.gap, problem.contact.gap_jacobian(u)),
-        (lambda v: problem.slip(v).ravel(), problem.slip_jacobian(u)),
+        (problem.gap, problem.gap_jacobian(u)),
+        (lambda v: problem.coulomb.slip(v).ravel(), problem.coulomb.slip_jacobian(u)),
     ):
         difference = central_difference(lambda h, value=value: value(u + h * du), 1e-2)
         np.testing.assert_allclose(jacobian @ du, difference, rtol=0, atol=1e-10)

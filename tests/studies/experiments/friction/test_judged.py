@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Protocol
 
 import numpy as np
 import pytest
 
 from contact.friction.path import PathState, Stage
-from contact.friction.verify import judge
+from contact.verify import judge
 from studies.experiments.friction.bars import LENGTH, N0, PULL, RADIUS, TAU, Bar
 from studies.experiments.friction.patch import Parking, uneven
 from studies.experiments.friction.path_error import BLOCKS, WAY
 from studies.experiments.friction.rolling import SQUEEZE, Wheel
+from support.problems.planted_friction import with_mu
 
 
 class Staged(Protocol):
@@ -66,7 +66,7 @@ def test_every_state_passes_the_judge(name: str) -> None:
     assert len(states) == len(loads)
     for state in states:
         problem, found = model.stage_at(state.load, anchors).problem, state.solution
-        assert judge(problem, found.u, found.normal, found.friction).failures() == []
+        assert judge(problem, found.u, found.pressure, found.rubbed.force).failures() == []
         anchors = state.anchors
 
 
@@ -75,4 +75,5 @@ def test_the_judge_would_see_less_friction() -> None:
     model, loads, anchors = _strip()
     state = model.follow(loads[:1])[0]
     problem, found = model.stage_at(state.load, anchors).problem, state.solution
-    assert "cone" in judge(replace(problem, mu=0.999 * problem.mu), found.u, found.normal, found.friction).failures()
+    smoother = with_mu(problem, 0.999 * problem.coulomb.mu)
+    assert "cone" in judge(smoother, found.u, found.pressure, found.rubbed.force).failures()

@@ -8,9 +8,9 @@ from functools import partial
 import numpy as np
 import pytest
 
-from contact.friction.interchange.oracle import minimise
-from contact.friction.interchange.siconos import SiconosError
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.interchange.friction_oracle import minimise
+from contact.interchange.siconos import SiconosError
 from studies.experiments.friction.public.public_problems import (
     ORACLE,
     SHIPPED,

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep, frozen
-from contact.friction.interchange.oracle import confirm, minimise, refusal
-from contact.friction.interchange.oracle_states import Known, settle
-from contact.friction.problem import State
-from contact.friction.verify import judge
+from contact.coulomb import State
+from contact.interchange.friction_oracle import confirm, minimise, refusal
+from contact.interchange.friction_states import Known, settle
+from contact.interchange.linearised_step import FrozenFrictionalStep, freeze
 from contact.interchange.oracle import OracleError
+from contact.verify import judge
 from studies.experiments.friction.public.random_steps import dense_step
 from support.problems.frictional import all_answers, balanced, in_units, klarbring, manufactured
 from support.problems.planted_friction import tied
@@ -94,7 +94,7 @@ def test_a_spoilt_answer_is_contradicted() -> None:
 def test_no_programme_no_answer() -> None:
     step, _ = manufactured(np.random.default_rng(5), 3)
     assert refusal(step) is None
-    wrong = replace(step, step=replace(step.step, K=-step.step.K))
+    wrong = replace(step, K=-step.K)
     assert "not positive" in str(refusal(wrong))
     with pytest.raises(OracleError, match="not positive"):
         minimise(wrong)
@@ -104,9 +104,9 @@ def test_no_programme_no_answer() -> None:
 def test_a_matrix_that_is_not_symmetric(seed) -> None:
     """The answer stays where the load makes up for what is added to K."""
     step, answer = manufactured(np.random.default_rng(seed), 4)
-    n = len(step.step.r)
+    n = len(step.r)
     skew = 0.1 * np.triu(np.ones((n, n)), 1)
-    other = replace(step, step=replace(step.step, K=sparse.csc_matrix(step.step.K + skew - skew.T)))
+    other = replace(step, K=sparse.csc_matrix(step.K + skew - skew.T))
     found = minimise(balanced(other, answer))
     np.testing.assert_array_equal(found.state, answer.state)
     np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
@@ -117,15 +117,15 @@ def test_a_matrix_that_is_not_symmetric(seed) -> None:
 def test_an_endless_friction_ties_who_touches(seed) -> None:
     """Against the equations of those that touch, all of their ways zero."""
     problem = tied(seed)
-    step = frozen(problem, np.zeros(problem.slip_jacobian(np.zeros(0)).shape[1]), np.zeros(len(problem.mu)), {})
+    step = freeze(problem, np.zeros(26), np.zeros(len(problem.weights)), {})
     found = minimise(step)
     touch = np.flatnonzero(found.state == State.STICK)
     assert len(touch)
     assert State.SLIP not in found.state
     J = step.H.toarray()[:, (3 * touch[:, None] + np.arange(3)).ravel()]
-    K, ways = step.step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
+    K, ways = step.K.toarray(), step.w.reshape(-1, 3)[touch].ravel()
     A = np.block([[K, -J], [J.T, np.zeros((J.shape[1], J.shape[1]))]])
-    wanted = np.linalg.solve(A, np.concatenate([-step.step.r, -ways]))
+    wanted = np.linalg.solve(A, np.concatenate([-step.r, -ways]))
     np.testing.assert_allclose(found.du, wanted[: len(K)], rtol=0, atol=EXACT)
     assert judge(problem, found.du, found.normal, found.friction).failures() == []
 
@@ -150,10 +150,10 @@ def test_friction_alone_may_hold_a_body() -> None:
 def test_redundant_contacts_share_what_one_carries(seed) -> None:
     """Each candidate twice: the motion is that of each once, and so is the force of every pair."""
     step, answer = manufactured(np.random.default_rng(seed), 4)
-    base, order = step.step, np.repeat(np.arange(4), 2)
+    order = np.repeat(np.arange(4), 2)
     rows = (2 * order[:, None] + np.arange(2)).ravel()
-    twice = replace(base, G=base.G[order], gap=base.gap[order], weights=base.weights[order])
-    found = minimise(FrozenFrictionalStep(twice, step.S[rows], step.slip[order], step.mu[order]))
+    twice = replace(step, G=step.G[order], gap=step.gap[order], weights=step.weights[order])
+    found = minimise(replace(twice, S=step.S[rows], slip=step.slip[order], mu=step.mu[order]))
     np.testing.assert_allclose(found.du, answer.u, rtol=0, atol=EXACT)
     np.testing.assert_allclose(found.normal.reshape(4, 2).sum(axis=1), answer.normal, rtol=0, atol=EXACT)
     np.testing.assert_allclose(found.friction.reshape(4, 2, 2).sum(axis=1), answer.friction, rtol=0, atol=EXACT)

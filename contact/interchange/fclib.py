@@ -18,7 +18,7 @@ from typing import Any
 
 from scipy import sparse
 
-from contact.friction.interchange.siconos import SiconosError, SiconosProblem
+from contact.interchange.siconos import SiconosError, SiconosProblem
 
 BY_COLUMNS, BY_ROWS = -1, -2
 

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contact.friction.problem import State
+from contact.coulomb import State, radii
 
 STIFFEST = 1e6  # kappa over c
 
@@ -103,7 +103,7 @@ def expected(local: Local, laws: Laws, mu: np.ndarray, margins: Margins, held: n
     closing = (was == State.OPEN) & (local.gap < -margins.gap)
     leaving = laws.closed & (local.normal < -margins.force)
     normal = np.where(closing, sprung, np.maximum(local.normal, 0.0))
-    bound = _bound(mu, normal)
+    bound = radii(mu, normal)
     y, along = local.trial, np.einsum("mk,mk->m", local.slip, laws.direction)
     size = np.linalg.norm(y, axis=1)
     begins = ~laws.direction.any(axis=1)  # a slip of an earlier step: on the disc it may go on, inside it has turned
@@ -134,18 +134,13 @@ def friction_of(local: Local, laws: Laws, mu: np.ndarray, rounding: float) -> np
     """
     y, s = local.trial, local.slip
     slips = laws.state == State.SLIP  # the others have no bound that is needed, and an infinite one perhaps
-    bound = _bound(np.where(slips, mu, 0.0), np.maximum(local.normal, 0.0))[:, None]
+    bound = radii(np.where(slips, mu, 0.0), local.normal)[:, None]
     unit = -_unit(y)
     ahead = np.maximum(np.einsum("mk,mk->m", s, unit), 0.0)
     off = np.linalg.norm(s - ahead[:, None] * unit, axis=1) > rounding
     slipped = -bound * np.where(off[:, None], _unit(s), unit)
     chosen = laws.state[:, None]
     return np.where(chosen == State.SLIP, slipped, np.where(chosen == State.STICK, local.friction, 0.0))
-
-
-def _bound(mu: np.ndarray, normal: np.ndarray) -> np.ndarray:
-    """mu f (m,), 0 where f is."""
-    return np.where(normal > 0, mu, 0.0) * normal
 
 
 def _unit(v: np.ndarray) -> np.ndarray:

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from contact.friction.algorithms.semismooth import Semismooth
-from contact.friction.interchange.oracle import minimise
-from contact.friction.interchange.own_ways import with_own_ways
-from contact.friction.interchange.siconos import SiconosProblem
-from contact.friction.problem import FrictionalSolution
-from contact.friction.verify import judge
+from contact.algorithms.semismooth import Semismooth
+from contact.interchange.friction_oracle import minimise
+from contact.interchange.own_ways import with_own_ways
+from contact.interchange.siconos import SiconosProblem
+from contact.problem import ContactSolution
+from contact.verify import judge
 
 EXACT = 1e-9
 MU = np.array([0.2, 0.3, 0.1])
@@ -50,7 +50,7 @@ def test_any_forces_make_the_ways_of_the_problem(kind: str, seed: int) -> None:
     }
     problem = made[kind]()
     step, forces = with_own_ways(problem), rng.standard_normal(9)
-    x = np.linalg.solve(step.step.K.toarray(), step.H @ forces - step.step.r)
+    x = np.linalg.solve(step.K.toarray(), step.H @ forces - step.r)
     np.testing.assert_allclose(step.H.T @ x + step.w, ways(problem, forces), rtol=0, atol=EXACT)
 
 
@@ -58,11 +58,11 @@ def test_any_forces_make_the_ways_of_the_problem(kind: str, seed: int) -> None:
 def test_an_active_set_has_the_answer_of_the_oracle(make) -> None:
     problem = make(np.random.default_rng(3))
     step, wanted = with_own_ways(problem), minimise(problem.step())
-    found = Semismooth().solve(step.problem(), FrictionalSolution.at_rest(len(step.step.r), 3))
+    found = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 3))
     assert found.outcome.converged
-    assert judge(step.problem(), found.u, found.normal, found.friction).failures() == []
-    np.testing.assert_allclose(found.normal, wanted.normal, rtol=0, atol=EXACT)
-    np.testing.assert_allclose(found.friction, wanted.friction, rtol=0, atol=EXACT)
+    assert judge(step.problem(), found.u, found.pressure, found.rubbed.force).failures() == []
+    np.testing.assert_allclose(found.pressure, wanted.normal, rtol=0, atol=EXACT)
+    np.testing.assert_allclose(found.rubbed.force, wanted.friction, rtol=0, atol=EXACT)
 
 
 def test_in_a_plane_the_second_slip_is_none() -> None:
@@ -70,6 +70,6 @@ def test_in_a_plane_the_second_slip_is_none() -> None:
     step = with_own_ways(SiconosProblem(2, MU[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W))
     assert np.diff(step.S.indptr).tolist() == [1, 0, 1, 0]
     found = minimise(SiconosProblem(2, MU[:2], np.array([-1.0, 1.0, -2.0, 3.0]), W=W).step())
-    own = Semismooth().solve(step.problem(), FrictionalSolution.at_rest(len(step.step.r), 2))
-    np.testing.assert_allclose(own.normal, [1.0, 2 / 3], rtol=0, atol=EXACT)  # W is diagonal: each alone
-    np.testing.assert_allclose(own.friction, found.friction, rtol=0, atol=EXACT)
+    own = Semismooth().solve(step.problem(), ContactSolution.at_rest(len(step.r), 2))
+    np.testing.assert_allclose(own.pressure, [1.0, 2 / 3], rtol=0, atol=EXACT)  # W is diagonal: each alone
+    np.testing.assert_allclose(own.rubbed.force, found.friction, rtol=0, atol=EXACT)

@@ -15,10 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.friction.newton.held import Directions
-from contact.friction.newton.laws import Laws, Local, directed
-from contact.friction.newton.run import FrictionalRun, Point
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.held import Directions
+from contact.friction.laws import Laws, Local, directed
+from contact.friction.run import FrictionalRun, Point
+from contact.friction.step import Stepped
 from contact.newton.loop import StepError
 from contact.problem import Outcome
 from contact.solvers.sparse import Factor, SingularMatrixError, added, response
@@ -55,13 +56,12 @@ Choose = Callable[[Block], Chosen]
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """What a programme makes of a linearisation: du (n,), all candidates and their laws; passes on springs, 0 for none.
+    """What a programme makes of a linearisation: the step, its laws, and passes on springs, 0 for none.
 
-    du and forces are those of the linearisation only where there were no springs.
+    The step is that of the linearisation only where there were no springs.
     """
 
-    du: np.ndarray
-    local: Local
+    stepped: Stepped
     laws: Laws
     passes: int
 
@@ -80,8 +80,9 @@ def reach(run: FrictionalRun, at: Point, near: np.ndarray, choose: Choose) -> Re
     du = body.moved(F, anchor)
     way, force = (body.ways(du) + np.repeat(run.give, 3) * F).reshape(m, 3), F.reshape(m, 3)
     local = Local(way[:, 0], way[:, 1:], force[:, 0], force[:, 1:], at.local.c)
-    bound = np.where(state == State.SLIP, run.problem.mu, 0.0) * np.maximum(local.normal, 0.0)
-    return Reached(du, local, directed(local, state, bound), passes)
+    bound = np.where(state == State.SLIP, run.law.mu, 0.0) * np.maximum(local.normal, 0.0)
+    stepped = Stepped(du, local.gap, local.slip, local.normal, local.friction)
+    return Reached(stepped, directed(local, state, bound), passes)
 
 
 def _asked(
@@ -96,7 +97,7 @@ def _asked(
             nodes = np.flatnonzero(near)
             places, columns = body.columns(nodes)
             W = columns[places] + np.diag(give[places])
-            chosen = choose(Block(W, v[places], run.problem.mu[nodes], at.local.c[nodes], body.own[nodes]))
+            chosen = choose(Block(W, v[places], run.law.mu[nodes], at.local.c[nodes], body.own[nodes]))
         F[places], state[nodes] = chosen.forces.ravel(), chosen.state
         after = v + columns @ F[places]
         moved = float(np.max(np.abs(after - body.now), initial=0.0))
@@ -112,11 +113,11 @@ class _Body:
 
     def __init__(self, run: FrictionalRun, at: Point, near: np.ndarray) -> None:
         """Raises StepError where springs on the candidates ``near``, or on all, do not hold it either."""
-        contact, u = run.problem.contact, at.newton.u
+        contact, u = run.newton.problem, at.newton.u
         K = contact.stiffness(at.lin, u, at.newton.pressure)
-        J = Directions.of(contact.gap_jacobian(u), run.problem.slip_jacobian(u))
+        J = Directions.of(contact.gap_jacobian(u), run.law.slip_jacobian(u))
         self._run, self._residual, self._J, m = run, at.lin.residual, J.rows, len(near)
-        self.now, self.own = np.column_stack([contact.gap(u), run.problem.slip(u)]).ravel(), J.own
+        self.now, self.own = np.column_stack([contact.gap(u), run.law.slip(u)]).ravel(), J.own
         self.own[:, 1:] |= np.abs(self.now.reshape(m, 3)[:, 1:]) > run.slip_rounding(u)
         self._known, self._columns = np.zeros(0, int), np.zeros((3 * m, 0))
         own = np.abs(K.diagonal())

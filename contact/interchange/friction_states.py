@@ -17,10 +17,9 @@ import numpy as np
 from scipy import sparse
 from scipy.linalg import lstsq
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.problem import State
-from contact.interchange.oracle import EXACT, SETTLINGS
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from contact.coulomb import State, radii
+from contact.interchange.linearised_step import FrozenFrictionalStep
+from contact.interchange.oracle import EXACT, SETTLINGS, solved
 
 ITERATIONS = 40
 LAST_DIGITS = 1e-13
@@ -32,12 +31,13 @@ DEPENDENT = 1e-11  # relative singular value that is none
 
 @dataclass(frozen=True, eq=False)
 class Known:
-    """du (n,), normal forces (m,), friction (m, 2) and states (m,), as they are known."""
+    """du (n,), normal forces (m,), friction (m, 2) [N] and states (m,), as they are known; passes: that it took."""
 
     du: np.ndarray
     normal: np.ndarray
     friction: np.ndarray
     state: np.ndarray
+    passes: int = 0
 
 
 def settle(step: FrozenFrictionalStep, near: Known) -> Known | None:
@@ -91,7 +91,7 @@ class _Equations:
         self._sticks = state[self._nodes] == State.STICK
         self._mu = np.where(self._sticks, 0.0, step.mu[self._nodes])
         pairs = (2 * self._nodes[:, None] + np.arange(2)).ravel()
-        self._G, self._S = step.step.G[self._nodes], sparse.csr_matrix(step.S[pairs])
+        self._G, self._S = step.G[self._nodes], sparse.csr_matrix(step.S[pairs])
         # a slip that nothing can change is no equation for its friction: that is none
         self._still = np.asarray(abs(self._S).sum(axis=1)).ravel() == 0
 
@@ -124,7 +124,7 @@ class _Equations:
 
     def at(self, x: np.ndarray, d: np.ndarray, bends: np.ndarray) -> tuple[np.ndarray, sparse.csc_matrix]:
         """Left sides and their derivatives by x."""
-        base, k = self._step.step, len(self._nodes)
+        step, k = self._step, len(self._nodes)
         du, f, t = self._split(x)
         pinned = np.where(np.repeat(self._sticks, 2), self._still, True)  # rows that are equations of t
         held = sparse.diags_array((~pinned).astype(float))
@@ -133,11 +133,11 @@ class _Equations:
         along = held @ self._S if turned is None else held @ self._S + turned @ self._S
         slip = np.where(pinned, t + np.repeat(f, 2) * pull, self._slip(x).ravel())
         residual = np.concatenate(
-            [base.K @ du + base.r - self._G.T @ f - self._S.T @ t, self._G @ du + base.gap[self._nodes], slip]
+            [step.K @ du + step.r - self._G.T @ f - self._S.T @ t, self._G @ du + step.gap[self._nodes], slip]
         )
         ratio = sparse.csr_matrix((pull, (np.arange(2 * k), np.repeat(np.arange(k), 2))), shape=(2 * k, k))
         rows = (
-            sparse.hstack([base.K, -self._G.T, -self._S.T]),
+            sparse.hstack([step.K, -self._G.T, -self._S.T]),
             sparse.hstack([self._G, sparse.csr_matrix((k, 3 * k))]),
             sparse.hstack([along, ratio, sparse.diags_array(pinned.astype(float))]),
         )
@@ -148,25 +148,25 @@ class _Equations:
         directions = self.directions(x)
         if directions is None:
             return False
-        base, (du, f, t) = self._step.step, self._split(x)
-        size = max(float(np.max(np.abs(part), initial=0.0)) for part in (base.r, base.K @ du, base.gap, f, t, du))
+        step, (du, f, t) = self._step, self._split(x)
+        size = max(float(np.max(np.abs(part), initial=0.0)) for part in (step.r, step.K @ du, step.gap, f, t, du))
         return float(np.max(np.abs(self.at(x, *directions)[0]), initial=0.0)) <= EXACT * size
 
     def _slip(self, x: np.ndarray) -> np.ndarray:
         return self._step.slip[self._nodes] + (self._S @ self._split(x)[0]).reshape(-1, 2)
 
     def _split(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        n, k = len(self._step.step.r), len(self._nodes)
+        n, k = len(self._step.r), len(self._nodes)
         return x[:n], x[n : n + k], x[n + k :]
 
 
 def _increment(jacobian: sparse.csc_matrix, residual: np.ndarray, known: float) -> np.ndarray | None:
     """-jacobian^-1 residual, that of least size where it is singular; None where it is too large for that."""
     try:
-        change = checked_solve(factorise(jacobian), jacobian, -residual)
+        change = solved(jacobian, -residual)
         if float(np.max(np.abs(change), initial=0.0)) <= ASTRAY * known:
             return change
-    except SingularMatrixError:
+    except RuntimeError:
         pass
     if len(residual) > DENSE:
         return None
@@ -177,15 +177,15 @@ def _put_right(step: FrozenFrictionalStep, found: Known) -> np.ndarray:
     """The states (m,) with each that breaks a condition changed to the one it breaks it for."""
     f, t, state = found.normal, np.linalg.norm(found.friction, axis=1), found.state
     small = EXACT * float(max(np.max(np.abs(f), initial=0.0), np.max(t, initial=0.0)))
-    moved = step.step.G @ found.du
-    near = EXACT * float(np.max(np.abs(step.step.gap) + np.abs(moved), initial=1.0))
-    bound = np.where(f > 0, step.mu, 0.0) * np.where(f > 0, f, 0.0)
+    moved = step.G @ found.du
+    near = EXACT * float(np.max(np.abs(step.gap) + np.abs(moved), initial=1.0))
+    bound = radii(step.mu, f)
     slip = step.slip + (step.S @ found.du).reshape(-1, 2)
     slips = np.linalg.norm(slip, axis=1)
     far = EXACT * float(np.max(np.abs(step.slip) + np.abs(slip), initial=1.0))
     better = state.copy()
     better[(state == State.STICK) & (slips > far)] = State.SLIP  # nothing of it follows the foundation
-    better[(state == State.OPEN) & (step.step.gap + moved < -near)] = State.STICK
+    better[(state == State.OPEN) & (step.gap + moved < -near)] = State.STICK
     better[(state == State.STICK) & (t - bound > small)] = State.SLIP
     better[(state != State.OPEN) & (f < -small)] = State.OPEN
     return better

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from contact.friction.interchange.oracle import minimise
-from contact.friction.interchange.siconos import SiconosError, parse, read
-from contact.friction.problem import State
-from contact.friction.verify import judge
+from contact.coulomb import State
+from contact.interchange.friction_oracle import minimise
+from contact.interchange.siconos import SiconosError, parse, read
+from contact.verify import judge
 
 EXACT = 1e-10
 
@@ -92,7 +92,7 @@ def test_every_storage_is_read(write, rng, tmp_path) -> None:
 
 def relative(step, forces: np.ndarray) -> np.ndarray:
     """u (3m,) of any forces (3m,): H^T v + w with K v = H l - r."""
-    v = np.linalg.solve(step.step.K.toarray(), step.H @ forces - step.step.r)
+    v = np.linalg.solve(step.K.toarray(), step.H @ forces - step.r)
     return step.H.T @ v + step.w
 
 
@@ -103,7 +103,7 @@ def test_a_local_problem_as_a_step_has_its_matrix(rank, skew, rng) -> None:
     W, q = random_local(rng, rank)
     W = W + skew * W @ np.triu(np.ones((9, 9)), 1) @ W
     step, forces = parse(f"3 3 {dense(W)} {numbers(q)} {MU}").step(), rng.normal(size=9)
-    assert len(step.step.r) == rank
+    assert len(step.r) == rank
     np.testing.assert_allclose(relative(step, forces), W @ forces + q, rtol=0, atol=EXACT * np.abs(W).max())
 
 

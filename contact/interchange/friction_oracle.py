@@ -9,9 +9,9 @@ programme has its symmetric part, and the other acts by the motion of the pass b
 damped where they do not contract; an infinite coefficient has a bound beyond all forces of it. An
 interior-point solver knows forces to 1e-6 and no closer, so it is asked for states alone, open, stick or slip: where a
 pass has those of the one before, or nearly its bounds. The exact answer on them
-(:mod:`contact.friction.interchange.oracle_states`) then has to obey every condition. That it is the only one nobody
+(:mod:`contact.interchange.friction_states`) then has to obey every condition. That it is the only one nobody
 says: at large mu it need not be, and where contacts are redundant forces are not. Its linear systems are
-solved by the direct solver that our algorithms use, too, which checks every residual.
+solved by SciPy's SuperLU, without our fronts and checks.
 
 Lengths and forces are scaled first: a unit diagonal of K, unit rows, displacements of about one.
 """
@@ -24,12 +24,18 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.interchange.oracle_states import Known, on_states, settle
-from contact.friction.problem import State
-from contact.interchange.linearised_step import FrozenStep
-from contact.interchange.oracle import AGREEMENT, TOLERANCES, OracleError, positive_definite, solve_tightly
-from contact.solvers.sparse import SingularMatrixError, checked_solve, factorise
+from contact.coulomb import State
+from contact.interchange.friction_states import Known, on_states, settle
+from contact.interchange.linearised_step import FrozenFrictionalStep
+from contact.interchange.oracle import (
+    AGREEMENT,
+    TOLERANCES,
+    Confirmation,
+    OracleError,
+    positive_definite,
+    solve_tightly,
+    solved,
+)
 
 PASSES = 100
 NEAR = 1e-3  # change of bounds from pass to pass, of the largest, below which states are tried
@@ -40,48 +46,17 @@ TIED = 10.0  # times the largest force: the bound of an infinite coefficient
 BEYOND = 1e3  # times the load: a bound that holds whatever else is free
 
 
-@dataclass(frozen=True, eq=False)
-class OracleAnswer:
-    """du (n,), normal (m,) [N], friction (m, 2) [N], states (m,), and the Tresca problems that it took."""
-
-    du: np.ndarray
-    normal: np.ndarray
-    friction: np.ndarray
-    state: np.ndarray
-    passes: int
-
-
-@dataclass(frozen=True, eq=False)
-class Confirmation:
-    """The oracle's answer, and how far another one is from it.
-
-    displacement_error: largest difference over the displacement to be expected, both in units of a unit diagonal of K
-    [-].  force_error: largest difference of a force, normal or friction, over the largest of them [-].  differing:
-    candidates of which one differs by more than the agreement.
-    """
-
-    own: OracleAnswer
-    displacement_error: float
-    force_error: float
-    differing: np.ndarray
-
-    @property
-    def agrees(self) -> bool:
-        """True when forces and displacement are those of the oracle. Where answers are several, both may be right."""
-        return max(self.displacement_error, self.force_error) <= AGREEMENT
-
-
 def refusal(step: FrozenFrictionalStep) -> str | None:
     """Why there is no sequence of convex programmes, or None."""
-    if step.step.coupling is not None:
+    if step.coupling is not None:
         return "with consistent coupling the pressures are no multipliers of the gaps"
-    even = _even(step.step.K)
+    even = _even(step.K)
     if not positive_definite(sparse.csc_matrix(even + SINGULAR * sparse.diags_array(_positive(even.diagonal())))):
         return "K is not positive: the programme is not convex"
     return None
 
 
-def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
+def minimise(step: FrozenFrictionalStep) -> Known:
     """The oracle's answer; raises OracleError."""
     reason = refusal(step)
     if reason is not None:
@@ -89,7 +64,7 @@ def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
     try:
         scaled = Scaled.of(step)
         known, passes = _fixed_point(scaled.step)
-    except (SingularMatrixError, RuntimeError, np.linalg.LinAlgError) as error:
+    except (RuntimeError, np.linalg.LinAlgError) as error:
         raise OracleError(f"the oracle failed: {error}") from None
     return scaled.back(known, passes)
 
@@ -97,7 +72,7 @@ def minimise(step: FrozenFrictionalStep) -> OracleAnswer:
 def _fixed_point(step: FrozenFrictionalStep) -> tuple[Known, int]:
     """The answer of a scaled step, and the passes; raises OracleError."""
     solve, bound, damping, before, last = tresca(step), _first_bound(step), 1.0, np.inf, b""
-    du = np.zeros(len(step.step.r))
+    du = np.zeros(len(step.r))
     for passes in range(1, PASSES + 1):
         near = solve(bound, du)
         wanted = _bound(step.mu, near)
@@ -113,8 +88,8 @@ def _fixed_point(step: FrozenFrictionalStep) -> tuple[Known, int]:
 
 def _first_bound(step: FrozenFrictionalStep) -> np.ndarray:
     """(m,): none, or where K leaves motions free one that may hold them all."""
-    held = positive_definite(_even(step.step.K))
-    return np.where(step.mu > 0, 0.0 if held else BEYOND * float(np.max(np.abs(step.step.r), initial=0.0)), 0.0)
+    held = positive_definite(_even(step.K))
+    return np.where(step.mu > 0, 0.0 if held else BEYOND * float(np.max(np.abs(step.r), initial=0.0)), 0.0)
 
 
 def _bound(mu: np.ndarray, near: Known) -> np.ndarray:
@@ -125,12 +100,12 @@ def _bound(mu: np.ndarray, near: Known) -> np.ndarray:
     return np.where(tied, TIED * largest * (normal > 0), np.where(tied, 0.0, mu) * normal)
 
 
-def on_its_states(step: FrozenFrictionalStep, known: Known) -> OracleAnswer:
+def on_its_states(step: FrozenFrictionalStep, known: Known) -> Known:
     """The exact answer on the states of one that is nearly right, whatever its signs; raises OracleError for none."""
     try:
         scaled = Scaled.of(step)
         found = on_states(scaled.step, scaled.forth(known))
-    except SingularMatrixError as error:
+    except RuntimeError as error:
         raise OracleError(f"the equations on the states are singular: {error}") from None
     if found is None:
         raise OracleError("the equations on the states have no answer near that one")
@@ -141,17 +116,17 @@ def tresca(step: FrozenFrictionalStep) -> Callable[[np.ndarray, np.ndarray], Kno
     """The programme of a scaled step as a function of the bounds (m,) and the du (n,) before; it raises OracleError."""
     import cvxpy as cp
 
-    base, m = step.step, len(step.mu)
-    y, tau = cp.Variable(len(base.r)), cp.Variable(m)
-    b, load, even = cp.Parameter(m, nonneg=True), cp.Parameter(len(base.r)), _even(base.K)
-    room = base.G @ y + base.gap
+    m = len(step.mu)
+    y, tau = cp.Variable(len(step.r)), cp.Variable(m)
+    b, load, even = cp.Parameter(m, nonneg=True), cp.Parameter(len(step.r)), _even(step.K)
+    room = step.G @ y + step.gap
     slip = step.S @ y + step.slip.ravel()
     cost = cp.quad_form(y, cp.psd_wrap(even)) / 2 + load @ y + b @ tau
     cone = cp.SOC(tau, cp.reshape(slip, (2, m), order="F"))
     programme = cp.Problem(cp.Minimize(cost), [room >= 0, cone])
 
     def solve(bound: np.ndarray, before: np.ndarray) -> Known:
-        b.value, load.value = bound, base.r + base.K @ before - even @ before
+        b.value, load.value = bound, step.r + step.K @ before - even @ before
         solve_tightly(programme, (*TOLERANCES, ROUGH))
         f = np.atleast_1d(programme.constraints[0].dual_value)
         t = np.asarray(cone.dual_value[1]).reshape(2, m, order="F").T
@@ -175,35 +150,35 @@ class Scaled:
 
     @classmethod
     def of(cls, step: FrozenFrictionalStep) -> Scaled:
-        """In unknowns with a unit diagonal of K; raises SingularMatrixError."""
-        base, m = step.step, len(step.mu)
-        unit = 1 / np.sqrt(_positive(base.K.diagonal()))
+        """In unknowns with a unit diagonal of K; raises RuntimeError."""
+        m = len(step.mu)
+        unit = 1 / np.sqrt(_positive(step.K.diagonal()))
         D = sparse.diags_array(unit)
-        K, G, S = (sparse.csr_matrix(A) for A in (D @ base.K @ D, base.G @ D, step.S @ D))
+        K, G, S = (sparse.csr_matrix(A) for A in (D @ step.K @ D, step.G @ D, step.S @ D))
         across = _positive(np.sqrt(np.asarray(G.multiply(G).sum(axis=1)).ravel()))
         along = _positive(np.sqrt(np.asarray(S.multiply(S).sum(axis=1)).reshape(m, 2).sum(axis=1)))
         G, S = (sparse.csr_matrix(sparse.diags_array(1 / by) @ A) for by, A in ((across, G), (np.repeat(along, 2), S)))
         every = sparse.csc_matrix(K + G.T @ G + S.T @ S)  # definite wherever contacts hold what K leaves free
         reach = [
-            np.abs(checked_solve(factorise(every), every, -unit * base.r)),
-            np.abs(base.gap / across),
+            np.abs(solved(every, -unit * step.r)),
+            np.abs(step.gap / across),
             np.linalg.norm(step.slip, axis=1) / along,
         ]
         size = max(float(np.max(part, initial=0.0)) for part in reach) or 1.0
-        ones = np.ones(m)
-        contact = FrozenStep(sparse.csc_matrix(K), unit * base.r / size, G, base.gap / (across * size), ones, 1.0)
+        r, gap = unit * step.r / size, step.gap / (across * size)
         slip, mu = step.slip / (along * size)[:, None], step.mu * along / across
-        return cls(FrozenFrictionalStep(contact, S, slip, mu), unit, across, along, size)
+        scaled = FrozenFrictionalStep(sparse.csc_matrix(K), r, G, gap, np.ones(m), 1.0, S=S, slip=slip, mu=mu)
+        return cls(scaled, unit, across, along, size)
 
     def forth(self, known: Known) -> Known:
         """In the units of the scaled step."""
         du, normal = known.du / (self.size * self.unit), known.normal * self.across / self.size
         return Known(du, normal, known.friction * (self.along / self.size)[:, None], known.state)
 
-    def back(self, known: Known, passes: int) -> OracleAnswer:
+    def back(self, known: Known, passes: int) -> Known:
         """In the units of the step."""
         normal, friction = known.normal * self.size / self.across, known.friction * (self.size / self.along)[:, None]
-        return OracleAnswer(self.size * self.unit * known.du, normal, friction, known.state, passes)
+        return Known(self.size * self.unit * known.du, normal, friction, known.state, passes)
 
 
 def _even(K: sparse.csc_matrix) -> sparse.csc_matrix:
@@ -217,12 +192,15 @@ def _positive(sizes: np.ndarray) -> np.ndarray:
 
 
 def confirm(step: FrozenFrictionalStep, du: np.ndarray, normal: np.ndarray, friction: np.ndarray) -> Confirmation:
-    """Compare an answer of the step with the oracle's; raises OracleError where that has none."""
+    """Compare an answer of the step with the oracle's; raises OracleError where that has none.
+
+    Displacements in units of a unit diagonal of K. Where answers are several, both may be right.
+    """
     return compared(step, minimise(step), du, normal, friction)
 
 
 def compared(
-    step: FrozenFrictionalStep, own: OracleAnswer, du: np.ndarray, normal: np.ndarray, friction: np.ndarray
+    step: FrozenFrictionalStep, own: Known, du: np.ndarray, normal: np.ndarray, friction: np.ndarray
 ) -> Confirmation:
     """The same where the oracle's answer is known."""
     scaled = Scaled.of(step)
@@ -232,7 +210,6 @@ def compared(
     largest = float(max(np.max(np.abs(theirs), initial=0.0), np.max(np.abs(ours), initial=0.0))) or 1.0
     error = np.linalg.norm(theirs - ours, axis=1) / largest
     return Confirmation(
-        own,
         apart / size,
         float(np.max(error, initial=0.0)),
         np.flatnonzero(error > AGREEMENT),

@@ -1,4 +1,4 @@
-"""One solve of a frictional problem: the tests of convergence of the frictionless one, with friction in the balance.
+"""One solve of a problem with friction: the tests of convergence of contact alone, with friction in the balance.
 
 Which states there are next is the algorithm's business and must not enter here.
 """
@@ -11,16 +11,17 @@ from typing import Protocol
 import numpy as np
 from scipy.linalg import norm
 
+from contact.coulomb import Coulomb, Friction, State
 from contact.events import Event, EventKind
-from contact.friction.algorithms.springs import SprungStep
-from contact.friction.newton.held import Directions, NotHeldError
-from contact.friction.newton.laws import Laws, Local, Margins, expected, friction_of
-from contact.friction.newton.step import FrictionalStep, Stepped
-from contact.friction.problem import FrictionalProblem, FrictionalSolution, State
+from contact.friction.held import Directions, NotHeldError
+from contact.friction.laws import Laws, Local, Margins, expected, friction_of
+from contact.friction.slip import stretched
+from contact.friction.springs import SprungStep
+from contact.friction.step import FrictionalStep, Linear, Stepped
 from contact.newton.loop import StepError
 from contact.newton.state import Iterate
 from contact.newton.step import GAP_TOLERANCE, ROUNDING_MARGIN, NewtonRun
-from contact.problem import Linearisation, Linearised, Outcome
+from contact.problem import ContactSolution, Linearisation, Linearised, Outcome
 from contact.rounding import rounding_floor
 from contact.solvers.sparse import SingularMatrixError
 
@@ -31,6 +32,9 @@ FAILURES = (SingularMatrixError, NotHeldError, StepError)  # why there is no ste
 
 class LinearStep(Protocol):
     """A linearised problem that knows its step under any states."""
+
+    def near(self, laws: Laws) -> LinearStep:
+        """The one to ask for the step under the laws: this one, or one that is factorised anew; raises NotHeldError."""
 
     def step(self, laws: Laws) -> Stepped:
         """The step under the laws; raises SingularMatrixError, NotHeldError."""
@@ -57,20 +61,36 @@ class Point:
 
 @dataclass(frozen=True, eq=False)
 class FrictionalRun:
-    """A problem and the run of its contact problem, which factorises, solves and counts.
+    """The run of a contact problem, which factorises, solves and counts, with the law of friction in it.
 
+    law: of the problem, its slips counted from the anchors of the start, or from where the candidates are there.
+    begun: the start; who is in contact and has never rubbed sticks.
     lawful: friction is that of the law at every point, else as it comes out of the linear step under given laws.
     """
 
-    problem: FrictionalProblem
     newton: NewtonRun
+    law: Coulomb
+    begun: ContactSolution
     lawful: bool = True
 
-    def start(self, start: FrictionalSolution) -> Point:
-        """The first point, by the states of ``start``; slips begin anew, and so do their directions."""
-        laws = Laws(start.state, np.zeros_like(start.friction), np.zeros(len(start.state)))
-        lin = self.newton.linearise(start.u, None)
-        return self.at(lin, start.u, start.normal, start.friction, laws)
+    @classmethod
+    def of(cls, newton: NewtonRun, begun: ContactSolution, *, lawful: bool = True) -> FrictionalRun:
+        """On a problem with friction, from a start."""
+        law = newton.problem.coulomb
+        assert law is not None
+        if law.sliding is not None:
+            law = law.since(law.sliding.places(begun.u) if begun.friction is None else begun.friction.anchors)
+        return cls(newton, law, begun, lawful)
+
+    def start(self) -> Point:
+        """The first point, by the states of the start; slips begin anew, and so do their directions."""
+        begun, m = self.begun, len(self.law.mu)
+        friction = begun.friction
+        if friction is None:
+            friction = Friction(np.zeros((m, 2)), np.where(begun.active, State.STICK, State.OPEN).astype(np.int8))
+        laws = Laws(friction.state, np.zeros((m, 2)), np.zeros(m))
+        normal = self.newton.problem.nodal_forces(begun.pressure)
+        return self.at(self.newton.linearise(begun.u, None), begun.u, normal, friction.force, laws)
 
     def at(
         self,
@@ -82,19 +102,18 @@ class FrictionalRun:
         before: Iterate | None = None,
     ) -> Point:
         """The point at u (n,) with the forces (m,), (m, 2) of a step under the laws."""
-        contact = self.problem.contact
+        contact, law = self.newton.problem, self.law
         c = np.zeros_like(normal) if before is None else before.stiffness.per_area * contact.weights
         give = self.give
-        gap, slip = contact.gap(u) + give * normal, self.problem.slip(u)
+        gap, slip = contact.gap(u) + give * normal, law.slip(u)
         local = Local(gap, slip + give[:, None] * friction, normal, friction, c)
         # a spring that slips is stretched along the whole slip, which no friction of the linear step turns
         whole = replace(local, slip=slip)
-        found = friction_of(whole, laws, self.problem.mu, self.slip_rounding(u)) if self.lawful else friction
-        rubbed = np.asarray(self.problem.slip_jacobian(u).T @ found.ravel())
+        found = friction_of(whole, laws, law.mu, self.slip_rounding(u)) if self.lawful else friction
+        rubbed = np.asarray(law.slip_jacobian(u).T @ found.ravel())
         scale = max(lin.scale, float(norm(rubbed, check_finite=False)))
         loaded = Linearisation(lin.residual - rubbed, lin.tangent, scale, lin.remember)
-        pressure = np.divide(normal, contact.weights, out=np.zeros_like(normal), where=contact.weights > 0)
-        newton = self.newton.at(loaded, u, pressure, laws.closed, before)
+        newton = self.newton.at(loaded, u, self._pressure(normal), laws.closed, before)
         if before is None:
             local = replace(local, c=newton.stiffness.per_area * contact.weights)
         return Point(newton, lin, local, laws, found)
@@ -102,13 +121,13 @@ class FrictionalRun:
     @property
     def give(self) -> np.ndarray:
         """1/(w epsilon) (m,) [mm/N]: what gaps and slips give way under a unit force."""
-        w = self.problem.contact.weights
+        w = self.newton.problem.weights
         return np.divide(1 / self.newton.epsilon, w, out=np.zeros_like(w), where=w > 0)
 
     def slip_rounding(self, u: np.ndarray, length: float = 0.0) -> float:
         """Size [mm] of a slip that is none."""
-        way = float(np.max(abs(self.problem.slip_jacobian(u)) @ np.abs(u), initial=0.0))
-        return GAP_TOLERANCE * max(way, length) + ROUNDING_MARGIN * EPS * self.problem.slip_size
+        way = float(np.max(abs(self.law.slip_jacobian(u)) @ np.abs(u), initial=0.0))
+        return GAP_TOLERANCE * max(way, length) + ROUNDING_MARGIN * EPS * self.law.slip_size
 
     def margins(self, at: Point, moved: float = 0.0) -> Margins:
         """What rounding explains at a point; ``moved`` [mm]: how far a candidate has come since.
@@ -119,7 +138,7 @@ class FrictionalRun:
         gap = self.newton.gap_rounding(at.newton, moved)
         slip = self.slip_rounding(at.newton.u, max(at.newton.length, moved))
         if np.isfinite(self.newton.epsilon):
-            stiffest = self.newton.epsilon * float(np.max(self.problem.contact.weights, initial=0.0))
+            stiffest = self.newton.epsilon * float(np.max(self.newton.problem.weights, initial=0.0))
             force = min(force, stiffest * max(gap, slip))
         return Margins(force, gap, slip)
 
@@ -144,15 +163,15 @@ class FrictionalRun:
         return Laws(after.state, direction, np.where(same, laws.across, after.across))
 
     def _expected(self, at: Point, local: Local, laws: Laws, moved: float) -> Laws:
-        return expected(local, laws, self.problem.mu, self.margins(at, moved), self._led(at.newton.u))
+        return expected(local, laws, self.law.mu, self.margins(at, moved), self._led(at.newton.u))
 
     def _led(self, u: np.ndarray) -> np.ndarray:
         """Candidates (m,) that slip whatever they do: nothing of theirs follows the foundation along their slip."""
-        slips = self.problem.slip_jacobian(u)
+        slips = self.law.slip_jacobian(u)
         if np.isfinite(self.newton.epsilon):
-            return np.zeros(len(self.problem.mu), bool)
+            return np.zeros(len(self.law.mu), bool)
         fixed = (np.asarray(abs(slips).sum(axis=1)).reshape(-1, 2) == 0) & (
-            np.abs(self.problem.slip(u)) > self.slip_rounding(u)
+            np.abs(self.law.slip(u)) > self.slip_rounding(u)
         )
         return np.asarray(fixed.any(axis=1))
 
@@ -174,14 +193,15 @@ class FrictionalRun:
 
     def linear(self, at: Point, laws: Laws) -> LinearStep:
         """The linearised problem, factorised under the laws; raises SingularMatrixError, NotHeldError."""
-        u, contact = at.newton.u, self.problem.contact
+        u, contact, law = at.newton.u, self.newton.problem, self.law
         K = contact.stiffness(at.lin, u, at.newton.pressure)
-        ways = Directions.of(contact.gap_jacobian(u), self.problem.slip_jacobian(u))
-        now = np.column_stack([contact.gap(u), self.problem.slip(u)]).ravel()
+        ways = Directions.of(contact.gap_jacobian(u), law.slip_jacobian(u))
+        now = np.column_stack([contact.gap(u), law.slip(u)]).ravel()
+        linear = Linear(K, at.lin.residual, ways, now, law.mu)
         if np.isfinite(self.newton.epsilon):
             k = self.newton.epsilon * contact.weights
-            return SprungStep(self.newton, at.lin, K, ways, now, self.problem.mu, k)
-        return FrictionalStep(self.newton, at.lin, K, ways, now, self.problem.mu, laws)
+            return SprungStep(self.newton, linear, k)
+        return FrictionalStep(self.newton, linear, laws)
 
     def by_law(self, at: Point) -> Point:
         """The same point with the friction of the law."""
@@ -196,19 +216,40 @@ class FrictionalRun:
         moved_before = at.newton.moved if same else np.inf
         before = replace(at.newton, stepped=laws.closed, moved=moved, moved_before=moved_before)
         if at.newton.stepped is None:
-            asked = self.problem.force(at.newton.u, stepped.normal, stepped.friction)
+            asked = self._force(at.newton.u, stepped)
             before = replace(before, first_scale=max(at.newton.first_scale, float(norm(asked, check_finite=False))))
         u = at.newton.u + stepped.du
         return self.at(run.linearise(u, memory), u, stepped.normal, stepped.friction, laws, before)
 
-    def finish(self, at: Point, outcome: Outcome) -> FrictionalSolution:
+    def _force(self, u: np.ndarray, stepped: Stepped) -> np.ndarray:
+        """G^T f + S^T t (n,) of a step."""
+        pushed = self.newton.problem.gap_jacobian(u).T @ stepped.normal
+        return np.asarray(pushed + self.law.slip_jacobian(u).T @ stepped.friction.ravel())
+
+    def finish(self, at: Point, outcome: Outcome) -> ContactSolution:
         """The solution record; normal forces of a converged one that rounding made negative become zero."""
-        normal, friction = at.local.normal, at.friction
+        normal, force, tally = at.local.normal, at.friction, self.newton.tally
         if outcome.converged:
             normal = np.maximum(normal, 0.0)
-            friction = within(friction, self.problem.bound(normal))
-        counters, history = dict(self.newton.tally.counters), tuple(self.newton.tally.history)
-        return FrictionalSolution(at.newton.u, normal, friction, at.laws.state, outcome, counters, history)
+            force = within(force, self.law.bound(normal))
+        found = ContactSolution(
+            at.newton.u, self._pressure(normal), at.laws.closed, outcome, dict(tally.counters), tuple(tally.history)
+        )
+        return replace(found, friction=self._remembered(at.newton.u, force, at.laws.state))
+
+    def _remembered(self, u: np.ndarray, force: np.ndarray, state: np.ndarray) -> Friction:
+        """Friction with the anchors that it leaves: where a spring is still stretched, its end on the foundation."""
+        still = stretched(self.newton.problem, force, self.newton.epsilon)
+        before = 0.0 if self.begun.friction is None else self.begun.friction.dissipation
+        lost = before - float(np.sum(force * (self.law.slip(u) - still)))
+        if self.law.sliding is None:
+            return Friction(force, state, dissipation=lost)
+        return Friction(force, state, self.law.sliding.anchors, self.law.sliding.left(u, still), lost)
+
+    def _pressure(self, normal: np.ndarray) -> np.ndarray:
+        """f/w (m,), 0 where a candidate has no area."""
+        weights = self.newton.problem.weights
+        return np.divide(normal, weights, out=np.zeros_like(normal), where=weights > 0)
 
     def failed(self, error: Failure) -> Outcome:
         """How a solve ends that has no step; the history says why."""

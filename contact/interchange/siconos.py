@@ -26,8 +26,7 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenFrictionalStep
 from contact.solvers.sparse import symmetric
 
 DENSE, BLOCKS, SPARSE = "012"
@@ -88,8 +87,8 @@ class SiconosProblem:
             both = sparse.csr_matrix(sparse.block_diag([S, sparse.eye_array(m)]))
             S = both[np.column_stack([np.arange(m), m + np.arange(m)]).ravel()]
             f = np.append(f, np.zeros(m))
-        step = FrozenStep(sparse.csc_matrix(K), -f, sparse.csr_matrix(G), offset[:, 0].copy(), np.ones(m), size)
-        return FrozenFrictionalStep(step, sparse.csr_matrix(S), slip, self.mu)
+        contact = sparse.csc_matrix(K), -f, sparse.csr_matrix(G), offset[:, 0].copy(), np.ones(m), size
+        return FrozenFrictionalStep(*contact, S=sparse.csr_matrix(S), slip=slip, mu=self.mu)
 
 
 def _symmetric(W: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix, float]:

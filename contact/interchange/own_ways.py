@@ -20,9 +20,8 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from contact.friction.interchange.frozen import FrozenFrictionalStep
-from contact.friction.interchange.siconos import SiconosProblem
-from contact.interchange.linearised_step import FrozenStep
+from contact.interchange.linearised_step import FrozenFrictionalStep
+from contact.interchange.siconos import SiconosProblem
 
 
 def with_own_ways(problem: SiconosProblem) -> FrozenFrictionalStep:
@@ -50,8 +49,8 @@ def with_own_ways(problem: SiconosProblem) -> FrozenFrictionalStep:
     rows = (2 * np.arange(m)[:, None] + np.arange(d - 1)).ravel()
     columns = (normal[:, None] + np.arange(1, d)).ravel()
     S = sparse.csr_matrix((np.ones(len(rows)), (rows, columns)), shape=shape)
-    step = FrozenStep(K, r, G, np.zeros(m), np.ones(m), float(np.linalg.norm(r)))
-    return FrozenFrictionalStep(step, S, np.zeros((m, 2)), problem.mu)
+    size, slip = float(np.linalg.norm(r)), np.zeros((m, 2))
+    return FrozenFrictionalStep(K, r, G, np.zeros(m), np.ones(m), size, S=S, slip=slip, mu=problem.mu)
 
 
 def _picked(columns: np.ndarray, n: int) -> sparse.csr_matrix:

@@ -17,31 +17,24 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
-from contact.friction.newton.held import DEPENDENT, Directions
-from contact.friction.newton.laws import Laws
-from contact.friction.newton.step import Stepped
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.held import DEPENDENT
+from contact.friction.laws import Laws
+from contact.friction.step import Linear, Stepped
 from contact.newton.step import NewtonRun
-from contact.problem import Linearised
 from contact.solvers.sparse import added
 
 
 class SprungStep:
-    """The linearisation at u; arguments as :class:`contact.friction.newton.step.FrictionalStep`, k (m,) [N/mm]."""
+    """The linearisation on springs of k (m,) [N/mm], factorised for every choice of states."""
 
-    def __init__(
-        self,
-        run: NewtonRun,
-        lin: Linearised,
-        K: sparse.csc_matrix,
-        ways: Directions,
-        now: np.ndarray,
-        mu: np.ndarray,
-        k: np.ndarray,
-    ) -> None:
-        self._run, self._residual, self._tangent = run, lin.residual, K
-        self._ways, self._now, self._mu, self._k = ways, now, mu, k
+    def __init__(self, run: NewtonRun, linear: Linear, k: np.ndarray) -> None:
+        self._run, self._linear, self._k = run, linear, k
         self._last: tuple[Laws, Stepped] | None = None
+
+    def near(self, laws: Laws) -> SprungStep:
+        """The same for all."""
+        return self
 
     def step(self, laws: Laws) -> Stepped:
         """The step under the laws, gaps and slips without what springs give way; raises SingularMatrixError."""
@@ -54,15 +47,15 @@ class SprungStep:
         return self.step(laws)
 
     def _solved(self, laws: Laws) -> Stepped:
-        run, J, m = self._run, self._ways.rows, len(self._k)
+        run, linear, J, m = self._run, self._linear, self._linear.ways.rows, len(self._k)
         with run.tally.timed("contact_s"):
-            C = _stiffness(laws, self._mu, self._k)
+            C = _stiffness(laws, linear.mu, self._k)
             blocks = sparse.csr_matrix(sparse.bsr_matrix((C, np.arange(m), np.arange(m + 1)), shape=(3 * m, 3 * m)))
-            matrix = added(self._tangent, sparse.csc_matrix(J.T @ blocks @ J))
-            left = -self._residual - J.T @ (blocks @ self._now)
+            matrix = added(linear.tangent, sparse.csc_matrix(J.T @ blocks @ J))
+            left = -linear.residual - J.T @ (blocks @ linear.now)
         du = run.solution(run.factorise(matrix), matrix, left)
         with run.tally.timed("contact_s"):
-            way = (self._now + J @ du).reshape(m, 3)
+            way = (linear.now + J @ du).reshape(m, 3)
             F = -np.einsum("mij,mj->mi", C, way)
             self._react(F, du, laws.closed)
         normal, friction = np.where(laws.closed, F[:, 0], 0.0), np.where(laws.closed[:, None], F[:, 1:], 0.0)
@@ -72,9 +65,9 @@ class SprungStep:
 
     def _react(self, F: np.ndarray, du: np.ndarray, closed: np.ndarray) -> None:
         """Put the forces on unknowns of a candidate's own in place of those of stiff springs."""
-        K, ways = self._tangent, self._ways
+        K, ways = self._linear.tangent, self._linear.ways
         used = np.bincount(ways.rows.indices, minlength=K.shape[0])
-        left, own = K @ du + self._residual, np.abs(K.diagonal())
+        left, own = K @ du + self._linear.residual, np.abs(K.diagonal())
         for i in np.flatnonzero(closed).tolist():
             unknowns, J = ways.block(i)
             acts = J.any(axis=1)

@@ -1,4 +1,4 @@
-"""The slip of candidates on a rigid foundation that moves in space: a translation and a rotation about an axis.
+"""The slip of candidates on a rigid foundation that moves in space, and the anchors that a path remembers of it.
 
 A point of the body at x is, in the frame that moves with the foundation, at X = R^T (x - c - d) + c: translation
 d, the rotation R about an axis through c. The anchor A of a candidate is its X at the last accepted state. Its slip is
@@ -8,14 +8,15 @@ size. Where the foundation is curved, slip along it is told by the chord: steps 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 from scipy import sparse
 
-from contact.coulomb import Motion
+from contact.coulomb import Coulomb, Motion
+from contact.problem import ContactProblem, ContactSolution
 
 SPACE = 3
 NO_WAY = 1e-9  # of the other: a way that supports leave nothing of
@@ -63,6 +64,10 @@ class Slip:
         """X (m, 3) of the candidates: the anchors of the next step, once u (n,) is accepted."""
         return self.motion.into(self.candidates.positions(u))
 
+    def left(self, u: np.ndarray, stretched: np.ndarray) -> np.ndarray:
+        """The anchors (m, 3) that a step leaves: places, less what springs are still ``stretched`` (m, 2) by."""
+        return np.asarray(self.places(u) - np.einsum("mk,mki->mi", stretched, self.directions))
+
     @cached_property
     def directions(self) -> np.ndarray:
         """Tangents (m, 2, 3) of the foundation at the anchors, in its own frame; with one way left, it is the first."""
@@ -107,3 +112,54 @@ class Slip:
             ways.data[ways.indptr[row] : ways.indptr[row + 1]] = 0.0
         ways.eliminate_zeros()
         return ways
+
+
+def with_friction(problem: ContactProblem, mu: float, motion: Motion) -> ContactProblem:
+    """The same problem with friction, slips counted from where the candidates are undeformed until anchors are given.
+
+    Its path is not followed by arc length, which friction leaves no curve to.
+    Raises ValueError where the problem does not know the surface of its foundation.
+    """
+    surface, only = problem.surface, problem.only
+    if surface is None:
+        raise ValueError("friction needs a foundation that is known as a surface")
+
+    def chosen(which: np.ndarray) -> ContactProblem:
+        assert only is not None
+        return with_friction(only(which), mu, motion)
+
+    slip = Slip(surface, surface, motion, surface.positions(np.zeros(surface.operator.shape[1])))
+    law = Coulomb(np.full(len(problem.weights), mu), slip, slip.jacobian, surface.size, slip)
+    return replace(problem, coulomb=law, only=None if only is None else chosen, travel=None)
+
+
+def sliding_of(problem: ContactProblem) -> Slip:
+    """The slip on the foundation of a problem; raises ValueError where it has no friction."""
+    if problem.coulomb is None or problem.coulomb.sliding is None:
+        raise ValueError("the contact problem has no friction")
+    return problem.coulomb.sliding
+
+
+def slip_of(problem: ContactProblem, anchors: np.ndarray) -> Slip:
+    """The slip of the candidates since their anchors (m, 3); raises ValueError where the problem has no friction."""
+    return replace(sliding_of(problem), anchors=anchors)
+
+
+def anchors_left(
+    problem: ContactProblem, before: ContactProblem, state: ContactSolution, epsilon: float = np.inf
+) -> np.ndarray:
+    """Anchors (m, 3) from which ``problem`` counts its slip, worked out anew from the ``state`` accepted before it.
+
+    Where the candidates were on the foundation; with a finite epsilon, where the ends of their springs were.
+    """
+    if state.friction is None:
+        return sliding_of(problem).places(state.u)
+    return slip_of(before, state.friction.since).left(state.u, stretched(before, state.friction.force, epsilon))
+
+
+def stretched(problem: ContactProblem, friction: np.ndarray, epsilon: float) -> np.ndarray:
+    """-t/(epsilon w) (m, 2) [mm]: what a spring gives way before it slips; 0 with an infinite epsilon."""
+    if np.isinf(epsilon):
+        return np.zeros_like(friction)
+    stiffness = epsilon * problem.weights[:, None]
+    return np.divide(-friction, stiffness, out=np.zeros_like(friction), where=stiffness > 0)

@@ -2,26 +2,32 @@
 
     min F.W.F/2 + v.F    subject to    f >= 0,    |t_i| <= b_i
 
-the disc as a second-order cone, or a polygon in it; where a slip has one way both are |t| <= b.
+the disc as a second-order cone, or a polygon in it; where a slip has one way both are |t| <= b. With given bounds
+friction has a potential (Tresca); with b = mu f of the pass before, damped where passes do not contract, they come to a
+fixed point, which is the law of Coulomb.
+Source: Panagiotopoulos, Ingenieur-Archiv 44 (1975) 421-432.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import sparse
 
-from contact.friction.algorithms.compliance import Block
-from contact.friction.problem import State
+from contact.coulomb import State
+from contact.friction.compliance import Block, Chosen
 from contact.newton.loop import StepError
 from contact.operations import DENSE_PIVOTS, eigenvalues_alone, spend
 from contact.problem import Outcome
-from contact.solvers.qp_backends import Programme
+from contact.solvers.qp_backends import Answer, Programme
 from contact.solvers.sparse import asymmetry, symmetric
 
 SHIFTS = (0.0, *(10.0**k for k in range(-6, 3)))  # of the diagonal, tried on a compliance that is not convex
+PASSES = 60
+CONTRACTS = 0.9  # a change that falls by less is damped
 ROUNDING = 1e-12  # of a unit diagonal: an eigenvalue that much below zero is none
 
 
@@ -104,6 +110,32 @@ class Tresca:
         slips = np.linalg.norm(np.where(block.own[:, 1:], v[:, 1:], 0.0), axis=1) > bound - used
         closed = np.where(slips | (block.mu == 0), State.SLIP, State.STICK)
         return np.where(forces[:, 0] > v[:, 0], closed, State.OPEN).astype(np.int8)
+
+
+def by_passes(
+    block: Block, sides: int, near: float, ask: Callable[[Programme], Answer], words: list[str]
+) -> tuple[Chosen, Answer]:
+    """The fixed point of the passes, where bounds change by no more than ``near`` of the largest; raises StepError.
+
+    words: what there is to say of it.
+    """
+    tresca, bound = Tresca.of(block, sides), np.zeros(len(block.mu))
+    if tresca.shift:
+        words.append(f"not convex: states found with a shift of {tresca.shift:g} of the diagonal")
+    damping, before = 1.0, np.inf
+    for _ in range(PASSES):
+        programme, chosen = tresca.programme(bound)
+        answer = ask(programme)
+        forces = tresca.forces(answer.x, chosen)
+        wanted = block.mu * np.maximum(forces[:, 0], 0.0)
+        change = float(np.max(np.abs(wanted - bound), initial=0.0))
+        if not answer.claimed or change <= near * float(np.max(wanted, initial=0.0)):
+            break
+        damping = damping / 2 if change > CONTRACTS * before else damping
+        bound, before = bound + damping * (wanted - bound), change
+    else:
+        words.append(f"bounds of friction came to no fixed point in {PASSES} passes")
+    return Chosen(forces, tresca.states(forces, bound)), answer
 
 
 def facets(sides: int) -> np.ndarray:

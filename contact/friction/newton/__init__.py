@@ -1,1 +1,0 @@
-"""One Newton iteration under given states: laws, motions that obey them, one factorisation. No algorithm is here."""

@@ -1,0 +1,129 @@
+"""A linearisation factorised in one state of its candidates; others by exchanging what is given and what follows.
+
+Each candidate has one way, its gap, or three, with two slips; F are the forces along them, v = v_now + J du the ways
+after the step K du - J^T F = -r. In the state that is factorised each way has an input z, its force or its way, and an
+output w, the other one. That is linear::
+
+    w = q + M z
+
+Any other state asks for inputs of the candidates in another one, which are a small dense system in columns of M. They
+are found when they are asked for, from the same factors. What states ask for does not enter here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import sparse
+
+from contact.newton.held import Held
+from contact.solvers.sparse import response, response_flops
+
+if TYPE_CHECKING:
+    from contact.newton.step import NewtonRun
+
+REFINED = 1e-12  # relative change of the inputs that a step has found, above which it is solved again
+REFINEMENTS = 3
+
+
+class Exchange:
+    """w = q + M z of d ways: inputs are forces where ``forced`` (d,) bool, ways where the candidate is held.
+
+    rows, acting: J (d, n), and the same by which forces act.  now (d,): the ways before the step.  compliance (d,): of
+    a way under its own force.  left (n,): the residual without forces of the foundation.
+    to_slack (a, d): slacks of the held rows of unit ways; multiplied (d, a): forces along the ways of unit multipliers.
+    """
+
+    def __init__(
+        self,
+        run: NewtonRun,
+        held: Held,
+        rows: sparse.csr_matrix,
+        acting: sparse.csr_matrix,
+        now: np.ndarray,
+        forced: np.ndarray,
+        to_slack: sparse.csr_matrix,
+        multiplied: sparse.csr_matrix,
+        compliance: np.ndarray,
+        left: np.ndarray,
+    ) -> None:
+        """Factorise; raises SingularMatrixError."""
+        self._run, self._held, self._rows, self._acting = run, held, rows, acting
+        self._now, self._forced, self._compliance, self._left = now, forced, compliance, left
+        self._to_slack, self._multiplied = to_slack, multiplied
+        with run.tally.timed("contact_s"):
+            self._matrix = held.matrix
+        self._factor = run.factorise(self._matrix)
+        self._free = self._solution(np.zeros(len(now)))
+        self.q = self._free[1]
+        self._known, self._columns = np.zeros(0, int), np.zeros((len(now), 0))
+
+    def solved(
+        self, z: np.ndarray, places: np.ndarray, missing: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and w (d,) once z (d,) is refined at the ``places`` (p,) by what (p,) is missing there."""
+        du, w = self._free
+        if len(places):
+            for _ in range(REFINEMENTS):
+                du, w = self._solution(z)
+                change = missing(z, w)
+                if np.all(np.abs(change) <= REFINED * np.max(np.abs(z))):
+                    break
+                z[places] += change
+        return du, w
+
+    def outputs(self, z: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """w (d,) of the inputs z (d,) at these places, 0 elsewhere, by columns alone."""
+        return self.q + (self.columns(places) @ z[places] if len(places) else 0.0)
+
+    def columns(self, places: np.ndarray) -> np.ndarray:
+        """Those of M (d, p)."""
+        new = np.setdiff1d(places, self._known)
+        if len(new):
+            with self._run.tally.timed("contact_s"):
+                self._columns = np.hstack([self._columns, self._found(new)])
+            self._known = np.append(self._known, new)
+        place = np.empty(len(self._now), int)
+        place[self._known] = np.arange(len(self._known))
+        return self._columns[:, place[places]]
+
+    def cost(self, places: np.ndarray) -> float:
+        """Operations of the columns of these places that are not known."""
+        new = np.setdiff1d(places, self._known)
+        return response_flops(self._factor, *self._sides(new)) if len(new) else 0.0
+
+    def _solution(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """du (n,) and w (d,) under the inputs z (d,)."""
+        held, pushed = self._held, self._acting.T @ np.where(self._forced, z, 0.0)
+        slack = self._to_slack @ (z - self._now)
+        y = self._run.solution(self._factor, self._matrix, held.load(pushed - self._left, slack))
+        du = held.motion(y, slack)
+        way = self._now + self._rows @ du + self._compliance * z
+        return du, np.where(self._forced, way, self._multiplied @ held.forces(y, du, self._left - pushed))
+
+    @cached_property
+    def _all_sides(self) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        held, forced = self._held, sparse.diags_array(self._forced.astype(float))
+        reciprocal = sparse.diags_array(1.0 / held.slope)
+        seen = sparse.csc_matrix(self._rows.T @ forced + held.across.T @ reciprocal @ self._multiplied.T)
+        done = sparse.csc_matrix(self._acting.T @ forced - held.columns @ reciprocal @ self._to_slack)
+        seen = sparse.csc_matrix(seen - held.following.T @ seen[held.pivot])
+        return seen, sparse.csc_matrix(done - held.balancing.T @ done[held.pivot])
+
+    def _sides(self, places: np.ndarray) -> tuple[sparse.csc_matrix, sparse.csc_matrix]:
+        """What there is of y in w (n, d), and what inputs at these places put on the right-hand side of y (n, p)."""
+        seen, done = self._all_sides
+        return seen, sparse.csc_matrix(done[:, places])
+
+    def _found(self, places: np.ndarray) -> np.ndarray:
+        """Columns of M (d, p): by way of y, and what holds where all else is at rest."""
+        held, forced = self._held, sparse.diags_array(self._forced.astype(float))
+        shared = forced @ held.shared(self._rows)  # a way that is free may push where another one is held
+        slack = self._to_slack[:, places]
+        direct = shared @ slack + self._multiplied @ (held.stiffness @ slack - shared.T[:, places])
+        columns = response(self._factor, *self._sides(places)) + direct.toarray()
+        columns[places, np.arange(len(places))] += np.where(self._forced, self._compliance, 0.0)[places]
+        return columns
